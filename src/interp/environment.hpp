@@ -1,0 +1,79 @@
+// Environment: what an interpreter asks of the world, and Settings: what the INI says once.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "interp/canon.hpp"
+
+namespace kerf::interp {
+
+/// Fixed for the life of an interpreter. Keys: [RS274NGC], [TRAJ], [EMCIO] of the INI (integrator manual).
+struct Settings {
+  double machine_unit_mm{
+      1.0};  ///< mm per machine unit ([TRAJ]LINEAR_UNITS): unit of parameters 5061-5390 and 5401-5410
+  int spindles{1};                     ///< [TRAJ]SPINDLES, 1-8
+  std::uint32_t axis_mask{0x1FF};      ///< bit i = axis i of XYZABCUVW exists ([TRAJ]COORDINATES)
+  bool random_toolchanger{false};      ///< [EMCIO]RANDOM_TOOLCHANGER
+  bool is_task{false};                 ///< value of #<_task>
+  double orient_offset_deg{0};         ///< ORIENT_OFFSET
+  double arc_tolerance_mm{0.00127};    ///< CENTER_ARC_RADIUS_TOLERANCE_MM
+  double arc_tolerance_inch{0.00005};  ///< CENTER_ARC_RADIUS_TOLERANCE_INCH
+  bool disable_g92_persistence{false};
+  bool disable_auto_g54{false};  ///< M2/M30 keep the work offset
+  bool retain_g43{false};  ///< a tool change re-applies the new tool's offset while G43 is active
+  double g64_default_tolerance_mm{0};
+  double g64_default_naivecam_mm{0};
+  double g73_clearance_mm{0};  ///< 0 = the documented default (1 mm, .050 in)
+  double g83_clearance_mm{0};
+};
+
+/// Outcome of a look-up of a user M-code.
+struct UserMcode {
+  std::string path;   ///< program to run; empty when there is none
+  std::string cause;  ///< when none: why, for the message ("M101: /x/M101 is not executable")
+};
+
+/// Implemented by task (real machine), by `rs274` and by tests. Calls come from execute_next() only, must return soon,
+/// and must not call the interpreter. Defaults describe a bare machine: no tools, no files, no HAL.
+class Environment {
+ public:
+  virtual ~Environment() = default;
+
+  /// Row of the tool table by tool number (T word).
+  [[nodiscard]] virtual std::optional<Tool> find_tool(int number) {
+    (void)number;
+    return std::nullopt;
+  }
+  /// Row of the tool table by pocket (random changers; G10 L1 P is a tool number otherwise).
+  [[nodiscard]] virtual std::optional<Tool> find_pocket(int pocket) {
+    (void)pocket;
+    return std::nullopt;
+  }
+  /// Full path of the file that defines sub `name` ("name.ngc" searched by the documented path), or "".
+  [[nodiscard]] virtual std::string find_sub(std::string_view name) {
+    (void)name;
+    return {};
+  }
+  /// M100-M199.
+  [[nodiscard]] virtual UserMcode find_user_mcode(int number) {
+    (void)number;
+    return {};
+  }
+  /// #<_hal[name]>: pin, signal or parameter; nullopt: no such name.
+  [[nodiscard]] virtual std::optional<double> hal_value(std::string_view name) {
+    (void)name;
+    return std::nullopt;
+  }
+  /// #<_ini[section]key>: both upper case; nullopt: missing or not a number.
+  [[nodiscard]] virtual std::optional<double> ini_value(std::string_view section,
+                                                        std::string_view key) {
+    (void)section;
+    (void)key;
+    return std::nullopt;
+  }
+};
+
+}  // namespace kerf::interp

@@ -1,0 +1,86 @@
+// ModalState: everything a block leaves behind for the next one, as one plain value.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "interp/canon.hpp"
+#include "interp/canon_frame.hpp"
+
+namespace kerf::interp {
+
+inline constexpr int kMaxSpindles = 8;
+
+enum class DistanceMode : std::uint8_t { absolute, incremental };  ///< G90/G91, G90.1/G91.1
+enum class ProgramFeedMode : std::uint8_t {
+  inverse_time,
+  per_minute,
+  per_revolution
+};                                                         ///< G93, G94, G95
+enum class RetractMode : std::uint8_t { old_z, r_plane };  ///< G98, G99
+
+/// What canned cycles remember while the motion code stays the same. mm, seconds.
+struct CycleState {
+  double r{0}, clear{0}, bottom{0};  ///< as programmed: R, old position, Z (increments while G91)
+  double p{0}, q{0}, i{0}, j{0}, k{0};
+  bool r_known{false}, bottom_known{false}, p_known{false}, q_known{false};
+};
+
+/// Plain copyable; task attaches a copy to each queued item and gives it back to Interpreter::restore() after an abort.
+/// Lengths in mm, angles in degrees, feeds in mm/min (degrees/min), speeds in rpm, whatever G20/G21 says.
+/// G-codes are stored times ten (G38.2 = 382), as clients of the status channel know them.
+struct ModalState {
+  Pose position;                       ///< end of the last move, program coordinates
+  CanonFrame frame;                    ///< active work offset, rotation, G92 offset, tool offset
+  std::int32_t line{0};                ///< line of the block that made this state
+  std::int32_t motion{800};            ///< group 1: 0 10 20 30 ... 890; 800 = none
+  std::int32_t plane_code{170};        ///< 170 180 190
+  std::int32_t cutter_comp{400};       ///< 400 410 411 420 421
+  std::int32_t tool_offset_code{490};  ///< 430 431 432 490
+  std::int32_t last_stop{-1};          ///< 0 1 2 30 60, -1: none
+  std::int32_t tool_change{-1};        ///< 6 or 61 after a tool change, -1: none
+  std::int32_t coord_system{1};        ///< 1 = G54 ... 9 = G59.3
+  std::int32_t selected_tool{-1};      ///< last T, -1 none since the last change
+  std::int32_t selected_pocket{-1};
+  std::int32_t speed_spindle{0};  ///< spindle of the last S word and of G95, G96
+  std::int32_t feed_spindle{0};
+  double feed{0};          ///< last F: see feed_mode; G93: 1/min
+  double angular_feed{0};  ///< the same number as written, for moves of ABC only
+  double tolerance_mm{0};  ///< G64 P
+  double naivecam_tolerance_mm{0};
+  std::array<double, kMaxSpindles> speed_rpm{};
+  std::array<double, kMaxSpindles> css_max_rpm{};  ///< > 0: G96 with D
+  std::array<SpindleDirection, kMaxSpindles> direction{};
+  std::array<bool, kMaxSpindles> css{};  ///< G96
+  std::array<bool, kMaxSpindles> speed_override{true, true, true, true, true, true, true, true};
+  std::array<bool, kMaxSpindles> orienting{};  ///< M19 is the active code of group 7
+  CycleState cycle;
+  Units units{Units::mm};
+  DistanceMode distance{DistanceMode::absolute};
+  DistanceMode arc_distance{DistanceMode::incremental};
+  ProgramFeedMode feed_mode{ProgramFeedMode::per_minute};
+  RetractMode retract{RetractMode::old_z};
+  PathMode path{PathMode::continuous};
+  bool lathe_diameter{false};  ///< G7
+  bool g92_applied{false};
+  bool mist{false}, flood{false};
+  bool feed_override{true}, adaptive_feed{false}, feed_hold{true};
+  bool percent_file{false};  ///< the program began with %
+
+  [[nodiscard]] Plane plane() const noexcept {
+    return plane_code == 180 ? Plane::xz : plane_code == 190 ? Plane::yz : Plane::xy;
+  }
+  /// mm per program unit.
+  [[nodiscard]] double unit_mm() const noexcept { return units == Units::inch ? 25.4 : 1.0; }
+
+  /// As `stat.gcodes` of the Python module: [0] line, then codes times ten in the order
+  /// motion, non-modal (-1), plane, cutter compensation, units, distance, feed mode, coordinate system, tool offset,
+  /// retract, path control, spindle mode (G96/G97), arc distance, lathe diameter (G7/G8), G92 applied (920 or -1), -1.
+  [[nodiscard]] std::array<std::int32_t, 17> active_g_codes() const noexcept;
+  /// As `stat.mcodes`: [0] line, then stopping, spindle, tool change, mist, flood, overrides, adaptive feed, feed hold; -1: none.
+  [[nodiscard]] std::array<std::int32_t, 10> active_m_codes() const noexcept;
+  /// As `stat.settings`: line, F, S, tolerance, naive-cam tolerance; F and tolerances in program units.
+  [[nodiscard]] std::array<double, 5> settings() const noexcept;
+};
+
+}  // namespace kerf::interp
