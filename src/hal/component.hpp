@@ -1,0 +1,378 @@
+// The C++ API of HAL components: one struct with typed members; each member declares and exports itself.
+//
+//   class And2 final : public hal::Component<And2> {
+//    public:
+//     static constexpr hal::Info kInfo{.name = "and2", .summary = "Two-input AND gate", .license = "MIT"};
+//     using Component::Component;
+//
+//    private:
+//     hal::In<bool> in0_{pin<hal::In<bool>>("in0", "First input")};
+//     hal::In<bool> in1_{pin<hal::In<bool>>("in1", "Second input")};
+//     hal::Out<bool> out_{pin<hal::Out<bool>>("out", "True while both inputs are true")};
+//     void update(const hal::Period&) noexcept { out_ = in0_ && in1_; }
+//     hal::Function update_{function<&And2::update>("", "Recompute out")};
+//   };
+//   KERF_HAL_MODULE(And2)
+//
+// The loader, not the component, knows `count=`, `names=`, `personality=` and prefixes. Realtime functions are noexcept, or
+// do not compile. Construction is load time: it may not throw; errors latch in the Builder and the loader reports the first.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <string_view>
+#include <type_traits>
+
+#include "hal/core/types.hpp"
+
+namespace kerf::rtapi {
+class Clock;
+class Participant;
+}  // namespace kerf::rtapi
+
+namespace kerf::hal {
+
+/// What a function is told of time.
+struct Period {
+  std::int64_t nominal_ns{0};   ///< the thread's period
+  std::int64_t actual_ns{0};    ///< since the thread's last start of a cycle; the nominal one in virtual time
+  [[nodiscard]] constexpr double seconds() const noexcept { return static_cast<double>(nominal_ns) * 1e-9; }
+  [[nodiscard]] constexpr double actual_seconds() const noexcept { return static_cast<double>(actual_ns) * 1e-9; }
+};
+
+using FunctionThunk = void (*)(void* object, const Period& period) noexcept;
+
+/// Where a pin's value stands at present: `link` holds the offset from `base` of the slot, which is the pin's own or its
+/// signal's; the registry's writer changes it when the pin is linked or unlinked.
+struct SlotRef {
+  std::byte* base{nullptr};
+  const std::atomic<std::uint64_t>* link{nullptr};
+
+  /// @rt. Relaxed: each value stands alone; nothing orders two pins across threads.
+  [[nodiscard]] std::atomic<std::uint64_t>& slot() const noexcept {
+    // Relaxed is enough for the link too: both the old and the new slot exist until every thread has finished a cycle.
+    return *reinterpret_cast<std::atomic<std::uint64_t>*>(base + link->load(std::memory_order_relaxed));
+  }
+};
+
+struct Info {
+  std::string_view name;          ///< component name as loadrt takes it
+  std::string_view summary;       ///< one line, for man page and `halcmd show`
+  std::string_view license{"MIT"};
+  std::string_view notes{};       ///< more text for the man page
+  bool singleton{false};          ///< one instance, named as the component, no count= or names=
+  std::int32_t default_count{1};  ///< instances when neither count= nor names= is given
+};
+
+/// Collects what a component declares. The live one exports into the segment, others write docs or serve unit tests.
+/// Names are whole HAL names. Errors latch: after the first, calls return harmless objects and do nothing.
+class Builder {
+ public:
+  virtual SlotRef add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial, std::string_view doc) noexcept = 0;
+  virtual SlotRef add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial, std::string_view doc) noexcept = 0;
+  virtual void add_function(std::string_view name, FunctionThunk thunk, void* object, std::string_view doc) noexcept = 0;
+  /// Text of a loadrt parameter NAME=..., or "" when it was not given. Asking declares it; parameters that no component asked
+  /// for are an error with the nearest name. The text lives as long as the instance.
+  virtual std::string_view arg(std::string_view name, std::string_view default_text, std::string_view doc) noexcept = 0;
+  /// Zero-filled, locked memory that lives as long as the component. nullptr after an error.
+  virtual void* allocate(std::size_t bytes, std::size_t align) noexcept = 0;
+  /// A new block of the instance's segment, zero-filled, or nullptr after an error.
+  virtual std::byte* shared_block(std::string_view name, std::size_t bytes, std::uint64_t abi) noexcept = 0;
+  /// Objects that one component offers to those loaded later (kinematics).
+  virtual void provide(std::string_view service, void* object) noexcept = 0;
+  virtual void* find_service(std::string_view service) noexcept = 0;
+  /// A machine of the non-realtime kind that the host runs beside the realtime threads (the planner).
+  virtual void add_participant(rtapi::Participant& participant) noexcept = 0;
+  /// Makes a realtime thread. The fastest first.
+  virtual void add_thread(std::string_view name, std::int64_t period_ns) noexcept = 0;
+  [[nodiscard]] virtual const rtapi::Clock& clock() const noexcept = 0;
+  virtual void fail(std::string_view what) noexcept = 0;
+  [[nodiscard]] virtual bool failed() const noexcept = 0;
+
+  [[nodiscard]] const Name& prefix() const noexcept { return prefix_; }
+  [[nodiscard]] std::int64_t personality() const noexcept { return personality_; }
+  /// "PREFIX.suffix", or the prefix itself for an empty suffix; too long is an error that names it.
+  [[nodiscard]] Name full_name(std::string_view suffix) noexcept {
+    Name name = prefix_;
+    if (!suffix.empty()) {
+      name.append(".");
+      name.append(suffix);
+    }
+    if (name.truncated()) fail("name longer than 55 characters");
+    return name;
+  }
+
+ protected:
+  ~Builder() = default;
+  Name prefix_;
+  std::int64_t personality_{0};
+};
+
+namespace detail {
+template <class T>
+class Handle {
+ public:
+  using Item = T;
+  constexpr Handle() = default;
+  explicit constexpr Handle(SlotRef ref) : ref_(ref) {}
+
+ protected:
+  [[nodiscard]] T load() const noexcept { return from_raw<T>(ref_.slot().load(std::memory_order_relaxed)); }
+  void store(T v) const noexcept { ref_.slot().store(to_raw<T>(v), std::memory_order_relaxed); }
+  SlotRef ref_;
+};
+}  // namespace detail
+
+/// A pin that the component reads.
+template <class T>
+class In : public detail::Handle<T> {
+ public:
+  static constexpr Dir kDir = Dir::in;
+  using detail::Handle<T>::Handle;
+  [[nodiscard]] T get() const noexcept { return this->load(); }
+  operator T() const noexcept { return this->load(); }  // NOLINT(google-explicit-constructor): a pin reads as its value
+};
+
+/// A pin that the component writes. `last()` is what stands there, normally the last value written.
+template <class T>
+class Out : public detail::Handle<T> {
+ public:
+  static constexpr Dir kDir = Dir::out;
+  using detail::Handle<T>::Handle;
+  void set(T v) noexcept { this->store(v); }
+  Out& operator=(T v) noexcept {
+    this->store(v);
+    return *this;
+  }
+  [[nodiscard]] T last() const noexcept { return this->load(); }
+};
+
+/// A pin that several components write (index-enable).
+template <class T>
+class Io : public detail::Handle<T> {
+ public:
+  static constexpr Dir kDir = Dir::io;
+  using detail::Handle<T>::Handle;
+  [[nodiscard]] T get() const noexcept { return this->load(); }
+  operator T() const noexcept { return this->load(); }  // NOLINT(google-explicit-constructor): a pin reads as its value
+  void set(T v) noexcept { this->store(v); }
+  Io& operator=(T v) noexcept {
+    this->store(v);
+    return *this;
+  }
+};
+
+/// A parameter that users set (rw) and the component reads; the component may write it too.
+template <class T>
+class Param : public Io<T> {
+ public:
+  static constexpr Dir kDir = Dir::rw;
+  using Io<T>::Io;
+  using Io<T>::operator=;
+};
+
+/// A parameter that the component writes and users read (ro).
+template <class T>
+class RoParam : public Out<T> {
+ public:
+  static constexpr Dir kDir = Dir::ro;
+  using Out<T>::Out;
+  using Out<T>::operator=;
+};
+
+/// Declares pins with whole names: for components that are known by other names than their own (motion.*, joint.N.*).
+template <class Pin>
+Pin make_pin(Builder& b, std::string_view whole_name, std::string_view doc, typename Pin::Item initial = {}) noexcept {
+  return Pin(b.add_pin(whole_name, TypeOf<typename Pin::Item>::kType, Pin::kDir, to_raw<typename Pin::Item>(initial), doc));
+}
+template <class P>
+P make_param(Builder& b, std::string_view whole_name, std::string_view doc, typename P::Item initial = {}) noexcept {
+  return P(b.add_param(whole_name, TypeOf<typename P::Item>::kType, P::kDir, to_raw<typename P::Item>(initial), doc));
+}
+
+/// n objects made as T(builder, index, args...) in the component's memory; for repeated groups of pins.
+template <class T>
+class Array {
+ public:
+  Array() = default;
+  Array(T* data, std::size_t size) : data_(data), size_(size) {}
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  T& operator[](std::size_t i) noexcept { return data_[i]; }
+  const T& operator[](std::size_t i) const noexcept { return data_[i]; }
+  T* begin() noexcept { return data_; }
+  T* end() noexcept { return data_ + size_; }
+
+ private:
+  T* data_{nullptr};
+  std::size_t size_{0};
+};
+template <class T, class... A>
+Array<T> make_array(Builder& b, std::size_t n, const A&... args) noexcept {
+  static_assert(std::is_trivially_destructible_v<T>, "the loader gives the memory back without destructors");
+  if (n == 0) return {};
+  void* memory = b.allocate(n * sizeof(T), alignof(T));
+  if (memory == nullptr) return {};
+  T* items = static_cast<T*>(memory);
+  for (std::size_t i = 0; i < n; ++i) new (items + i) T(b, i, args...);
+  return {items, n};
+}
+
+/// Replaces the run of '#' in `pattern` by `index`, padded with zeros to the run's length: "in-##", 3 -> "in-03".
+inline Name numbered(std::string_view pattern, std::size_t index) noexcept {
+  const auto first = pattern.find('#');
+  if (first == std::string_view::npos) return Name(pattern);
+  auto last = first;
+  while (last < pattern.size() && pattern[last] == '#') ++last;
+  char digits[24];
+  std::size_t n = 0;
+  do {
+    digits[n++] = static_cast<char>('0' + index % 10);
+    index /= 10;
+  } while (index > 0 && n < sizeof digits);
+  Name name(pattern.substr(0, first));
+  for (std::size_t width = last - first; width > n; --width) name.append("0");
+  while (n > 0) name.append(std::string_view(&digits[--n], 1));
+  name.append(pattern.substr(last));
+  return name;
+}
+
+/// Up to N pins of one kind, "in-##" style.
+template <class Pin, std::size_t N>
+class PinArray {
+ public:
+  [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  Pin& operator[](std::size_t i) noexcept { return pins_[i]; }
+  const Pin& operator[](std::size_t i) const noexcept { return pins_[i]; }
+  void add(Pin p) noexcept {
+    if (size_ < N) new (&pins_[size_++]) Pin(p);
+  }
+
+ private:
+  Pin pins_[N]{};
+  std::size_t size_{0};
+};
+
+/// Token of a declared function; it has no state.
+struct Function {};
+
+/// Base of every component. Not movable: functions hold its address.
+template <class Derived>
+class Component {
+ public:
+  explicit Component(Builder& b) noexcept : builder_(b) {}
+  Component(const Component&) = delete;
+  Component& operator=(const Component&) = delete;
+
+ protected:
+  /// The builder is there while the component is constructed, and not after.
+  [[nodiscard]] Builder& builder() noexcept { return builder_; }
+  [[nodiscard]] std::int64_t personality() const noexcept { return builder_.personality(); }
+
+  template <class Pin>
+  Pin pin(std::string_view suffix, std::string_view doc, typename Pin::Item initial = {}) noexcept {
+    return make_pin<Pin>(builder_, builder_.full_name(suffix), doc, initial);
+  }
+  template <class P>
+  P param(std::string_view suffix, std::string_view doc, typename P::Item initial = {}) noexcept {
+    return make_param<P>(builder_, builder_.full_name(suffix), doc, initial);
+  }
+  template <class Pin, std::size_t N>
+  PinArray<Pin, N> pins(std::string_view pattern, std::size_t count, std::string_view doc, typename Pin::Item initial = {}) noexcept {
+    PinArray<Pin, N> array;
+    if (count > N) builder_.fail("more pins than the component has room for");
+    for (std::size_t i = 0; i < count && i < N; ++i) array.add(pin<Pin>(numbered(pattern, i), doc, initial));
+    return array;
+  }
+  /// Suffix "" exports the function under the instance's own name.
+  template <auto Method>
+  Function function(std::string_view suffix, std::string_view doc) noexcept {
+    return function_named<Method>(builder_.full_name(suffix), doc);
+  }
+  template <auto Method>
+  Function function_named(std::string_view whole_name, std::string_view doc) noexcept {
+    static_assert(std::is_nothrow_invocable_v<decltype(Method), Derived&, const Period&>,
+                  "realtime functions must be noexcept and take (const hal::Period&)");
+    builder_.add_function(
+        whole_name,
+        [](void* object, const Period& period) noexcept { (static_cast<Derived*>(object)->*Method)(period); },
+        static_cast<Derived*>(this), doc);
+    return {};
+  }
+  /// loadrt parameters, as text and as numbers. A number that does not parse is an error that names it.
+  std::string_view text_arg(std::string_view name, std::string_view default_text, std::string_view doc) noexcept {
+    return builder_.arg(name, default_text, doc);
+  }
+  std::int64_t int_arg(std::string_view name, std::int64_t default_value, std::string_view doc) noexcept {
+    char text[24];
+    std::size_t n = sizeof text;
+    const bool negative = default_value < 0;
+    auto rest = negative ? 0 - static_cast<std::uint64_t>(default_value) : static_cast<std::uint64_t>(default_value);
+    do {
+      text[--n] = static_cast<char>('0' + rest % 10);
+      rest /= 10;
+    } while (rest > 0);
+    if (negative) text[--n] = '-';
+    std::int64_t value = default_value;
+    const std::string_view given = builder_.arg(name, std::string_view(text + n, sizeof text - n), doc);
+    if (!given.empty() && !parse_int(given, value)) builder_.fail("a loadrt parameter is not an integer");
+    return value;
+  }
+  /// Decimal, 0x hexadecimal, with sign.
+  static bool parse_int(std::string_view text, std::int64_t& out) noexcept {
+    const bool negative = !text.empty() && text[0] == '-';
+    if (!text.empty() && (text[0] == '-' || text[0] == '+')) text.remove_prefix(1);
+    std::uint64_t base = 10;
+    if (text.size() > 2 && text[0] == '0' && (text[1] == 'x' || text[1] == 'X')) {
+      base = 16;
+      text.remove_prefix(2);
+    }
+    if (text.empty() || text.size() > 18) return false;
+    std::uint64_t value = 0;
+    for (const char c : text) {
+      std::uint64_t digit = 99;
+      if (c >= '0' && c <= '9') digit = static_cast<std::uint64_t>(c - '0');
+      if (c >= 'a' && c <= 'f') digit = static_cast<std::uint64_t>(c - 'a') + 10;
+      if (c >= 'A' && c <= 'F') digit = static_cast<std::uint64_t>(c - 'A') + 10;
+      if (digit >= base) return false;
+      value = value * base + digit;
+    }
+    out = negative ? -static_cast<std::int64_t>(value) : static_cast<std::int64_t>(value);
+    return true;
+  }
+
+ private:
+  Builder& builder_;
+};
+
+/// What a component's shared object exports: its one symbol.
+struct Module {
+  std::uint64_t abi;
+  Info info;
+  std::size_t size;
+  std::size_t align;
+  void (*create)(void* storage, Builder& builder) noexcept;
+  void (*destroy)(void* object) noexcept;
+};
+/// Raised when Builder, Module, Info or the handles change.
+inline constexpr std::uint64_t kModuleAbi = 1;
+
+/// Name of the symbol for component file ID (dashes as underscores): kerf_hal_module_ID.
+inline constexpr std::string_view kModuleSymbolPrefix = "kerf_hal_module_";
+
+}  // namespace kerf::hal
+
+#define KERF_HAL_SYMBOL2_(id) kerf_hal_module_##id
+#define KERF_HAL_SYMBOL_(id) KERF_HAL_SYMBOL2_(id)
+/// Exports the module. KERF_MODULE_ID is set by kerf_component() in CMake to the file's name.
+#define KERF_HAL_MODULE(Class)                                                                          \
+  extern "C" [[gnu::visibility("default")]] const ::kerf::hal::Module KERF_HAL_SYMBOL_(KERF_MODULE_ID); \
+  extern "C" const ::kerf::hal::Module KERF_HAL_SYMBOL_(KERF_MODULE_ID){                                \
+      ::kerf::hal::kModuleAbi,                                                                          \
+      Class::kInfo,                                                                                     \
+      sizeof(Class),                                                                                    \
+      alignof(Class),                                                                                   \
+      [](void* storage, ::kerf::hal::Builder& b) noexcept { new (storage) Class(b); },                  \
+      [](void* object) noexcept { std::destroy_at(static_cast<Class*>(object)); }};

@@ -1,0 +1,40 @@
+// Kinematics: what turns joint positions into axis positions and back.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "rtapi/base/pose.hpp"
+#include "motion/api/limits.hpp"
+
+namespace kerf::motion {
+
+using rtapi::Pose;
+using JointVector = std::array<double, kMaxJoints>;   ///< mm or degrees, joint 0 first
+
+/// The values of KINEMATICS_TYPE (manual: "Kinematics").
+enum class KinematicsType : std::int32_t { identity = 1, forward_only = 2, inverse_only = 3, both = 4 };
+
+/// Native kinematics: pure functions of their arguments and of constants fixed at load. Callable from any thread (@rt).
+class Kinematics {
+ public:
+  [[nodiscard]] virtual KinematicsType type() const noexcept = 0;
+  /// How many joints they use.
+  [[nodiscard]] virtual std::int32_t joints() const noexcept = 0;
+  /// Joint positions to axis positions. Axes without a joint keep what `world` held. False: no solution.
+  [[nodiscard]] virtual bool forward(const JointVector& joint, Pose& world) const noexcept = 0;
+  /// Axis positions to joint positions. Joints without an axis keep what `joint` held. False: no solution.
+  [[nodiscard]] virtual bool inverse(const Pose& world, JointVector& joint) const noexcept = 0;
+  /// The axis that joint j moves alone (index in XYZABCUVW), or -1 when it moves several.
+  [[nodiscard]] virtual std::int32_t axis_of_joint(std::int32_t joint) const noexcept = 0;
+  /// Bit i: axis i of XYZABCUVW exists.
+  [[nodiscard]] virtual std::uint32_t axis_mask() const noexcept = 0;
+
+ protected:
+  ~Kinematics() = default;
+};
+
+/// Name under which a kinematics module offers its object and motmod asks for it.
+inline constexpr const char* kKinematicsService = "kinematics";
+
+}  // namespace kerf::motion

@@ -1,0 +1,119 @@
+// Segment: the one piece of shared memory of an instance, and the directory of blocks in it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <string>
+#include <type_traits>
+
+#include "rtapi/base/fixed_string.hpp"
+#include "rtapi/base/result.hpp"
+#include "rtapi/sync/cell.hpp"
+
+namespace kerf::rtapi {
+
+/// A place in the segment, as bytes from its base; 0 is nowhere.
+using Offset = std::uint64_t;
+
+struct BlockEntry {
+  FixedString<47> name;
+  std::uint64_t abi{0};
+  Offset offset{0};
+  std::uint64_t size{0};
+  Word<std::uint32_t> state{0};   ///< 0 free, 1 present
+};
+
+struct SegmentHeader {
+  static constexpr std::uint64_t kMagic = 0x31'6d'67'65'73'66'72'6bULL;   // "krfsegm1"
+  static constexpr std::size_t kBlocks = 128;
+  std::uint64_t magic{0};          ///< written last by the maker
+  std::uint64_t abi{0};            ///< of this header
+  std::uint64_t size{0};           ///< reserved bytes
+  Word<std::int64_t> owner_pid{0};
+  std::uint64_t owner_start{0};    ///< start time of the owner (/proc/PID/stat): tells a reused pid
+  FixedString<63> run_id;          ///< unique a start; children carry it as KERF_RUN_ID
+  Word<std::uint64_t> used{0};     ///< bytes handed out, from the base
+  Word<std::uint64_t> backed{0};   ///< bytes that have memory behind them
+  BlockEntry blocks[kBlocks];
+};
+
+/// Mapping of the segment. Address space for the whole size is reserved at attach and never moves; memory is put behind it
+/// piece by piece, so that a full machine is an error that names `[KERF]SEGMENT_MB`, never a SIGBUS.
+///
+/// Blocks are made by one process at a time (the launcher before the host starts, then the realtime host) and are never
+/// given back; their content is the maker's business.
+class Segment {
+ public:
+  static constexpr std::size_t kDefaultBytes = 64U << 20U;
+
+  /// Makes the instance's segment. One that a dead owner left is removed first; a live owner is an error that names it.
+  static Result<std::unique_ptr<Segment>> create(const std::string& instance, std::size_t bytes = kDefaultBytes);
+  /// Maps the instance's segment. not_found when the instance does not run; protocol when another build made it.
+  static Result<std::unique_ptr<Segment>> attach(const std::string& instance);
+  /// Private memory of this process, for tests. Copied by fork like all memory.
+  static std::unique_ptr<Segment> in_memory(std::size_t bytes = kDefaultBytes);
+  /// Removes the name of an instance's segment, if its owner is dead or is this process. True when nothing is left.
+  static bool remove(const std::string& instance);
+
+  ~Segment();
+  Segment(const Segment&) = delete;
+  Segment& operator=(const Segment&) = delete;
+
+  [[nodiscard]] std::byte* base() const noexcept { return base_; }
+  [[nodiscard]] SegmentHeader& header() const noexcept { return *reinterpret_cast<SegmentHeader*>(base_); }
+  [[nodiscard]] const std::string& instance() const noexcept { return instance_; }
+
+  /// Makes a zero-filled block, aligned to 64. exists: the name is taken; no_memory: the segment is full.
+  Result<std::byte*> make_block(const char* name, std::size_t bytes, std::uint64_t abi);
+  /// not_found; protocol when the abi differs.
+  [[nodiscard]] Result<std::byte*> find_block(const char* name, std::uint64_t abi) const;
+  [[nodiscard]] std::size_t block_size(const char* name) const;
+  /// Forgets a block's name (the memory is kept: somebody may hold its address).
+  void drop_block(const char* name);
+
+  template <class T>
+  Result<T*> make(const char* name, std::uint64_t abi = sizeof(T)) {
+    auto block = make_block(name, sizeof(T), abi);
+    if (!block.ok()) return Failure{block.error()};
+    return new (*block) T();
+  }
+  template <class T>
+  [[nodiscard]] Result<T*> find(const char* name, std::uint64_t abi = sizeof(T)) const {
+    auto block = find_block(name, abi);
+    if (!block.ok()) return Failure{block.error()};
+    return std::launder(reinterpret_cast<T*>(*block));
+  }
+
+  template <class T>
+  [[nodiscard]] T* at(Offset offset) const noexcept { return reinterpret_cast<T*>(base_ + offset); }
+  [[nodiscard]] Offset offset_of(const void* p) const noexcept {
+    return static_cast<Offset>(static_cast<const std::byte*>(p) - base_);
+  }
+  /// True when `p` points into the segment.
+  [[nodiscard]] bool contains(const void* p) const noexcept {
+    const auto* b = static_cast<const std::byte*>(p);
+    return b >= base_ && b < base_ + bytes_;
+  }
+
+ private:
+  Segment() = default;
+  struct Mapping;                      ///< hides Boost.Interprocess
+  std::unique_ptr<Mapping> mapping_;
+  std::byte* base_{nullptr};
+  std::size_t bytes_{0};
+  std::string instance_;
+  bool owner_{false};
+};
+
+/// Names of an instance's things. `KERF_INSTANCE` or, without it, "u" and the user id.
+std::string default_instance();
+/// "/kerf-INSTANCE", the shm_open name.
+std::string segment_name(const std::string& instance);
+/// Abstract socket address of a service ("hal", "task", "clock-3") of the instance, without the leading zero byte.
+std::string socket_name(const std::string& instance, const std::string& service);
+/// False for a name with anything but letters, digits, '-', '_' and '.', or longer than 40.
+bool valid_instance_name(const std::string& instance);
+
+}  // namespace kerf::rtapi
