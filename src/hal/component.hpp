@@ -232,10 +232,10 @@ inline Name numbered(std::string_view pattern, std::size_t index) noexcept {
     digits[n++] = static_cast<char>('0' + index % 10);
     index /= 10;
   } while (index > 0 && n < sizeof digits);
-  Name name(pattern.substr(0, first));
+  Name name(std::string_view(pattern.data(), first));   // substr() could throw
   for (std::size_t width = last - first; width > n; --width) name.append("0");
   while (n > 0) name.append(std::string_view(&digits[--n], 1));
-  name.append(pattern.substr(last));
+  name.append(std::string_view(pattern.data() + last, pattern.size() - last));
   return name;
 }
 
