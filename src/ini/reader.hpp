@@ -1,0 +1,142 @@
+// Typed reading of an IniFile: each key with its type, range, unit and default, every complaint
+// collected, so that a user sees all bad keys of a machine at once.
+//
+//   Reader r(file);
+//   const double v = r.real("JOINT_0", "MAX_VELOCITY", {.min = 0, .required = true, .unit = "mm/s"});
+//   const bool mist = r.boolean("EMCIO", "MIST", false);
+//   for (const auto& c : r.complaints()) std::fputs((c.message() + "\n").c_str(), stderr);
+//   if (r.failed()) return 1;
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "ini/ini_file.hpp"
+
+namespace kerf::ini {
+
+/// What a numeric key may hold. Omitted fields: no limit, not required, no unit, default 0.
+template <class T>
+struct NumberSpec {
+  T fallback{};  ///< the value when the key is absent or bad
+  T min{std::numeric_limits<T>::lowest()};
+  T max{std::numeric_limits<T>::max()};
+  bool min_excluded{false};  ///< the value must be greater than `min`
+  bool required{false};      ///< absence is an error
+  std::string_view unit{};   ///< for messages only: "mm/s"
+  std::size_t num{1};        ///< which instance of a repeated key
+};
+using RealSpec = NumberSpec<double>;
+using IntSpec = NumberSpec<std::int64_t>;
+using UintSpec = NumberSpec<std::uint64_t>;
+
+/// What a text or boolean key may hold.
+struct StringSpec {
+  std::string_view fallback{};
+  bool required{false};
+  std::size_t num{1};
+};
+struct BoolSpec {
+  bool fallback{false};
+  bool required{false};
+  std::size_t num{1};
+};
+
+/// One key's value, or why there is none. `value` is the fallback unless the key is there and good.
+template <class T>
+struct Value {
+  T value{};
+  bool found{false};                    ///< the key is in the file (good or bad)
+  Position at;                          ///< where, if found
+  std::vector<Diagnostic> diagnostics;  ///< one error at most, and warnings
+
+  [[nodiscard]] bool ok() const {
+    for (const auto& d : diagnostics) {
+      if (d.is_error) return false;
+    }
+    return true;
+  }
+  /// The error as "FILE:LINE: error: ...", or "".
+  [[nodiscard]] std::string error() const {
+    for (const auto& d : diagnostics) {
+      if (d.is_error) return d.message();
+    }
+    return {};
+  }
+};
+
+/// Single keys. Errors name file and line, the value, the expected type, range and unit; for an
+/// absent required key also the nearest existing key of the section, or another section that has
+/// the key. Trailing text is a warning ("1.5" read as an integer, "1 000"), a comment is not.
+[[nodiscard]] Value<double> get_real(const IniFile& file, std::string_view section,
+                                     std::string_view key, const RealSpec& spec = {});
+[[nodiscard]] Value<std::int64_t> get_int(const IniFile& file, std::string_view section,
+                                          std::string_view key, const IntSpec& spec = {});
+/// Unlike inivalue, a negative number is an error here: nobody means 18446744073709551613.
+[[nodiscard]] Value<std::uint64_t> get_uint(const IniFile& file, std::string_view section,
+                                            std::string_view key, const UintSpec& spec = {});
+[[nodiscard]] Value<bool> get_bool(const IniFile& file, std::string_view section,
+                                   std::string_view key, const BoolSpec& spec = {});
+[[nodiscard]] Value<std::string> get_string(const IniFile& file, std::string_view section,
+                                            std::string_view key, const StringSpec& spec = {});
+
+/// Reads keys and remembers what was asked and what was wrong. The IniFile must outlive it.
+class Reader {
+ public:
+  explicit Reader(const IniFile& file) : file_(file) {}
+
+  double real(std::string_view section, std::string_view key, const RealSpec& spec = {});
+  std::int64_t integer(std::string_view section, std::string_view key, const IntSpec& spec = {});
+  std::uint64_t unsigned_integer(std::string_view section, std::string_view key,
+                                 const UintSpec& spec = {});
+  bool boolean(std::string_view section, std::string_view key, const BoolSpec& spec = {});
+  bool boolean(std::string_view section, std::string_view key, bool fallback) {
+    return boolean(section, key, BoolSpec{.fallback = fallback});
+  }
+  std::string string(std::string_view section, std::string_view key, const StringSpec& spec = {});
+  std::string string(std::string_view section, std::string_view key, const char* fallback) {
+    return string(section, key, StringSpec{.fallback = fallback});
+  }
+  /// Every instance of a repeated key (HALFILE, HALCMD), in file order.
+  std::vector<std::string> strings(std::string_view section, std::string_view key);
+  /// The index in `names` (any case) of the value; else a complaint that lists the names.
+  std::size_t choice(std::string_view section, std::string_view key,
+                     const std::vector<std::string>& names, std::size_t fallback,
+                     bool required = false);
+  /// Millimetres per unit of a key that names a linear unit; degrees per unit of an angular one.
+  double linear_unit(std::string_view section, std::string_view key, double fallback_mm = 1.0);
+  double angular_unit(std::string_view section, std::string_view key, double fallback_deg = 1.0);
+
+  [[nodiscard]] bool has(std::string_view section, std::string_view key);
+  /// Marks a key as known that somebody else reads (a HAL file, a screen).
+  void known_key(std::string_view section, std::string_view key);
+  /// Adds a complaint of the caller, placed at the key (or its section) if the file has it.
+  void complain(std::string_view section, std::string_view key, std::string text,
+                bool is_error = true);
+
+  /// Everything wrong so far, errors and warnings, in the order of reading.
+  [[nodiscard]] const std::vector<Diagnostic>& complaints() const { return complaints_; }
+  [[nodiscard]] bool failed() const;
+  /// A warning for each key of `sections` that nobody asked for, with the nearest known key. Call
+  /// it after everything is read.
+  [[nodiscard]] std::vector<Diagnostic> unknown_keys(
+      const std::vector<std::string>& sections) const;
+
+  [[nodiscard]] const IniFile& file() const { return file_; }
+
+ private:
+  template <class T>
+  T take(std::string_view section, std::string_view key, Value<T> value);
+
+  const IniFile& file_;
+  std::vector<Diagnostic> complaints_;
+  std::set<std::pair<std::string, std::string>> asked_;
+};
+
+}  // namespace kerf::ini
