@@ -37,10 +37,15 @@ namespace kerf::hal {
 
 /// What a function is told of time.
 struct Period {
-  std::int64_t nominal_ns{0};   ///< the thread's period
-  std::int64_t actual_ns{0};    ///< since the thread's last start of a cycle; the nominal one in virtual time
-  [[nodiscard]] constexpr double seconds() const noexcept { return static_cast<double>(nominal_ns) * 1e-9; }
-  [[nodiscard]] constexpr double actual_seconds() const noexcept { return static_cast<double>(actual_ns) * 1e-9; }
+  std::int64_t nominal_ns{0};  ///< the thread's period
+  std::int64_t actual_ns{
+      0};  ///< since the thread's last start of a cycle; the nominal one in virtual time
+  [[nodiscard]] constexpr double seconds() const noexcept {
+    return static_cast<double>(nominal_ns) * 1e-9;
+  }
+  [[nodiscard]] constexpr double actual_seconds() const noexcept {
+    return static_cast<double>(actual_ns) * 1e-9;
+  }
 };
 
 using FunctionThunk = void (*)(void* object, const Period& period) noexcept;
@@ -54,13 +59,14 @@ struct SlotRef {
   /// @rt. Relaxed: each value stands alone; nothing orders two pins across threads.
   [[nodiscard]] std::atomic<std::uint64_t>& slot() const noexcept {
     // Relaxed is enough for the link too: both the old and the new slot exist until every thread has finished a cycle.
-    return *reinterpret_cast<std::atomic<std::uint64_t>*>(base + link->load(std::memory_order_relaxed));
+    return *reinterpret_cast<std::atomic<std::uint64_t>*>(base +
+                                                          link->load(std::memory_order_relaxed));
   }
 };
 
 struct Info {
-  std::string_view name;          ///< component name as loadrt takes it
-  std::string_view summary;       ///< one line, for man page and `halcmd show`
+  std::string_view name;     ///< component name as loadrt takes it
+  std::string_view summary;  ///< one line, for man page and `halcmd show`
   std::string_view license{"MIT"};
   std::string_view notes{};       ///< more text for the man page
   bool singleton{false};          ///< one instance, named as the component, no count= or names=
@@ -71,16 +77,21 @@ struct Info {
 /// Names are whole HAL names. Errors latch: after the first, calls return harmless objects and do nothing.
 class Builder {
  public:
-  virtual SlotRef add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial, std::string_view doc) noexcept = 0;
-  virtual SlotRef add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial, std::string_view doc) noexcept = 0;
-  virtual void add_function(std::string_view name, FunctionThunk thunk, void* object, std::string_view doc) noexcept = 0;
+  virtual SlotRef add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                          std::string_view doc) noexcept = 0;
+  virtual SlotRef add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                            std::string_view doc) noexcept = 0;
+  virtual void add_function(std::string_view name, FunctionThunk thunk, void* object,
+                            std::string_view doc) noexcept = 0;
   /// Text of a loadrt parameter NAME=..., or "" when it was not given. Asking declares it; parameters that no component asked
   /// for are an error with the nearest name. The text lives as long as the instance.
-  virtual std::string_view arg(std::string_view name, std::string_view default_text, std::string_view doc) noexcept = 0;
+  virtual std::string_view arg(std::string_view name, std::string_view default_text,
+                               std::string_view doc) noexcept = 0;
   /// Zero-filled, locked memory that lives as long as the component. nullptr after an error.
   virtual void* allocate(std::size_t bytes, std::size_t align) noexcept = 0;
   /// A new block of the instance's segment, zero-filled, or nullptr after an error.
-  virtual std::byte* shared_block(std::string_view name, std::size_t bytes, std::uint64_t abi) noexcept = 0;
+  virtual std::byte* shared_block(std::string_view name, std::size_t bytes,
+                                  std::uint64_t abi) noexcept = 0;
   /// Objects that one component offers to those loaded later (kinematics).
   virtual void provide(std::string_view service, void* object) noexcept = 0;
   virtual void* find_service(std::string_view service) noexcept = 0;
@@ -120,7 +131,9 @@ class Handle {
   explicit constexpr Handle(SlotRef ref) : ref_(ref) {}
 
  protected:
-  [[nodiscard]] T load() const noexcept { return from_raw<T>(ref_.slot().load(std::memory_order_relaxed)); }
+  [[nodiscard]] T load() const noexcept {
+    return from_raw<T>(ref_.slot().load(std::memory_order_relaxed));
+  }
   void store(T v) const noexcept { ref_.slot().store(to_raw<T>(v), std::memory_order_relaxed); }
   SlotRef ref_;
 };
@@ -133,7 +146,9 @@ class In : public detail::Handle<T> {
   static constexpr Dir kDir = Dir::in;
   using detail::Handle<T>::Handle;
   [[nodiscard]] T get() const noexcept { return this->load(); }
-  operator T() const noexcept { return this->load(); }  // NOLINT(google-explicit-constructor): a pin reads as its value
+  operator T() const noexcept {
+    return this->load();
+  }  // NOLINT(google-explicit-constructor): a pin reads as its value
 };
 
 /// A pin that the component writes. `last()` is what stands there, normally the last value written.
@@ -157,7 +172,9 @@ class Io : public detail::Handle<T> {
   static constexpr Dir kDir = Dir::io;
   using detail::Handle<T>::Handle;
   [[nodiscard]] T get() const noexcept { return this->load(); }
-  operator T() const noexcept { return this->load(); }  // NOLINT(google-explicit-constructor): a pin reads as its value
+  operator T() const noexcept {
+    return this->load();
+  }  // NOLINT(google-explicit-constructor): a pin reads as its value
   void set(T v) noexcept { this->store(v); }
   Io& operator=(T v) noexcept {
     this->store(v);
@@ -185,12 +202,16 @@ class RoParam : public Out<T> {
 
 /// Declares pins with whole names: for components that are known by other names than their own (motion.*, joint.N.*).
 template <class Pin>
-Pin make_pin(Builder& b, std::string_view whole_name, std::string_view doc, typename Pin::Item initial = {}) noexcept {
-  return Pin(b.add_pin(whole_name, TypeOf<typename Pin::Item>::kType, Pin::kDir, to_raw<typename Pin::Item>(initial), doc));
+Pin make_pin(Builder& b, std::string_view whole_name, std::string_view doc,
+             typename Pin::Item initial = {}) noexcept {
+  return Pin(b.add_pin(whole_name, TypeOf<typename Pin::Item>::kType, Pin::kDir,
+                       to_raw<typename Pin::Item>(initial), doc));
 }
 template <class P>
-P make_param(Builder& b, std::string_view whole_name, std::string_view doc, typename P::Item initial = {}) noexcept {
-  return P(b.add_param(whole_name, TypeOf<typename P::Item>::kType, P::kDir, to_raw<typename P::Item>(initial), doc));
+P make_param(Builder& b, std::string_view whole_name, std::string_view doc,
+             typename P::Item initial = {}) noexcept {
+  return P(b.add_param(whole_name, TypeOf<typename P::Item>::kType, P::kDir,
+                       to_raw<typename P::Item>(initial), doc));
 }
 
 /// n objects made as T(builder, index, args...) in the component's memory; for repeated groups of pins.
@@ -211,7 +232,8 @@ class Array {
 };
 template <class T, class... A>
 Array<T> make_array(Builder& b, std::size_t n, const A&... args) noexcept {
-  static_assert(std::is_trivially_destructible_v<T>, "the loader gives the memory back without destructors");
+  static_assert(std::is_trivially_destructible_v<T>,
+                "the loader gives the memory back without destructors");
   if (n == 0) return {};
   void* memory = b.allocate(n * sizeof(T), alignof(T));
   if (memory == nullptr) return {};
@@ -232,7 +254,7 @@ inline Name numbered(std::string_view pattern, std::size_t index) noexcept {
     digits[n++] = static_cast<char>('0' + index % 10);
     index /= 10;
   } while (index > 0 && n < sizeof digits);
-  Name name(std::string_view(pattern.data(), first));   // substr() could throw
+  Name name(std::string_view(pattern.data(), first));  // substr() could throw
   for (std::size_t width = last - first; width > n; --width) name.append("0");
   while (n > 0) name.append(std::string_view(&digits[--n], 1));
   name.append(std::string_view(pattern.data() + last, pattern.size() - last));
@@ -280,10 +302,12 @@ class Component {
     return make_param<P>(builder_, builder_.full_name(suffix), doc, initial);
   }
   template <class Pin, std::size_t N>
-  PinArray<Pin, N> pins(std::string_view pattern, std::size_t count, std::string_view doc, typename Pin::Item initial = {}) noexcept {
+  PinArray<Pin, N> pins(std::string_view pattern, std::size_t count, std::string_view doc,
+                        typename Pin::Item initial = {}) noexcept {
     PinArray<Pin, N> array;
     if (count > N) builder_.fail("more pins than the component has room for");
-    for (std::size_t i = 0; i < count && i < N; ++i) array.add(pin<Pin>(numbered(pattern, i), doc, initial));
+    for (std::size_t i = 0; i < count && i < N; ++i)
+      array.add(pin<Pin>(numbered(pattern, i), doc, initial));
     return array;
   }
   /// Suffix "" exports the function under the instance's own name.
@@ -297,27 +321,34 @@ class Component {
                   "realtime functions must be noexcept and take (const hal::Period&)");
     builder_.add_function(
         whole_name,
-        [](void* object, const Period& period) noexcept { (static_cast<Derived*>(object)->*Method)(period); },
+        [](void* object, const Period& period) noexcept {
+          (static_cast<Derived*>(object)->*Method)(period);
+        },
         static_cast<Derived*>(this), doc);
     return {};
   }
   /// loadrt parameters, as text and as numbers. A number that does not parse is an error that names it.
-  std::string_view text_arg(std::string_view name, std::string_view default_text, std::string_view doc) noexcept {
+  std::string_view text_arg(std::string_view name, std::string_view default_text,
+                            std::string_view doc) noexcept {
     return builder_.arg(name, default_text, doc);
   }
-  std::int64_t int_arg(std::string_view name, std::int64_t default_value, std::string_view doc) noexcept {
+  std::int64_t int_arg(std::string_view name, std::int64_t default_value,
+                       std::string_view doc) noexcept {
     char text[24];
     std::size_t n = sizeof text;
     const bool negative = default_value < 0;
-    auto rest = negative ? 0 - static_cast<std::uint64_t>(default_value) : static_cast<std::uint64_t>(default_value);
+    auto rest = negative ? 0 - static_cast<std::uint64_t>(default_value)
+                         : static_cast<std::uint64_t>(default_value);
     do {
       text[--n] = static_cast<char>('0' + rest % 10);
       rest /= 10;
     } while (rest > 0);
     if (negative) text[--n] = '-';
     std::int64_t value = default_value;
-    const std::string_view given = builder_.arg(name, std::string_view(text + n, sizeof text - n), doc);
-    if (!given.empty() && !parse_int(given, value)) builder_.fail("a loadrt parameter is not an integer");
+    const std::string_view given =
+        builder_.arg(name, std::string_view(text + n, sizeof text - n), doc);
+    if (!given.empty() && !parse_int(given, value))
+      builder_.fail("a loadrt parameter is not an integer");
     return value;
   }
   /// Decimal, 0x hexadecimal, with sign.
@@ -367,12 +398,13 @@ inline constexpr std::string_view kModuleSymbolPrefix = "kerf_hal_module_";
 #define KERF_HAL_SYMBOL2_(id) kerf_hal_module_##id
 #define KERF_HAL_SYMBOL_(id) KERF_HAL_SYMBOL2_(id)
 /// Exports the module. KERF_MODULE_ID is set by kerf_component() in CMake to the file's name.
-#define KERF_HAL_MODULE(Class)                                                                          \
-  extern "C" [[gnu::visibility("default")]] const ::kerf::hal::Module KERF_HAL_SYMBOL_(KERF_MODULE_ID); \
-  extern "C" const ::kerf::hal::Module KERF_HAL_SYMBOL_(KERF_MODULE_ID){                                \
-      ::kerf::hal::kModuleAbi,                                                                          \
-      Class::kInfo,                                                                                     \
-      sizeof(Class),                                                                                    \
-      alignof(Class),                                                                                   \
-      [](void* storage, ::kerf::hal::Builder& b) noexcept { new (storage) Class(b); },                  \
+#define KERF_HAL_MODULE(Class)                                                                   \
+  extern "C"                                                                                     \
+      [[gnu::visibility("default")]] const ::kerf::hal::Module KERF_HAL_SYMBOL_(KERF_MODULE_ID); \
+  extern "C" const ::kerf::hal::Module KERF_HAL_SYMBOL_(KERF_MODULE_ID){                         \
+      ::kerf::hal::kModuleAbi,                                                                   \
+      Class::kInfo,                                                                              \
+      sizeof(Class),                                                                             \
+      alignof(Class),                                                                            \
+      [](void* storage, ::kerf::hal::Builder& b) noexcept { new (storage) Class(b); },           \
       [](void* object) noexcept { std::destroy_at(static_cast<Class*>(object)); }};

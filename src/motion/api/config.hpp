@@ -3,22 +3,23 @@
 
 #include <cstdint>
 
-#include "rtapi/base/pose.hpp"
 #include "motion/api/limits.hpp"
+#include "rtapi/base/pose.hpp"
 
 namespace kerf::motion {
 
 /// [JOINT_n]; lengths in mm (or degrees for a rotary joint), times in s.
 struct JointConfig {
   double min_limit{-1e99}, max_limit{1e99};
-  double max_vel{1}, max_acc{1}, max_jerk{0};          ///< jerk 0: not limited
+  double max_vel{1}, max_acc{1}, max_jerk{0};  ///< jerk 0: not limited
   double ferror{1e99}, min_ferror{1e99};
   double backlash{0};
   double home{0}, home_offset{0};
-  double home_search_vel{0}, home_latch_vel{0}, home_final_vel{0};   ///< signed; search 0 = no switch
-  double home_search_dist{0}, home_latch_dist{0};      ///< bounds of the homing moves, 0 = none
-  std::int32_t home_sequence{0};                       ///< [JOINT_n]HOME_SEQUENCE; kNoHomeSequence when absent
-  std::int32_t home_flags{0};                          ///< bits of HomeFlag
+  double home_search_vel{0}, home_latch_vel{0},
+      home_final_vel{0};                           ///< signed; search 0 = no switch
+  double home_search_dist{0}, home_latch_dist{0};  ///< bounds of the homing moves, 0 = none
+  std::int32_t home_sequence{0};  ///< [JOINT_n]HOME_SEQUENCE; kNoHomeSequence when absent
+  std::int32_t home_flags{0};     ///< bits of HomeFlag
   bool rotary{false};
   bool volatile_home{false};
   bool reserved[6]{};
@@ -27,8 +28,14 @@ inline constexpr std::int32_t kNoHomeSequence = 1000;
 
 /// Values as published for homing modules.
 enum HomeFlag : std::int32_t {
-  home_ignore_limits = 1, home_use_index = 2, home_is_shared = 4, home_unlock_first = 8, home_absolute_encoder = 16,
-  home_no_rehome = 32, home_no_final_move = 64, home_index_no_encoder_reset = 128,
+  home_ignore_limits = 1,
+  home_use_index = 2,
+  home_is_shared = 4,
+  home_unlock_first = 8,
+  home_absolute_encoder = 16,
+  home_no_rehome = 32,
+  home_no_final_move = 64,
+  home_index_no_encoder_reset = 128,
 };
 
 /// [AXIS_L]
@@ -50,12 +57,13 @@ struct MachineConfig {
   std::int32_t spindles{1};
   std::uint32_t axis_mask{0};
   std::int32_t reserved{0};
-  double traj_max_vel_mm_s{1};         ///< [TRAJ]MAX_LINEAR_VELOCITY
+  double traj_max_vel_mm_s{1};  ///< [TRAJ]MAX_LINEAR_VELOCITY
   double traj_max_ang_vel_deg_s{360};
   double traj_max_acc_mm_s2{1e9};
-  double linear_units_per_mm{1};       ///< machine units in 1 mm: pins and parameter files are in machine units
-  double max_feed_override{1};         ///< [DISPLAY]MAX_FEED_OVERRIDE, bounds adaptive feed too
-  double heartbeat_timeout_s{0.1};     ///< lost task heartbeat: controlled stop, then disable
+  double linear_units_per_mm{
+      1};  ///< machine units in 1 mm: pins and parameter files are in machine units
+  double max_feed_override{1};      ///< [DISPLAY]MAX_FEED_OVERRIDE, bounds adaptive feed too
+  double heartbeat_timeout_s{0.1};  ///< lost task heartbeat: controlled stop, then disable
   bool no_force_homing{false};
   bool probe_error_inhibit_jog{false}, probe_error_inhibit_home{false};
   bool reserved2[5]{};

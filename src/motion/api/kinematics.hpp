@@ -4,16 +4,21 @@
 #include <array>
 #include <cstdint>
 
-#include "rtapi/base/pose.hpp"
 #include "motion/api/limits.hpp"
+#include "rtapi/base/pose.hpp"
 
 namespace kerf::motion {
 
 using rtapi::Pose;
-using JointVector = std::array<double, kMaxJoints>;   ///< mm or degrees, joint 0 first
+using JointVector = std::array<double, kMaxJoints>;  ///< mm or degrees, joint 0 first
 
 /// The values of KINEMATICS_TYPE (manual: "Kinematics").
-enum class KinematicsType : std::int32_t { identity = 1, forward_only = 2, inverse_only = 3, both = 4 };
+enum class KinematicsType : std::int32_t {
+  identity = 1,
+  forward_only = 2,
+  inverse_only = 3,
+  both = 4
+};
 
 /// Native kinematics: pure functions of their arguments and of constants fixed at load. Callable from any thread (@rt).
 class Kinematics {

@@ -10,8 +10,8 @@
 #include <utility>
 #include <variant>
 
-#include "rtapi/base/pose.hpp"
 #include "motion/api/limits.hpp"
+#include "rtapi/base/pose.hpp"
 
 namespace kerf::motion {
 
@@ -21,20 +21,29 @@ using rtapi::Pose;
 /// state that task keeps for it can be found again after a stop.
 struct SourceTag {
   std::uint64_t id{0};
-  std::int32_t line{0};         ///< 1-based line in its file; 0: none (MDI, jog)
-  std::int32_t file{0};         ///< task's number of the file
+  std::int32_t line{0};  ///< 1-based line in its file; 0: none (MDI, jog)
+  std::int32_t file{0};  ///< task's number of the file
   std::int32_t call_level{0};
   std::int32_t reserved{0};
 };
 
 /// The values of `motion.motion-type` and stat.motion_type.
-enum class MotionKind : std::int32_t { none = 0, traverse = 1, feed = 2, arc = 3, tool_change = 4, probing = 5, index_rotary = 6 };
+enum class MotionKind : std::int32_t {
+  none = 0,
+  traverse = 1,
+  feed = 2,
+  arc = 3,
+  tool_change = 4,
+  probing = 5,
+  index_rotary = 6
+};
 
 /// Straight move from where the path ends to `end`.
 struct LinearMove {
   static constexpr const char* kName = "linear-move";
   Pose end;
-  double vel_mm_s{0};        ///< programmed speed along the feed metric; traverse: 0 = as fast as limits allow
+  double vel_mm_s{
+      0};  ///< programmed speed along the feed metric; traverse: 0 = as fast as limits allow
   MotionKind kind{MotionKind::feed};
   template <class V>
   static constexpr void fields(V&& v) {
@@ -49,9 +58,10 @@ struct LinearMove {
 struct ArcMove {
   static constexpr const char* kName = "arc-move";
   Pose end;
-  double centre[3]{};        ///< x y z, mm
-  double normal[3]{};        ///< unit vector; turning is right-handed about it
-  std::int32_t turns{1};     ///< full turns, at least 1: 1 = up to and including one full circle, 2 = one more ...
+  double centre[3]{};  ///< x y z, mm
+  double normal[3]{};  ///< unit vector; turning is right-handed about it
+  std::int32_t turns{
+      1};  ///< full turns, at least 1: 1 = up to and including one full circle, 2 = one more ...
   MotionKind kind{MotionKind::arc};
   double vel_mm_s{0};
   template <class V>
@@ -70,7 +80,9 @@ struct Dwell {
   static constexpr const char* kName = "dwell";
   double seconds{0};
   template <class V>
-  static constexpr void fields(V&& v) { v("seconds", &Dwell::seconds, "s"); }
+  static constexpr void fields(V&& v) {
+    v("seconds", &Dwell::seconds, "s");
+  }
 };
 
 /// M62-M65 (digital), M67 M68 (analog). Synchronised changes act with the next move's first cycle and never without a
@@ -81,7 +93,7 @@ struct OutputChange {
   bool analog{false};
   bool synchronised{false};
   std::int16_t reserved{0};
-  double value{0};           ///< digital: 0 or 1
+  double value{0};  ///< digital: 0 or 1
   template <class V>
   static constexpr void fields(V&& v) {
     v("index", &OutputChange::index, "");
@@ -95,11 +107,17 @@ struct OutputChange {
 /// for `spindle.N.at-speed` (only while it turns).
 struct SpindleChange {
   static constexpr const char* kName = "spindle-change";
-  enum class Action : std::int32_t { set_speed = 0, forward = 1, reverse = 2, stop = 3, orient = 4 };
+  enum class Action : std::int32_t {
+    set_speed = 0,
+    forward = 1,
+    reverse = 2,
+    stop = 3,
+    orient = 4
+  };
   std::int32_t spindle{0};
   Action action{Action::set_speed};
-  double speed_rpm{0};       ///< commanded speed, not negative (S word)
-  double css_factor{0};      ///< G96: speed = min(css_max_rpm, css_factor / |x|); 0 in G97
+  double speed_rpm{0};   ///< commanded speed, not negative (S word)
+  double css_factor{0};  ///< G96: speed = min(css_max_rpm, css_factor / |x|); 0 in G97
   double css_max_rpm{0};
   double orient_angle_deg{0};
   std::int32_t orient_mode{0};
@@ -120,7 +138,11 @@ struct SpindleChange {
 /// G61, G61.1, G64 P Q for the moves behind it.
 struct PathControl {
   static constexpr const char* kName = "path-control";
-  enum class Mode : std::int32_t { exact_path = 1, exact_stop = 2, continuous = 3 };   ///< the canonical modes
+  enum class Mode : std::int32_t {
+    exact_path = 1,
+    exact_stop = 2,
+    continuous = 3
+  };  ///< the canonical modes
   Mode mode{Mode::continuous};
   std::int32_t reserved{0};
   double tolerance_mm{0};
@@ -154,7 +176,9 @@ struct ToolOffset {
   static constexpr const char* kName = "tool-offset";
   Pose offset;
   template <class V>
-  static constexpr void fields(V&& v) { v("offset", &ToolOffset::offset, "mm|deg"); }
+  static constexpr void fields(V&& v) {
+    v("offset", &ToolOffset::offset, "mm|deg");
+  }
 };
 
 /// G38: a straight move that ends at the first change of `motion.probe-input`.
@@ -179,7 +203,9 @@ struct Marker {
   static constexpr const char* kName = "marker";
   std::uint64_t value{0};
   template <class V>
-  static constexpr void fields(V&& v) { v("value", &Marker::value, ""); }
+  static constexpr void fields(V&& v) {
+    v("value", &Marker::value, "");
+  }
 };
 
 /// A closed list of message types: visits, checks and hashes them.
@@ -213,13 +239,15 @@ struct MessageSet {
   }
 };
 
-using PathItems = MessageSet<LinearMove, ArcMove, Dwell, OutputChange, SpindleChange, PathControl, OverrideEnable, ToolOffset, ProbeMove, Marker>;
+using PathItems = MessageSet<LinearMove, ArcMove, Dwell, OutputChange, SpindleChange, PathControl,
+                             OverrideEnable, ToolOffset, ProbeMove, Marker>;
 
 /// One place of the path ring. `epoch`: the abort epoch in force when it was queued; consumers drop items of older epochs.
 struct PathItem {
   std::uint32_t epoch{0};
   std::uint32_t reserved{0};
-  std::uint64_t seq{0};      ///< 1, 2, 3 ... in queue order, never reused; MotionStatus::executed_seq counts up to it
+  std::uint64_t seq{
+      0};  ///< 1, 2, 3 ... in queue order, never reused; MotionStatus::executed_seq counts up to it
   SourceTag tag;
   PathItems::Variant body{Marker{}};
 };

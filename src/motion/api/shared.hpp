@@ -15,19 +15,20 @@ using PathRing = rtapi::SpscRing<PathItem, 1024>;
 /// sees it from the numbers.
 struct FaultLog {
   static constexpr std::size_t kSlots = 256;
-  rtapi::SeqCell<FaultRecord> slot[kSlots];   ///< record n stands in slot n % kSlots
-  rtapi::Word<std::uint64_t> newest{0};       ///< published after the slot
+  rtapi::SeqCell<FaultRecord> slot[kSlots];  ///< record n stands in slot n % kSlots
+  rtapi::Word<std::uint64_t> newest{0};      ///< published after the slot
 };
 
 /// One block named kMotionBlock, made by motmod when it is loaded.
 struct MotionShared {
-  IntentCell intent;                       ///< task -> servo
-  rtapi::SeqCell<MachineConfig> config;    ///< task -> motion
-  PathRing path;                           ///< task -> planner
-  rtapi::Cell path_cell;                   ///< notified by task after it pushed
-  rtapi::SeqCell<MotionStatus> status;     ///< servo -> everybody, once a cycle
-  rtapi::Cell status_cell;                 ///< notified by servo when task should look: item done, mode, fault, ack
-  FaultLog faults;                         ///< servo -> everybody
+  IntentCell intent;                     ///< task -> servo
+  rtapi::SeqCell<MachineConfig> config;  ///< task -> motion
+  PathRing path;                         ///< task -> planner
+  rtapi::Cell path_cell;                 ///< notified by task after it pushed
+  rtapi::SeqCell<MotionStatus> status;   ///< servo -> everybody, once a cycle
+  rtapi::Cell
+      status_cell;  ///< notified by servo when task should look: item done, mode, fault, ack
+  FaultLog faults;  ///< servo -> everybody
 };
 
 inline constexpr const char* kMotionBlock = "motion";

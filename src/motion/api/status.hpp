@@ -20,19 +20,19 @@ enum class Fault : std::int32_t {
   axis_soft_limit_max = 13,
   joint_hard_limit_min = 14,
   joint_hard_limit_max = 15,
-  following_error = 16,       ///< value, limit
+  following_error = 16,  ///< value, limit
   amp_fault = 17,
-  enable_lost = 18,           ///< motion.enable went false
+  enable_lost = 18,  ///< motion.enable went false
   heartbeat_lost = 19,
   not_homed = 20,
-  home_failed = 21,           ///< value: homing state
+  home_failed = 21,  ///< value: homing state
   home_no_switch = 22,
   home_busy = 23,
   jog_while_not_ready = 24,
   jog_beyond_limit = 25,
-  no_inverse = 26,            ///< kinematics: no joint position for an axis position
-  bad_item = 27,              ///< a path item that cannot be (NaN, radius 0, index out of range)
-  limit_velocity = 30,        ///< the oracle: commanded motion broke a limit (value, limit)
+  no_inverse = 26,      ///< kinematics: no joint position for an axis position
+  bad_item = 27,        ///< a path item that cannot be (NaN, radius 0, index out of range)
+  limit_velocity = 30,  ///< the oracle: commanded motion broke a limit (value, limit)
   limit_acceleration = 31,
   limit_jerk = 32,
   limit_continuity = 33,
@@ -46,10 +46,10 @@ enum class Fault : std::int32_t {
 
 /// One entry of the fault log.
 struct FaultRecord {
-  std::uint64_t number{0};    ///< 1, 2, 3 ... ; readers keep their own cursor
+  std::uint64_t number{0};  ///< 1, 2, 3 ... ; readers keep their own cursor
   std::int64_t time_ns{0};
   Fault fault{Fault::none};
-  std::int32_t index{-1};     ///< joint, axis or spindle, as the fault says
+  std::int32_t index{-1};  ///< joint, axis or spindle, as the fault says
   double value{0}, limit{0};
   SourceTag tag;
 };
@@ -58,34 +58,44 @@ struct JointStatus {
   double pos_cmd{0}, pos_fb{0}, vel_cmd{0}, acc_cmd{0};
   double ferror{0}, ferror_limit{0}, ferror_high{0};
   double motor_offset{0};
-  std::int32_t home_state{0};     ///< 0: not homing
+  std::int32_t home_state{0};  ///< 0: not homing
   bool homed{false}, homing{false}, active{true}, enabled{false};
   bool in_position{true}, faulted{false}, error{false}, on_limit_override{false};
   bool min_hard_limit{false}, max_hard_limit{false}, min_soft_limit{false}, max_soft_limit{false};
 };
 
 struct SpindleStatus {
-  double speed_rpm{0};            ///< commanded, signed by direction, before the override
+  double speed_rpm{0};  ///< commanded, signed by direction, before the override
   double revs{0}, speed_in_rps{0};
-  std::int32_t direction{0};      ///< -1, 0, 1
-  std::int32_t orient_state{0};   ///< 0 none, 1 in progress, 2 done, 3 fault
+  std::int32_t direction{0};     ///< -1, 0, 1
+  std::int32_t orient_state{0};  ///< 0 none, 1 in progress, 2 done, 3 fault
   std::int32_t orient_fault{0};
   bool on{false}, at_speed{true}, brake{true}, locked{false};
 };
 
 /// What the path waits for, beyond motion itself.
-enum class PathWait : std::int32_t { none = 0, spindle_at_speed = 1, orient = 2, dwell = 3, hold = 4, feed_hold_pin = 5, feed_inhibit = 6, zero_override = 7 };
+enum class PathWait : std::int32_t {
+  none = 0,
+  spindle_at_speed = 1,
+  orient = 2,
+  dwell = 3,
+  hold = 4,
+  feed_hold_pin = 5,
+  feed_inhibit = 6,
+  zero_override = 7
+};
 
 /// Written every servo cycle.
 struct MotionStatus {
   std::uint64_t cycle{0};
   std::int64_t time_ns{0};
   std::int64_t servo_period_ns{0};
-  std::uint32_t acked_epoch{0};    ///< the abort epoch that motion has carried out: at rest, nothing older queued anywhere
+  std::uint32_t acked_epoch{
+      0};  ///< the abort epoch that motion has carried out: at rest, nothing older queued anywhere
   MotionMode mode{MotionMode::free};
-  std::uint64_t executed_seq{0};   ///< all items up to this one are done
-  std::uint64_t current_seq{0};    ///< the item in execution
-  SourceTag current;               ///< of the item in execution, or of the last one
+  std::uint64_t executed_seq{0};  ///< all items up to this one are done
+  std::uint64_t current_seq{0};   ///< the item in execution
+  SourceTag current;              ///< of the item in execution, or of the last one
   MotionKind kind{MotionKind::none};
   PathWait waiting_for{PathWait::none};
   std::int32_t waiting_index{-1};  ///< spindle number, where that says more
@@ -93,18 +103,18 @@ struct MotionStatus {
   bool all_homed{false}, homing_active{false}, jogging{false}, soft_limit{false};
   bool probe_tripped{false}, probing{false}, input_timeout{false}, amp_ready{false};
   bool reserved[4]{};
-  Pose pos_cmd, pos_fb;            ///< machine coordinates, mm and degrees
+  Pose pos_cmd, pos_fb;  ///< machine coordinates, mm and degrees
   Pose tool_offset;
-  Pose probed;                     ///< where the probe tripped
+  Pose probed;  ///< where the probe tripped
   Pose distance_to_go_axes;
-  double vel_mm_s{0};              ///< actual speed along the path
+  double vel_mm_s{0};  ///< actual speed along the path
   double requested_vel_mm_s{0};
   double distance_to_go{0};
   double feed_override{1}, rapid_override{1};
   double dwell_left_s{0};
   std::uint64_t planned_items{0};  ///< items taken by the planner and not yet executed
   std::uint64_t digital_in{0}, digital_out{0};
-  std::uint64_t faults{0};         ///< number of the newest FaultRecord; 0: none ever
+  std::uint64_t faults{0};  ///< number of the newest FaultRecord; 0: none ever
   double analog_in[kMaxAnalog]{}, analog_out[kMaxAnalog]{};
   std::int32_t digital_count{4}, analog_count{4};
   std::int32_t joints{0}, spindles{1};

@@ -16,8 +16,12 @@ template <std::size_t N>
 class FixedString {
  public:
   constexpr FixedString() = default;
-  constexpr FixedString(std::string_view text) { assign(text); }   // NOLINT(google-explicit-constructor): a literal is the normal source
-  constexpr FixedString(const char* text) { assign(text); }        // NOLINT(google-explicit-constructor): as above
+  constexpr FixedString(std::string_view text) {
+    assign(text);
+  }  // NOLINT(google-explicit-constructor): a literal is the normal source
+  constexpr FixedString(const char* text) {
+    assign(text);
+  }  // NOLINT(google-explicit-constructor): as above
 
   constexpr void assign(std::string_view text) noexcept {
     truncated_ = text.size() > N ? 1 : 0;
@@ -41,15 +45,21 @@ class FixedString {
     // The size may come from shared memory: never trust it beyond the capacity.
     return {data_, size_ <= N ? size_ : N};
   }
-  constexpr operator std::string_view() const noexcept { return view(); }  // NOLINT(google-explicit-constructor): reads like a string
+  constexpr operator std::string_view() const noexcept {
+    return view();
+  }  // NOLINT(google-explicit-constructor): reads like a string
   [[nodiscard]] constexpr const char* c_str() const noexcept { return data_; }
   [[nodiscard]] constexpr std::size_t size() const noexcept { return view().size(); }
   [[nodiscard]] constexpr bool empty() const noexcept { return size_ == 0; }
   [[nodiscard]] constexpr bool truncated() const noexcept { return truncated_ != 0; }
   [[nodiscard]] static constexpr std::size_t capacity() noexcept { return N; }
 
-  friend constexpr bool operator==(const FixedString& a, std::string_view b) noexcept { return a.view() == b; }
-  friend constexpr bool operator==(const FixedString& a, const FixedString& b) noexcept { return a.view() == b.view(); }
+  friend constexpr bool operator==(const FixedString& a, std::string_view b) noexcept {
+    return a.view() == b;
+  }
+  friend constexpr bool operator==(const FixedString& a, const FixedString& b) noexcept {
+    return a.view() == b.view();
+  }
 
  private:
   static_assert(N < 65535, "the size field has 16 bits");

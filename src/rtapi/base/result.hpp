@@ -15,19 +15,19 @@ namespace kerf::rtapi {
 /// What kind of failure; the text says the rest. Stable numbers: they cross process borders.
 enum class Errc : std::int32_t {
   ok = 0,
-  bad_argument = 1,    ///< the caller's value is wrong (unknown option, number out of range)
-  not_found = 2,       ///< no such file, name, pin, component
-  exists = 3,          ///< the name is taken
-  type_mismatch = 4,   ///< types or directions do not fit
-  busy = 5,            ///< in use, locked, or not now
-  no_memory = 6,       ///< an arena or table is full; the text names the INI key
-  permission = 7,      ///< a right is missing; the text names which
-  system = 8,          ///< a system call failed; the text has errno's meaning
-  protocol = 9,        ///< the other side sent something that cannot be
-  syntax = 10,         ///< text that does not parse
-  cancelled = 11,      ///< stopped on request
-  dead = 12,           ///< the process on the other side is gone
-  internal = 13,       ///< a fault of ours
+  bad_argument = 1,   ///< the caller's value is wrong (unknown option, number out of range)
+  not_found = 2,      ///< no such file, name, pin, component
+  exists = 3,         ///< the name is taken
+  type_mismatch = 4,  ///< types or directions do not fit
+  busy = 5,           ///< in use, locked, or not now
+  no_memory = 6,      ///< an arena or table is full; the text names the INI key
+  permission = 7,     ///< a right is missing; the text names which
+  system = 8,         ///< a system call failed; the text has errno's meaning
+  protocol = 9,       ///< the other side sent something that cannot be
+  syntax = 10,        ///< text that does not parse
+  cancelled = 11,     ///< stopped on request
+  dead = 12,          ///< the process on the other side is gone
+  internal = 13,      ///< a fault of ours
 };
 
 /// Where in a user's file. `file` empty: no place known. Lines and columns count from 1; 0: unknown.
@@ -71,9 +71,12 @@ struct Failure {
 template <class T, class E = Error>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}                       // NOLINT(google-explicit-constructor)
+  Result(T value)
+      : state_(std::in_place_index<0>, std::move(value)) {}  // NOLINT(google-explicit-constructor)
   template <class F>
-  Result(Failure<F> failure) : state_(std::in_place_index<1>, std::move(failure.error)) {}    // NOLINT(google-explicit-constructor)
+  Result(Failure<F> failure)
+      : state_(std::in_place_index<1>, std::move(failure.error)) {
+  }  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] bool ok() const noexcept { return state_.index() == 0; }
   explicit operator bool() const noexcept { return ok(); }
@@ -106,7 +109,8 @@ class [[nodiscard]] Result<void, E> {
  public:
   Result() = default;
   template <class F>
-  Result(Failure<F> failure) : error_(std::move(failure.error)), failed_(true) {}  // NOLINT(google-explicit-constructor)
+  Result(Failure<F> failure)
+      : error_(std::move(failure.error)), failed_(true) {}  // NOLINT(google-explicit-constructor)
   [[nodiscard]] bool ok() const noexcept { return !failed_; }
   explicit operator bool() const noexcept { return ok(); }
   [[nodiscard]] const E& error() const { return error_; }
@@ -121,17 +125,17 @@ using Status = Result<void, Error>;
 }  // namespace kerf::rtapi
 
 /// Returns the error of `expr` from the enclosing function.
-#define KERF_CHECK(expr)                                                      \
-  do {                                                                        \
-    if (auto kerf_status_ = (expr); !kerf_status_.ok())                       \
-      return ::kerf::rtapi::Failure{kerf_status_.error()};                    \
+#define KERF_CHECK(expr)                                   \
+  do {                                                     \
+    if (auto kerf_status_ = (expr); !kerf_status_.ok())    \
+      return ::kerf::rtapi::Failure{kerf_status_.error()}; \
   } while (false)
 
 #define KERF_CONCAT_(a, b) a##b
 #define KERF_CONCAT(a, b) KERF_CONCAT_(a, b)
 /// `KERF_TRY(auto x, f());` declares x from the value of f(), or returns f()'s error.
-#define KERF_TRY(declaration, expr)                                           \
-  auto KERF_CONCAT(kerf_result_, __LINE__) = (expr);                          \
-  if (!KERF_CONCAT(kerf_result_, __LINE__).ok())                              \
+#define KERF_TRY(declaration, expr)                                             \
+  auto KERF_CONCAT(kerf_result_, __LINE__) = (expr);                            \
+  if (!KERF_CONCAT(kerf_result_, __LINE__).ok())                                \
     return ::kerf::rtapi::Failure{KERF_CONCAT(kerf_result_, __LINE__).error()}; \
   declaration = std::move(KERF_CONCAT(kerf_result_, __LINE__)).value()

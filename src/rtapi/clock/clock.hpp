@@ -35,7 +35,7 @@ enum class Role : std::uint8_t {
   task_interpreter = 3,
   io = 4,
   user_component = 5,
-  launcher = 6,      ///< last: it looks at what the others made of its commands
+  launcher = 6,  ///< last: it looks at what the others made of its commands
 };
 
 /// A cell and the count that the waiter has seen.
@@ -48,12 +48,13 @@ struct CellWatch {
 struct WaitSpec {
   Nanos until{kForever};
   StaticVector<CellWatch, 8> cells;
-  StaticVector<int, 64> fds;       ///< readable, or closed by the other end
+  StaticVector<int, 64> fds;  ///< readable, or closed by the other end
   /// Virtual clock: time stands still while this wait lasts, because the work goes on outside (a child process, a client in
   /// the middle of its script). Has no meaning in real time.
   bool holds_time{false};
 
-  /// Watches a cell from its present count. Call it before reading the data that the cell guards.
+  /// Watches a cell from its present count. Call it before reading the data that the cell guards. In real programs the cell
+  /// stands in the segment (make_cell in rtapi/shm/socket.hpp): on the virtual clock other processes look at it.
   void watch(const Cell& cell) noexcept { (void)cells.push_back({&cell, cell.count()}); }
   void watch_fd(int fd) noexcept { (void)fds.push_back(fd); }
   void wake_at(Nanos t) noexcept {

@@ -22,20 +22,20 @@ struct BlockEntry {
   std::uint64_t abi{0};
   Offset offset{0};
   std::uint64_t size{0};
-  Word<std::uint32_t> state{0};   ///< 0 free, 1 present
+  Word<std::uint32_t> state{0};  ///< 0 free, 1 present
 };
 
 struct SegmentHeader {
-  static constexpr std::uint64_t kMagic = 0x31'6d'67'65'73'66'72'6bULL;   // "krfsegm1"
+  static constexpr std::uint64_t kMagic = 0x31'6d'67'65'73'66'72'6bULL;  // "krfsegm1"
   static constexpr std::size_t kBlocks = 128;
-  std::uint64_t magic{0};          ///< written last by the maker
-  std::uint64_t abi{0};            ///< of this header
-  std::uint64_t size{0};           ///< reserved bytes
+  std::uint64_t magic{0};  ///< written last by the maker
+  std::uint64_t abi{0};    ///< of this header
+  std::uint64_t size{0};   ///< reserved bytes
   Word<std::int64_t> owner_pid{0};
-  std::uint64_t owner_start{0};    ///< start time of the owner (/proc/PID/stat): tells a reused pid
-  FixedString<63> run_id;          ///< unique a start; children carry it as KERF_RUN_ID
-  Word<std::uint64_t> used{0};     ///< bytes handed out, from the base
-  Word<std::uint64_t> backed{0};   ///< bytes that have memory behind them
+  std::uint64_t owner_start{0};   ///< start time of the owner (/proc/PID/stat): tells a reused pid
+  FixedString<63> run_id;         ///< unique a start; children carry it as KERF_RUN_ID
+  Word<std::uint64_t> used{0};    ///< bytes handed out, from the base
+  Word<std::uint64_t> backed{0};  ///< bytes that have memory behind them
   BlockEntry blocks[kBlocks];
 };
 
@@ -49,7 +49,8 @@ class Segment {
   static constexpr std::size_t kDefaultBytes = 64U << 20U;
 
   /// Makes the instance's segment. One that a dead owner left is removed first; a live owner is an error that names it.
-  static Result<std::unique_ptr<Segment>> create(const std::string& instance, std::size_t bytes = kDefaultBytes);
+  static Result<std::unique_ptr<Segment>> create(const std::string& instance,
+                                                 std::size_t bytes = kDefaultBytes);
   /// Maps the instance's segment. not_found when the instance does not run; protocol when another build made it.
   static Result<std::unique_ptr<Segment>> attach(const std::string& instance);
   /// Private memory of this process, for tests. Copied by fork like all memory.
@@ -62,7 +63,9 @@ class Segment {
   Segment& operator=(const Segment&) = delete;
 
   [[nodiscard]] std::byte* base() const noexcept { return base_; }
-  [[nodiscard]] SegmentHeader& header() const noexcept { return *reinterpret_cast<SegmentHeader*>(base_); }
+  [[nodiscard]] SegmentHeader& header() const noexcept {
+    return *reinterpret_cast<SegmentHeader*>(base_);
+  }
   [[nodiscard]] const std::string& instance() const noexcept { return instance_; }
 
   /// Makes a zero-filled block, aligned to 64. exists: the name is taken; no_memory: the segment is full.
@@ -87,7 +90,9 @@ class Segment {
   }
 
   template <class T>
-  [[nodiscard]] T* at(Offset offset) const noexcept { return reinterpret_cast<T*>(base_ + offset); }
+  [[nodiscard]] T* at(Offset offset) const noexcept {
+    return reinterpret_cast<T*>(base_ + offset);
+  }
   [[nodiscard]] Offset offset_of(const void* p) const noexcept {
     return static_cast<Offset>(static_cast<const std::byte*>(p) - base_);
   }
@@ -99,7 +104,7 @@ class Segment {
 
  private:
   Segment() = default;
-  struct Mapping;                      ///< hides Boost.Interprocess
+  struct Mapping;  ///< hides Boost.Interprocess
   std::unique_ptr<Mapping> mapping_;
   std::byte* base_{nullptr};
   std::size_t bytes_{0};

@@ -16,7 +16,9 @@ class Cell {
   /// @rt. Release: whoever sees the new count by `count()` (acquire) also sees all that was written before.
   void notify() noexcept { count_.fetch_add(1, std::memory_order_release); }
   /// @rt. Read it before reading the data that it guards.
-  [[nodiscard]] std::uint64_t count() const noexcept { return count_.load(std::memory_order_acquire); }
+  [[nodiscard]] std::uint64_t count() const noexcept {
+    return count_.load(std::memory_order_acquire);
+  }
 
  private:
   std::atomic<std::uint64_t> count_{0};

@@ -52,7 +52,9 @@ class SeqCell {
   }
 
   /// How many writes have finished; 0: never written.
-  [[nodiscard]] std::uint64_t version() const noexcept { return sequence_.load(std::memory_order_acquire) / 2; }
+  [[nodiscard]] std::uint64_t version() const noexcept {
+    return sequence_.load(std::memory_order_acquire) / 2;
+  }
 
  private:
   std::atomic<std::uint64_t> sequence_{0};

@@ -59,14 +59,19 @@ class SpscRing {
   }
   /// Either side; a moment's truth.
   [[nodiscard]] std::uint64_t size() const noexcept {
-    const std::uint64_t n = head_.load(std::memory_order_acquire) - tail_.load(std::memory_order_acquire);
+    const std::uint64_t n =
+        head_.load(std::memory_order_acquire) - tail_.load(std::memory_order_acquire);
     return n > N ? 0 : n;
   }
   [[nodiscard]] bool empty() const noexcept { return size() == 0; }
   [[nodiscard]] static constexpr std::size_t capacity() noexcept { return N; }
   /// How many were ever pushed, and popped.
-  [[nodiscard]] std::uint64_t pushed() const noexcept { return head_.load(std::memory_order_acquire); }
-  [[nodiscard]] std::uint64_t popped() const noexcept { return tail_.load(std::memory_order_acquire); }
+  [[nodiscard]] std::uint64_t pushed() const noexcept {
+    return head_.load(std::memory_order_acquire);
+  }
+  [[nodiscard]] std::uint64_t popped() const noexcept {
+    return tail_.load(std::memory_order_acquire);
+  }
 
  private:
   // On lines of their own, so that the two sides do not fight over one.

@@ -1,0 +1,62 @@
+#include "rtapi/clock/join_clock.hpp"
+
+#include "rtapi/clock/real_clock.hpp"
+#include "rtapi/clock/virtual_clock.hpp"
+#include "rtapi/shm/segment.hpp"
+
+namespace kerf::rtapi {
+
+namespace {
+
+class SegmentClock final : public Clock {
+ public:
+  explicit SegmentClock(const ClockBlock& block) : block_(block) {}
+  [[nodiscard]] Nanos now() const noexcept override { return block_.now_ns.get(); }
+  [[nodiscard]] bool is_virtual() const noexcept override { return true; }
+
+ private:
+  const ClockBlock& block_;
+};
+
+ClockBlock* find_virtual(const Segment& segment) {
+  auto found = segment.find<ClockBlock>(ClockBlock::kName);
+  return found.ok() && (*found)->mode == ClockMode::virtual_time ? *found : nullptr;
+}
+
+}  // namespace
+
+Status make_clock(Segment& segment, ClockMode mode, double speed) {
+  KERF_TRY(ClockBlock * block, segment.make<ClockBlock>(ClockBlock::kName));
+  block->mode = mode;
+  block->speed = speed;
+  block->paced_real_ns = monotonic_now();
+  pthread_mutexattr_t attributes;
+  pthread_mutexattr_init(&attributes);
+  pthread_mutexattr_setpshared(&attributes, PTHREAD_PROCESS_SHARED);
+  pthread_mutexattr_setrobust(&attributes, PTHREAD_MUTEX_ROBUST);
+  pthread_mutex_init(&block->mutex, &attributes);
+  pthread_mutexattr_destroy(&attributes);
+  return {};
+}
+
+ClockMode clock_mode(const Segment& segment) {
+  return find_virtual(segment) != nullptr ? ClockMode::virtual_time : ClockMode::real;
+}
+
+Result<std::unique_ptr<WaitClock>> join_clock(Segment& segment, Role role, std::string_view name) {
+  ClockBlock* block = find_virtual(segment);
+  if (block == nullptr) return make_real_clock();
+  auto joined = VirtualClock::join(segment, *block, role, name);
+  if (!joined.ok()) return Failure{joined.error()};
+  return std::unique_ptr<WaitClock>(std::move(*joined));
+}
+
+std::unique_ptr<WaitClock> make_real_clock() { return std::make_unique<RealClock>(); }
+
+std::unique_ptr<Clock> read_clock(Segment& segment) {
+  ClockBlock* block = find_virtual(segment);
+  if (block == nullptr) return std::make_unique<RealClock>();
+  return std::make_unique<SegmentClock>(*block);
+}
+
+}  // namespace kerf::rtapi

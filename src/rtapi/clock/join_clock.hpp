@@ -1,0 +1,33 @@
+// How real programs get their clock.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "rtapi/base/result.hpp"
+#include "rtapi/clock/clock.hpp"
+
+namespace kerf::rtapi {
+
+class Segment;
+
+enum class ClockMode : std::uint8_t { real = 0, virtual_time = 1 };
+
+/// Makes the clock block of a new segment; once, by the segment's maker. `speed` (virtual only): at most so many virtual seconds
+/// a real one, for people at a screen; 0: as fast as the CPU allows.
+Status make_clock(Segment& segment, ClockMode mode, double speed = 0);
+
+/// real, when the segment has no clock block.
+ClockMode clock_mode(const Segment& segment);
+
+/// Once for each thread that runs a participant. On the virtual clock the call returns when it is this participant's turn to
+/// run, and virtual time stands while it runs, so join late and wait soon.
+Result<std::unique_ptr<WaitClock>> join_clock(Segment& segment, Role role, std::string_view name);
+
+/// A real clock without a segment.
+std::unique_ptr<WaitClock> make_real_clock();
+
+/// A reader of the instance's time that never waits (halcmd, tools).
+std::unique_ptr<Clock> read_clock(Segment& segment);
+
+}  // namespace kerf::rtapi

@@ -1,0 +1,303 @@
+#include "rtapi/clock/virtual_clock.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "rtapi/clock/real_clock.hpp"
+#include "rtapi/shm/process.hpp"
+#include "rtapi/shm/segment.hpp"
+
+namespace kerf::rtapi {
+
+namespace {
+
+/// How often, in real ms, a waiting participant looks whether the one that runs is still alive.
+constexpr int kLivenessMs = 100;
+/// Real time after which the holder of time or baton is named on stderr.
+constexpr Nanos kNameHolderAfter = 5 * kSecond;
+
+socklen_t abstract_address(const std::string& name, sockaddr_un& out) {
+  out = {};
+  out.sun_family = AF_UNIX;
+  const std::size_t n = std::min(name.size(), sizeof(out.sun_path) - 1);
+  std::memcpy(out.sun_path + 1, name.data(), n);
+  return static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + n);
+}
+
+}  // namespace
+
+/// Takes the mutex, also from a dead owner: every field is rewritten whole by its slot or checked by drop_dead, so the state is
+/// usable as it is.
+class VirtualClock::Lock {
+ public:
+  explicit Lock(ClockBlock& block) : block_(block) {
+    if (pthread_mutex_lock(&block_.mutex) == EOWNERDEAD) pthread_mutex_consistent(&block_.mutex);
+  }
+  ~Lock() { pthread_mutex_unlock(&block_.mutex); }
+  Lock(const Lock&) = delete;
+  Lock& operator=(const Lock&) = delete;
+
+ private:
+  ClockBlock& block_;
+};
+
+std::string VirtualClock::address(std::int32_t slot) const {
+  return socket_name(instance_, "clock-" + std::to_string(slot));
+}
+
+Result<std::unique_ptr<VirtualClock>> VirtualClock::join(Segment& segment, ClockBlock& block,
+                                                         Role role, std::string_view name) {
+  auto clock = std::unique_ptr<VirtualClock>(new VirtualClock(segment, block));
+  clock->instance_ = segment.instance();
+  clock->stop_fd_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  clock->socket_ = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (clock->stop_fd_ < 0 || clock->socket_ < 0)
+    return fail(Errc::system, "no descriptors left for the virtual clock");
+  {
+    const Lock lock(block);
+    clock->drop_dead();
+    for (std::int32_t i = 0; i < ClockBlock::kSlots && clock->me_ < 0; ++i)
+      if (block.slot[i].state == ClockSlot::State::free) clock->me_ = i;
+    if (clock->me_ < 0)
+      return fail(Errc::no_memory, "more than 64 participants on the virtual clock");
+    sockaddr_un sun{};
+    const socklen_t length = abstract_address(clock->address(clock->me_), sun);
+    if (bind(clock->socket_, reinterpret_cast<const sockaddr*>(&sun), length) != 0) {
+      clock->me_ = -1;
+      return fail(Errc::system,
+                  std::string("cannot bind the clock's socket: ") + std::strerror(errno));
+    }
+    ClockSlot& slot = block.slot[clock->me_];
+    slot = ClockSlot{};
+    slot.state = ClockSlot::State::waiting;
+    slot.role = role;
+    slot.order = block.joined++;
+    slot.pid = getpid();
+    slot.pid_start = process_start_time(slot.pid);
+    slot.name = FixedString<31>(name);
+    slot.until = block.now_ns.get();
+  }
+  WaitSpec at_once;
+  at_once.until = block.now_ns.get();
+  clock->wait(at_once);
+  return clock;
+}
+
+VirtualClock::~VirtualClock() {
+  if (me_ >= 0) {
+    const Lock lock(block_);
+    block_.slot[me_].state = ClockSlot::State::free;
+    if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
+    if (block_.baton == me_ || block_.baton == ClockBlock::kNobody) {
+      block_.baton = ClockBlock::kNobody;
+      const std::int32_t left = me_;
+      me_ = -1;
+      dispatch();
+      me_ = left;
+    }
+  }
+  if (socket_ >= 0) close(socket_);
+  if (stop_fd_ >= 0) close(stop_fd_);
+}
+
+bool VirtualClock::is_due(const ClockSlot& slot) const noexcept {
+  if (slot.until <= block_.now_ns.get() || slot.outside_ready) return true;
+  for (std::uint32_t i = 0; i < slot.cell_count && i < 8; ++i)
+    if (segment_.at<Cell>(slot.cell[i])->count() != slot.seen[i]) return true;
+  return false;
+}
+
+std::int32_t VirtualClock::first_due(bool& held) const noexcept {
+  std::int32_t best = ClockBlock::kNobody;
+  held = false;
+  for (std::int32_t i = 0; i < ClockBlock::kSlots; ++i) {
+    const ClockSlot& slot = block_.slot[i];
+    if (slot.state != ClockSlot::State::waiting) continue;
+    held = held || slot.holds_time;
+    if (!is_due(slot)) continue;
+    if (best == ClockBlock::kNobody) {
+      best = i;
+      continue;
+    }
+    const ClockSlot& other = block_.slot[best];
+    if (slot.role < other.role || (slot.role == other.role && slot.order < other.order)) best = i;
+  }
+  return best;
+}
+
+Nanos VirtualClock::next_wake() const noexcept {
+  Nanos next = kForever;
+  for (const ClockSlot& slot : block_.slot)
+    if (slot.state == ClockSlot::State::waiting) next = std::min(next, slot.until);
+  return next;
+}
+
+bool VirtualClock::must_pace(Nanos next, Nanos& left) const noexcept {
+  if (block_.speed <= 0) return false;
+  const auto virtual_step = static_cast<double>(next - block_.paced_virtual_ns);
+  const auto due = block_.paced_real_ns + static_cast<Nanos>(virtual_step / block_.speed);
+  left = due - monotonic_now();
+  return left > 0;
+}
+
+bool VirtualClock::hand_to(std::int32_t slot) noexcept {
+  block_.baton = slot;
+  block_.slot[slot].state = ClockSlot::State::running;
+  block_.slot[slot].outside_ready = false;
+  if (slot == me_) return true;
+  sockaddr_un sun{};
+  const socklen_t length = abstract_address(address(slot), sun);
+  const char baton = 'b';
+  if (sendto(socket_, &baton, 1, MSG_NOSIGNAL | MSG_DONTWAIT,
+             reinterpret_cast<const sockaddr*>(&sun), length) == 1)
+    return true;
+  // Its socket is gone, so it is: go on without it.
+  block_.slot[slot].state = ClockSlot::State::free;
+  block_.baton = ClockBlock::kNobody;
+  return false;
+}
+
+void VirtualClock::dispatch() {
+  while (block_.baton == ClockBlock::kNobody) {
+    bool held = false;
+    const std::int32_t due = first_due(held);
+    if (due != ClockBlock::kNobody) {
+      if (hand_to(due)) return;
+      continue;
+    }
+    if (held) return;  // whoever finishes its outside work dispatches
+    const Nanos next = next_wake();
+    if (next == kForever) return;  // all wait for something from outside
+    Nanos left = 0;
+    if (must_pace(next, left)) {
+      // The one that dispatches sleeps for it, in wait().
+      if (me_ >= 0 && block_.pacer == ClockBlock::kNobody) block_.pacer = me_;
+      return;
+    }
+    if (block_.speed > 0 && monotonic_now() - block_.paced_real_ns > kSecond) {
+      // Never hurry after a stall.
+      block_.paced_real_ns = monotonic_now();
+      block_.paced_virtual_ns = next;
+    }
+    block_.now_ns.set(next);
+  }
+}
+
+void VirtualClock::drop_dead() noexcept {
+  for (std::int32_t i = 0; i < ClockBlock::kSlots; ++i) {
+    ClockSlot& slot = block_.slot[i];
+    if (slot.state == ClockSlot::State::free || slot.pid == getpid()) continue;
+    if (process_lives(slot.pid, slot.pid_start)) continue;
+    slot.state = ClockSlot::State::free;
+    if (block_.baton == i) block_.baton = ClockBlock::kNobody;
+    if (block_.pacer == i) block_.pacer = ClockBlock::kNobody;
+  }
+}
+
+void VirtualClock::evict(Segment& segment, std::int64_t pid) {
+  auto found = segment.find<ClockBlock>(ClockBlock::kName);
+  if (!found.ok() || (*found)->mode != ClockMode::virtual_time) return;
+  VirtualClock helper(segment, **found);
+  helper.instance_ = segment.instance();
+  helper.socket_ = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  const Lock lock(**found);
+  for (ClockSlot& slot : (*found)->slot)
+    if (slot.state != ClockSlot::State::free && slot.pid == pid)
+      slot.pid_start = ~std::uint64_t{0};  // no process has this start time
+  helper.drop_dead();
+  helper.dispatch();
+}
+
+void VirtualClock::wait(const WaitSpec& spec) {
+  {
+    const Lock lock(block_);
+    ClockSlot& slot = block_.slot[me_];
+    slot.until = spec.until;
+    slot.holds_time = spec.holds_time;
+    slot.cell_count = 0;
+    for (const CellWatch& watch : spec.cells) {
+      if (!segment_.contains(watch.cell)) {
+        std::fprintf(stderr, "kerf: internal fault: '%s' waits for a cell outside the segment\n",
+                     slot.name.c_str());
+        std::abort();
+      }
+      slot.cell[slot.cell_count] = segment_.offset_of(watch.cell);
+      slot.seen[slot.cell_count++] = watch.seen;
+    }
+    slot.state = ClockSlot::State::waiting;
+    if (block_.baton == me_) block_.baton = ClockBlock::kNobody;
+    if (block_.baton == ClockBlock::kNobody) dispatch();
+    if (block_.baton == me_) return;
+  }
+  pollfd fds[66];
+  nfds_t n = 0;
+  fds[n++] = {socket_, POLLIN, 0};
+  fds[n++] = {stop_fd_, POLLIN, 0};
+  for (const int fd : spec.fds) fds[n++] = {fd, POLLIN, 0};
+  const Nanos since = monotonic_now();
+  bool named = false;
+  for (;;) {
+    if (stopped()) return;  // the destructor gives the baton on if it came meanwhile
+    int timeout_ms = kLivenessMs;
+    {
+      const Lock lock(block_);
+      Nanos left = 0;
+      if (block_.pacer == me_) {
+        const Nanos next = next_wake();
+        timeout_ms = next != kForever && must_pace(next, left)
+                         ? static_cast<int>(std::min<Nanos>(left / kMillisecond + 1, kLivenessMs))
+                         : 0;
+      }
+    }
+    const int ready = poll(fds, n, timeout_ms);
+    if (ready > 0 && fds[0].revents != 0) {
+      char baton = 0;
+      while (recv(socket_, &baton, 1, MSG_DONTWAIT) == 1) {
+      }
+      const Lock lock(block_);
+      if (block_.baton == me_) {
+        if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
+        return;
+      }
+      continue;
+    }
+    if (stopped()) return;
+    bool outside = false;
+    for (nfds_t i = 2; i < n; ++i) outside = outside || fds[i].revents != 0;
+    const Lock lock(block_);
+    if (outside) {
+      block_.slot[me_].outside_ready = true;
+      n = 2;  // the baton is all that is missing now
+    }
+    if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
+    if (ready == 0) drop_dead();
+    if (block_.baton == ClockBlock::kNobody) dispatch();
+    if (block_.baton == me_) return;
+    if (!named && monotonic_now() - since > kNameHolderAfter &&
+        block_.baton != ClockBlock::kNobody && !spec.holds_time) {
+      named = true;
+      const ClockSlot& holder = block_.slot[block_.baton];
+      if (holder.order < block_.slot[me_].order || me_ == 0)
+        std::fprintf(stderr,
+                     "kerf: virtual time has stood still for 5 s: '%s' (process %lld) is running\n",
+                     holder.name.c_str(), static_cast<long long>(holder.pid));
+    }
+  }
+}
+
+void VirtualClock::stop() noexcept {
+  stop_.request();
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = write(stop_fd_, &one, sizeof one);
+}
+
+}  // namespace kerf::rtapi

@@ -1,0 +1,100 @@
+// The virtual clock of real processes: a discrete-event scheduler in the instance's segment.
+//
+// One participant runs at a time, over all processes: the one that holds the baton. In wait() it states what it waits for and
+// hands the baton to the first participant, in fixed order, whose wait is met at this instant; when there is none and nobody
+// holds time, time moves to the earliest wake-up. A notified Cell is seen in that same decision, so a notify always comes
+// before any later wait of the notifier. The state stands in the segment behind a robust mutex; the baton is a datagram.
+// A participant whose process died is found by whoever waits (or by evict()) and removed.
+#pragma once
+
+#include <pthread.h>
+
+#include <memory>
+#include <string>
+
+#include "rtapi/base/fixed_string.hpp"
+#include "rtapi/base/result.hpp"
+#include "rtapi/clock/clock.hpp"
+#include "rtapi/clock/join_clock.hpp"
+
+namespace kerf::rtapi {
+
+class Segment;
+
+/// One participant's place. All but what is said otherwise under ClockBlock::mutex.
+struct ClockSlot {
+  enum class State : std::uint32_t { free = 0, running = 1, waiting = 2 };
+  State state{State::free};
+  Role role{Role::user_component};
+  std::uint32_t order{0};  ///< of registration
+  std::int64_t pid{0};
+  std::uint64_t pid_start{0};
+  FixedString<31> name;
+  Nanos until{0};
+  bool holds_time{false};
+  bool outside_ready{false};  ///< a descriptor became ready
+  std::uint32_t cell_count{0};
+  std::uint64_t cell[8]{};  ///< offsets in the segment
+  std::uint64_t seen[8]{};
+};
+
+struct ClockBlock {
+  static constexpr const char* kName = "clock";
+  static constexpr std::int32_t kSlots = 64;
+  static constexpr std::int32_t kNobody = -1;
+  ClockMode mode{ClockMode::real};
+  double speed{0};
+  pthread_mutex_t mutex{};       ///< shared and robust; virtual clock only
+  Word<std::int64_t> now_ns{0};  ///< read by anybody at any time
+  std::int32_t baton{kNobody};   ///< slot that runs
+  std::int32_t pacer{kNobody};   ///< slot that waits in real time before time moves on (speed > 0)
+  std::uint32_t joined{0};
+  std::int64_t paced_real_ns{0};  ///< real and virtual time of the last step of a paced clock
+  std::int64_t paced_virtual_ns{0};
+  ClockSlot slot[kSlots]{};
+};
+
+class VirtualClock final : public WaitClock {
+ public:
+  static Result<std::unique_ptr<VirtualClock>> join(Segment& segment, ClockBlock& block, Role role,
+                                                    std::string_view name);
+  ~VirtualClock() override;
+  VirtualClock(const VirtualClock&) = delete;
+  VirtualClock& operator=(const VirtualClock&) = delete;
+
+  [[nodiscard]] Nanos now() const noexcept override { return block_.now_ns.get(); }
+  [[nodiscard]] bool is_virtual() const noexcept override { return true; }
+  /// Watched cells must stand in the segment: other processes decide on them.
+  void wait(const WaitSpec& spec) override;
+  void stop() noexcept override;
+  [[nodiscard]] bool stopped() const noexcept override { return stop_.requested(); }
+
+  /// Takes a dead process out at once (its parent knows first).
+  static void evict(Segment& segment, std::int64_t pid);
+
+ private:
+  VirtualClock(Segment& segment, ClockBlock& block) : segment_(segment), block_(block) {}
+  class Lock;
+  Segment& segment_;
+  ClockBlock& block_;
+  std::int32_t me_{-1};
+  int socket_{-1};
+  int stop_fd_{-1};
+  StopWord stop_;
+  std::string instance_;
+
+  [[nodiscard]] bool is_due(const ClockSlot& slot) const noexcept;
+  /// Gives the free baton away, moving time when nobody can run now. Under the lock.
+  void dispatch();
+  /// First in order among those that can run now, or kNobody; `held` tells whether somebody holds time.
+  [[nodiscard]] std::int32_t first_due(bool& held) const noexcept;
+  /// Virtual time of the next wake-up, or kForever.
+  [[nodiscard]] Nanos next_wake() const noexcept;
+  /// True when a paced clock must let real time pass before time moves to `next`; this slot then sleeps for `left` ns.
+  bool must_pace(Nanos next, Nanos& left) const noexcept;
+  bool hand_to(std::int32_t slot) noexcept;
+  void drop_dead() noexcept;
+  [[nodiscard]] std::string address(std::int32_t slot) const;
+};
+
+}  // namespace kerf::rtapi

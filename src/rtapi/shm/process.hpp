@@ -1,0 +1,16 @@
+// Facts about processes, told apart from later ones that got the same number.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace kerf::rtapi {
+
+/// Start time in clock ticks since boot; 0 when there is no such process.
+std::uint64_t process_start_time(std::int64_t pid);
+/// True while that process lives; a zombie is dead. `start` 0: any process with that number.
+bool process_lives(std::int64_t pid, std::uint64_t start);
+/// Command name, or "gone".
+std::string process_name(std::int64_t pid);
+
+}  // namespace kerf::rtapi

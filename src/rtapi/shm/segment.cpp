@@ -1,0 +1,279 @@
+#include "rtapi/shm/segment.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <boost/interprocess/mapped_region.hpp>
+#include <boost/interprocess/shared_memory_object.hpp>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <random>
+
+#include "rtapi/base/suggest.hpp"
+#include "rtapi/shm/process.hpp"
+
+namespace kerf::rtapi {
+
+namespace bip = boost::interprocess;
+
+namespace {
+
+constexpr std::uint64_t kHeaderAbi = sizeof(SegmentHeader) * 1000 + 1;
+/// Memory is put behind the address space in steps of this size.
+constexpr std::uint64_t kBackingStep = 1U << 20U;
+
+constexpr std::uint64_t round_up(std::uint64_t n, std::uint64_t to) {
+  return (n + to - 1) / to * to;
+}
+
+std::string new_run_id() {
+  std::random_device source;
+  char text[40];
+  std::snprintf(text, sizeof text, "%08x%08x-%d", source(), source(), static_cast<int>(getpid()));
+  return text;
+}
+
+enum class Left { nothing, alive, dead, foreign };
+
+/// Who owns the segment that stands under this name?
+Left inspect(const std::string& name, std::int64_t& owner) {
+  const int fd = shm_open(name.c_str(), O_RDONLY | O_CLOEXEC, 0);
+  if (fd < 0) return Left::nothing;
+  Left left = Left::foreign;
+  SegmentHeader* header = nullptr;
+  struct stat st {};
+  if (fstat(fd, &st) == 0 && static_cast<std::size_t>(st.st_size) >= sizeof(SegmentHeader)) {
+    void* p = mmap(nullptr, sizeof(SegmentHeader), PROT_READ, MAP_SHARED, fd, 0);
+    if (p != MAP_FAILED) header = static_cast<SegmentHeader*>(p);
+  }
+  if (header != nullptr) {
+    // A header without its magic was left in the middle of creation: nobody can be using it.
+    owner = header->owner_pid.get();
+    const bool alive =
+        header->magic == SegmentHeader::kMagic && process_lives(owner, header->owner_start);
+    left = alive ? Left::alive : Left::dead;
+    munmap(header, sizeof(SegmentHeader));
+  } else {
+    left = Left::dead;
+  }
+  close(fd);
+  return left;
+}
+
+}  // namespace
+
+struct Segment::Mapping {
+  bip::shared_memory_object object;
+  bip::mapped_region region;
+  void* private_memory{nullptr};
+  std::size_t private_bytes{0};
+  int fd{-1};
+  ~Mapping() {
+    if (private_memory != nullptr) munmap(private_memory, private_bytes);
+  }
+};
+
+Result<std::unique_ptr<Segment>> Segment::create(const std::string& instance, std::size_t bytes) {
+  if (!valid_instance_name(instance))
+    return fail(Errc::bad_argument,
+                "instance name '" + instance +
+                    "' may only have letters, digits, '-', '_' and '.', at most 40");
+  const std::string name = segment_name(instance);
+  std::int64_t owner = 0;
+  const Left left = inspect(name, owner);
+  if (left == Left::alive) {
+    return fail(Errc::busy, "instance '" + instance + "' is in use by process " +
+                                std::to_string(owner) + " (" + process_name(owner) +
+                                "); stop it, or choose another name with --instance");
+  }
+  if (left != Left::nothing) shm_unlink(name.c_str());
+  auto segment = std::unique_ptr<Segment>(new Segment());
+  segment->mapping_ = std::make_unique<Mapping>();
+  try {
+    segment->mapping_->object = bip::shared_memory_object(bip::create_only, name.c_str() + 1,
+                                                          bip::read_write, bip::permissions(0600));
+    segment->mapping_->object.truncate(static_cast<bip::offset_t>(bytes));
+    segment->mapping_->region =
+        bip::mapped_region(segment->mapping_->object, bip::read_write, 0, bytes);
+  } catch (const bip::interprocess_exception& e) {
+    return fail(Errc::system, std::string("cannot make shared memory ") + name + ": " + e.what());
+  }
+  segment->mapping_->fd = segment->mapping_->object.get_mapping_handle().handle;
+  segment->base_ = static_cast<std::byte*>(segment->mapping_->region.get_address());
+  segment->bytes_ = bytes;
+  segment->instance_ = instance;
+  segment->owner_ = true;
+  const std::uint64_t first = round_up(sizeof(SegmentHeader), kBackingStep);
+  if (posix_fallocate(segment->mapping_->fd, 0, static_cast<off_t>(first)) != 0) {
+    shm_unlink(name.c_str());
+    return fail(Errc::no_memory, "no memory behind " + name + "; is /dev/shm full?");
+  }
+  auto* header = new (segment->base_) SegmentHeader();
+  header->abi = kHeaderAbi;
+  header->size = bytes;
+  header->owner_pid.set(getpid());
+  header->owner_start = process_start_time(getpid());
+  header->run_id = FixedString<63>(new_run_id());
+  header->used.set(round_up(sizeof(SegmentHeader), 64));
+  header->backed.set(first);
+  header->magic = SegmentHeader::kMagic;
+  return segment;
+}
+
+Result<std::unique_ptr<Segment>> Segment::attach(const std::string& instance) {
+  const std::string name = segment_name(instance);
+  auto segment = std::unique_ptr<Segment>(new Segment());
+  segment->mapping_ = std::make_unique<Mapping>();
+  std::int64_t owner = 0;
+  const Left left = inspect(name, owner);
+  if (left == Left::nothing)
+    return fail(Errc::not_found, "instance '" + instance + "' does not run (no shared memory " +
+                                     name + "); start it with kerf or halrun");
+  try {
+    segment->mapping_->object =
+        bip::shared_memory_object(bip::open_only, name.c_str() + 1, bip::read_write);
+    bip::offset_t size = 0;
+    if (!segment->mapping_->object.get_size(size) ||
+        static_cast<std::size_t>(size) < sizeof(SegmentHeader))
+      return fail(Errc::protocol, "shared memory " + name +
+                                      " is of another version; stop the instance that made it");
+    segment->mapping_->region = bip::mapped_region(segment->mapping_->object, bip::read_write, 0,
+                                                   static_cast<std::size_t>(size));
+    segment->bytes_ = static_cast<std::size_t>(size);
+  } catch (const bip::interprocess_exception& e) {
+    return fail(Errc::system, std::string("cannot map shared memory ") + name + ": " + e.what());
+  }
+  segment->mapping_->fd = segment->mapping_->object.get_mapping_handle().handle;
+  segment->base_ = static_cast<std::byte*>(segment->mapping_->region.get_address());
+  segment->instance_ = instance;
+  const SegmentHeader& header = segment->header();
+  if (header.magic != SegmentHeader::kMagic || header.abi != kHeaderAbi)
+    return fail(Errc::protocol, "shared memory " + name +
+                                    " was made by another build of Kerf; stop that instance first");
+  return segment;
+}
+
+std::unique_ptr<Segment> Segment::in_memory(std::size_t bytes) {
+  auto segment = std::unique_ptr<Segment>(new Segment());
+  segment->mapping_ = std::make_unique<Mapping>();
+  // Untouched pages cost nothing, so a fork copies only what the machine really uses.
+  void* p = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
+                 MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (p == MAP_FAILED) std::abort();
+  segment->mapping_->private_memory = p;
+  segment->mapping_->private_bytes = bytes;
+  segment->base_ = static_cast<std::byte*>(p);
+  segment->bytes_ = bytes;
+  segment->instance_ = "private";
+  auto* header = new (segment->base_) SegmentHeader();
+  header->abi = kHeaderAbi;
+  header->size = bytes;
+  header->owner_pid.set(getpid());
+  header->used.set(round_up(sizeof(SegmentHeader), 64));
+  header->backed.set(bytes);
+  header->run_id = FixedString<63>("private");
+  header->magic = SegmentHeader::kMagic;
+  return segment;
+}
+
+bool Segment::remove(const std::string& instance) {
+  const std::string name = segment_name(instance);
+  std::int64_t owner = 0;
+  const Left left = inspect(name, owner);
+  if (left == Left::nothing) return true;
+  if (left == Left::alive && owner != getpid()) return false;
+  return shm_unlink(name.c_str()) == 0;
+}
+
+Segment::~Segment() {
+  // The owner takes the name away; others keep their mapping until they let go.
+  if (owner_ && header().owner_pid.get() == getpid()) shm_unlink(segment_name(instance_).c_str());
+}
+
+Result<std::byte*> Segment::make_block(const char* name, std::size_t bytes, std::uint64_t abi) {
+  SegmentHeader& h = header();
+  BlockEntry* free_entry = nullptr;
+  for (BlockEntry& entry : h.blocks) {
+    if (entry.state.observe() == 0) {
+      if (free_entry == nullptr) free_entry = &entry;
+    } else if (entry.name == std::string_view(name)) {
+      return fail(Errc::exists, std::string("segment block '") + name + "' exists already");
+    }
+  }
+  if (free_entry == nullptr)
+    return fail(Errc::no_memory,
+                std::string("no room for segment block '") + name + "': 128 blocks are in use");
+  const std::uint64_t offset = h.used.get();
+  const std::uint64_t end = round_up(offset + bytes, 64);
+  if (end > bytes_) {
+    return fail(Errc::no_memory, "the shared memory of " + std::to_string(bytes_ >> 20U) +
+                                     " MiB is full; raise [KERF]SEGMENT_MB");
+  }
+  if (end > h.backed.get()) {
+    const std::uint64_t backed = std::min<std::uint64_t>(round_up(end, kBackingStep), bytes_);
+    if (posix_fallocate(mapping_->fd, static_cast<off_t>(h.backed.get()),
+                        static_cast<off_t>(backed - h.backed.get())) != 0)
+      return fail(Errc::no_memory,
+                  "/dev/shm is full: no memory for segment block '" + std::string(name) + "'");
+    h.backed.set(backed);
+  }
+  h.used.set(end);
+  std::memset(static_cast<void*>(base_ + offset), 0, bytes);
+  free_entry->name = FixedString<47>(name);
+  free_entry->abi = abi;
+  free_entry->offset = offset;
+  free_entry->size = bytes;
+  free_entry->state.publish(1);
+  return base_ + offset;
+}
+
+Result<std::byte*> Segment::find_block(const char* name, std::uint64_t abi) const {
+  for (const BlockEntry& entry : header().blocks) {
+    if (entry.state.observe() != 1 || !(entry.name == std::string_view(name))) continue;
+    if (entry.abi != abi)
+      return fail(Errc::protocol,
+                  std::string("segment block '") + name + "' was made by another build of Kerf");
+    if (entry.offset + entry.size > bytes_)
+      return fail(Errc::protocol, std::string("segment block '") + name + "' is damaged");
+    return base_ + entry.offset;
+  }
+  return fail(Errc::not_found, std::string("segment block '") + name + "' does not exist");
+}
+
+std::size_t Segment::block_size(const char* name) const {
+  for (const BlockEntry& entry : header().blocks)
+    if (entry.state.observe() == 1 && entry.name == std::string_view(name)) return entry.size;
+  return 0;
+}
+
+void Segment::drop_block(const char* name) {
+  for (BlockEntry& entry : header().blocks)
+    if (entry.state.observe() == 1 && entry.name == std::string_view(name)) entry.state.publish(0);
+}
+
+std::string default_instance() {
+  const char* given = std::getenv("KERF_INSTANCE");
+  if (given != nullptr && *given != '\0') return given;
+  return "u" + std::to_string(getuid());
+}
+
+std::string segment_name(const std::string& instance) { return "/kerf-" + instance; }
+
+std::string socket_name(const std::string& instance, const std::string& service) {
+  return "kerf-" + instance + "-" + service;
+}
+
+bool valid_instance_name(const std::string& instance) {
+  if (instance.empty() || instance.size() > 40) return false;
+  for (const char c : instance) {
+    const bool ok = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                    c == '-' || c == '_' || c == '.';
+    if (!ok) return false;
+  }
+  return true;
+}
+
+}  // namespace kerf::rtapi

@@ -1,0 +1,206 @@
+#include "rtapi/clock/virtual_clock.hpp"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "rtapi/shm/segment.hpp"
+#include "rtapi/shm/socket.hpp"
+
+namespace kerf::rtapi {
+namespace {
+
+/// What all processes of a test write into, in order.
+struct Trace {
+  Word<std::uint32_t> used{0};
+  char text[512]{};
+  void add(char c) { text[used.add(1) - 1] = c; }
+};
+
+struct Fixture {
+  std::unique_ptr<Segment> segment;
+  Trace* trace{nullptr};
+  Cell* cell{nullptr};
+  explicit Fixture(const char* what) {
+    segment =
+        std::move(*Segment::create(std::string("vclock-") + what + "-" + std::to_string(getpid())));
+    EXPECT_TRUE(make_clock(*segment, ClockMode::virtual_time).ok());
+    trace = *segment->make<Trace>("trace");
+    cell = *make_cell(*segment, "cell");
+  }
+};
+
+/// Runs `body` in a child process with its own mapping and clock.
+pid_t spawn(const std::string& instance, Role role, const char* name,
+            const std::function<void(Segment&, WaitClock&, Trace&)>& body) {
+  const pid_t pid = fork();
+  if (pid != 0) return pid;
+  auto segment = Segment::attach(instance);
+  auto clock = join_clock(**segment, role, name);
+  if (!clock.ok()) _exit(9);
+  body(**segment, **clock, **(*segment)->find<Trace>("trace"));
+  clock->reset();
+  _exit(0);
+}
+
+void sleep_ms(WaitClock& clock, int ms) {
+  WaitSpec spec;
+  spec.until = clock.now() + ms * kMillisecond;
+  clock.wait(spec);
+}
+
+int finish(pid_t pid) {
+  int status = 0;
+  waitpid(pid, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+/// Waits until `n` participants have joined, without virtual time going by.
+void wait_joined(Segment& segment, WaitClock& clock, std::uint32_t n) {
+  ClockBlock& block = **segment.find<ClockBlock>(ClockBlock::kName);
+  int fds[2];
+  ASSERT_EQ(pipe(fds), 0);
+  // The launcher's way: it holds time while its children start.
+  std::thread poke([&] {
+    for (;;) {
+      {
+        std::uint32_t joined = 0;
+        pthread_mutex_lock(&block.mutex);
+        joined = block.joined;
+        pthread_mutex_unlock(&block.mutex);
+        if (joined >= n) break;
+      }
+      std::this_thread::yield();
+    }
+    ASSERT_EQ(write(fds[1], "x", 1), 1);
+  });
+  WaitSpec spec;
+  spec.watch_fd(fds[0]);
+  spec.holds_time = true;
+  clock.wait(spec);
+  poke.join();
+  close(fds[0]);
+  close(fds[1]);
+}
+
+TEST(VirtualClock, ProcessesRunInFixedOrderEachTime) {
+  std::string first;
+  for (int round = 0; round < 3; ++round) {
+    Fixture f("order");
+    auto clock = join_clock(*f.segment, Role::launcher, "launcher");
+    ASSERT_TRUE(clock.ok());
+    const auto ticks = [](char c, int period_ms, int n) {
+      return [=](Segment&, WaitClock& k, Trace& t) {
+        for (int i = 0; i < n; ++i) {
+          sleep_ms(k, period_ms);
+          t.add(c);
+        }
+      };
+    };
+    const pid_t task = spawn(f.segment->instance(), Role::task_command, "task", ticks('t', 2, 5));
+    const pid_t host = spawn(f.segment->instance(), Role::realtime_host, "host", ticks('h', 1, 10));
+    wait_joined(*f.segment, **clock, 3);
+    sleep_ms(**clock, 20);
+    EXPECT_EQ((*clock)->now(), 20 * kMillisecond);
+    EXPECT_EQ(finish(task), 0);
+    EXPECT_EQ(finish(host), 0);
+    EXPECT_STREQ(f.trace->text, "hhthhthhthhthht");
+  }
+}
+
+TEST(VirtualClock, NotifyInOneProcessWakesTheOtherAtTheSameInstant) {
+  Fixture f("notify");
+  auto clock = join_clock(*f.segment, Role::launcher, "launcher");
+  ASSERT_TRUE(clock.ok());
+  const pid_t waiter =
+      spawn(f.segment->instance(), Role::planner, "waiter", [](Segment& s, WaitClock& k, Trace& t) {
+        Cell& cell = **make_cell(s, "cell");
+        WaitSpec spec;
+        spec.watch(cell);
+        k.wait(spec);
+        t.add(k.now() == 7 * kMillisecond ? 'y' : 'n');
+      });
+  wait_joined(*f.segment, **clock, 2);
+  sleep_ms(**clock, 7);
+  f.cell->notify();
+  sleep_ms(**clock, 5);
+  EXPECT_EQ(finish(waiter), 0);
+  EXPECT_STREQ(f.trace->text, "y");
+}
+
+TEST(VirtualClock, TimeGoesOnWithoutADeadParticipant) {
+  Fixture f("dead");
+  auto clock = join_clock(*f.segment, Role::launcher, "launcher");
+  ASSERT_TRUE(clock.ok());
+  // It dies while it holds the baton.
+  const pid_t victim = spawn(f.segment->instance(), Role::realtime_host, "victim",
+                             [](Segment&, WaitClock& k, Trace&) {
+                               sleep_ms(k, 3);
+                               raise(SIGKILL);
+                             });
+  wait_joined(*f.segment, **clock, 2);
+  std::thread reaper([&] { EXPECT_EQ(finish(victim), -SIGKILL); });
+  sleep_ms(**clock, 10);
+  EXPECT_EQ((*clock)->now(), 10 * kMillisecond);
+  reaper.join();
+}
+
+TEST(VirtualClock, EvictedAtOnce) {
+  Fixture f("evict");
+  auto clock = join_clock(*f.segment, Role::launcher, "launcher");
+  ASSERT_TRUE(clock.ok());
+  const pid_t victim = spawn(f.segment->instance(), Role::realtime_host, "victim",
+                             [](Segment&, WaitClock& k, Trace&) {
+                               WaitSpec spec;
+                               spec.holds_time = true;
+                               k.wait(spec);
+                             });
+  wait_joined(*f.segment, **clock, 2);
+  kill(victim, SIGKILL);
+  EXPECT_EQ(finish(victim), -SIGKILL);
+  VirtualClock::evict(*f.segment, victim);
+  sleep_ms(**clock, 10);
+  EXPECT_EQ((*clock)->now(), 10 * kMillisecond);
+}
+
+TEST(VirtualClock, StopEndsAWaitAndGivesTheBatonOn) {
+  Fixture f("stop");
+  auto a = join_clock(*f.segment, Role::launcher, "a");
+  ASSERT_TRUE(a.ok());
+  StopWord joined;
+  std::unique_ptr<WaitClock> b;
+  std::thread other([&] {
+    b = std::move(*join_clock(*f.segment, Role::planner, "b"));
+    joined.request();
+    b->wait(WaitSpec{});  // for ever
+    b.reset();
+  });
+  while (!joined.requested()) sleep_ms(**a, 1);
+  b->stop();
+  other.join();
+  const Nanos before = (*a)->now();
+  sleep_ms(**a, 2);
+  EXPECT_EQ((*a)->now(), before + 2 * kMillisecond);
+}
+
+TEST(RealClock, WaitsAndStops) {
+  auto clock = make_real_clock();
+  const Nanos before = clock->now();
+  WaitSpec spec;
+  spec.until = before + 2 * kMillisecond;
+  clock->wait(spec);
+  EXPECT_GE(clock->now(), before + 2 * kMillisecond);
+  std::thread stopper([&] { clock->stop(); });
+  clock->wait(WaitSpec{});
+  stopper.join();
+  EXPECT_TRUE(clock->stopped());
+}
+
+}  // namespace
+}  // namespace kerf::rtapi
