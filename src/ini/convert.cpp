@@ -108,7 +108,7 @@ Number<double> to_real(std::string_view text) {
   out.rest = text.substr(length);
   // from_chars says "out of range" for 1e400 and 1e-400 alike; too small is just zero.
   const bool tiny = code == std::errc::result_out_of_range &&
-                    text.substr(0, length).find("-") != std::string_view::npos;
+                    text.substr(0, length).find('-') != std::string_view::npos;
   out.valid = code == std::errc{} || tiny;
   if (tiny) out.value = 0.0;
   if (out.negated) out.value = -out.value;

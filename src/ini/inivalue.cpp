@@ -126,7 +126,7 @@ class CallParser {
   }
 
   void letters(const std::vector<std::string>& args, std::size_t& i, Call& call) {
-    const std::string word = args[i];
+    const std::string& word = args[i];
     for (std::size_t k = 1; k < word.size() && error_.empty(); ++k) {
       const OptionName* option = by_letter(word[k]);
       if (option == nullptr) {

@@ -250,7 +250,7 @@ void Parser::include(std::string_view name, int number) {
 }
 
 std::string Parser::resolve(std::string_view name) const {
-  const std::string path = expand_tilde(name);
+  std::string path = expand_tilde(name);
   if (path[0] == '/') return path;
   const std::string& including = stack_.back().name;
   const auto slash = including.rfind('/');

@@ -255,7 +255,7 @@ void Reader::known_key(std::string_view section, std::string_view key) {
   asked_.emplace(section, key);
 }
 
-void Reader::complain(std::string_view section, std::string_view key, std::string text,
+void Reader::complain(std::string_view section, std::string_view key, const std::string& text,
                       bool is_error) {
   const Entry* entry = file_.find(section, key);
   complaints_.push_back({entry != nullptr ? entry->at : file_.section_position(section), is_error,

@@ -117,7 +117,7 @@ class Reader {
   /// Marks a key as known that somebody else reads (a HAL file, a screen).
   void known_key(std::string_view section, std::string_view key);
   /// Adds a complaint of the caller, placed at the key (or its section) if the file has it.
-  void complain(std::string_view section, std::string_view key, std::string text,
+  void complain(std::string_view section, std::string_view key, const std::string& text,
                 bool is_error = true);
 
   /// Everything wrong so far, errors and warnings, in the order of reading.
