@@ -189,6 +189,25 @@ TEST(VirtualClock, StopEndsAWaitAndGivesTheBatonOn) {
   EXPECT_EQ((*a)->now(), before + 2 * kMillisecond);
 }
 
+TEST(TimeShim, AnUnmodifiedProgramSleepsInVirtualTime) {
+  Fixture f("shim");
+  auto clock = join_clock(*f.segment, Role::launcher, "launcher");
+  ASSERT_TRUE(clock.ok());
+  const std::string before = f.segment->instance();
+  const pid_t sleeper = fork();
+  if (sleeper == 0) {
+    setenv("KERF_INSTANCE", before.c_str(), 1);
+    setenv("LD_PRELOAD", KERF_BUILD_DIR "/lib/libkerf_time.so", 1);
+    execlp("sleep", "sleep", "3600", nullptr);
+    _exit(127);
+  }
+  wait_joined(*f.segment, **clock, 2);
+  sleep_ms(**clock, 3600 * 1000 - 1);
+  EXPECT_EQ(waitpid(sleeper, nullptr, WNOHANG), 0);
+  sleep_ms(**clock, 2);
+  EXPECT_EQ(finish(sleeper), 0);
+}
+
 TEST(RealClock, WaitsAndStops) {
   auto clock = make_real_clock();
   const Nanos before = clock->now();
