@@ -1,0 +1,75 @@
+// What the INI file says of the machine, read once, with every complaint at once.
+//
+// Lengths in the file are in machine units ([TRAJ]LINEAR_UNITS, ANGULAR_UNITS); here they are mm and degrees.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "ini/ini_file.hpp"
+#include "interp/environment.hpp"
+#include "motion/api/config.hpp"
+
+namespace kerf::task {
+
+/// Bounds of what the operator may choose ([DISPLAY]); factors, 1 = as programmed.
+struct OperatorLimits {
+  double max_feed_override{1.0};
+  double min_spindle_override{0.5};
+  double max_spindle_override{1.0};
+};
+
+/// [EMCIO]
+struct ToolConfig {
+  std::string table_file;  ///< absolute; "" without a tool table
+  bool random_changer{false};
+  double cycle_time_s{0.1};
+  bool spindle_on_during_change{false};
+  bool quill_up{false};
+  bool at_g30{false};
+  bool has_position{false};
+  rtapi::Pose position{};  ///< TOOL_CHANGE_POSITION; axes in position_mask
+  std::uint32_t position_mask{0};
+};
+
+/// Where the interpreter finds and keeps files. All absolute.
+struct ProgramPaths {
+  std::string ini_dir;
+  std::string program_prefix;                ///< [DISPLAY]PROGRAM_PREFIX, or INI_DIR/nc_files
+  std::vector<std::string> user_m_path;      ///< [RS274NGC]USER_M_PATH
+  std::vector<std::string> subroutine_path;  ///< [RS274NGC]SUBROUTINE_PATH
+  std::string parameter_file;                ///< "" without
+};
+
+struct MachineSetup {
+  std::string machine_name;  ///< [EMC]MACHINE
+  motion::MachineConfig motion;
+  interp::Settings interp;
+  OperatorLimits limits;
+  ToolConfig tools;
+  ProgramPaths paths;
+  std::string startup_code;  ///< [RS274NGC]RS274NGC_STARTUP_CODE
+  int mdi_queue{10};         ///< [TASK]MDI_QUEUED_COMMANDS
+  double linear_unit_mm{1};  ///< mm per machine unit
+  double angular_unit_deg{1};
+};
+
+struct SetupResult {
+  MachineSetup setup;
+  std::vector<ini::Diagnostic>
+      diagnostics;  ///< errors and warnings, in file order of the sections read
+  bool ok{false};   ///< no error among them; else do not run this machine
+
+  /// All of them, a line each.
+  [[nodiscard]] std::string text() const;
+};
+
+/// Reads all of it. Warns of unknown keys in the sections that task owns ([TRAJ], [JOINT_n], [AXIS_L], [SPINDLE_n], [RS274NGC], [EMCIO]),
+/// unless a HAL file may use them.
+[[nodiscard]] SetupResult read_machine_setup(const ini::IniFile& file);
+
+/// "~/x", "x" and "/x" as seen from the INI file's folder.
+[[nodiscard]] std::string resolve_path(const std::string& ini_dir, const std::string& path);
+
+}  // namespace kerf::task
