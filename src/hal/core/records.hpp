@@ -1,0 +1,130 @@
+// How HAL stands in the segment: plain records reached by offset, changed by one writer (Registry) and read by anybody (View).
+//
+// Structure (names, types, lists) is guarded by a generation count: odd while the writer changes something, so that a reader
+// copies, looks again and retries. Values and links are relaxed atomics of their own and are not covered by the count.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+#include "hal/core/types.hpp"
+#include "rtapi/shm/segment.hpp"
+#include "rtapi/sync/cell.hpp"
+
+namespace kerf::hal {
+
+using rtapi::Offset;
+using rtapi::Word;
+
+enum class Kind : std::uint32_t { none = 0, pin, param, signal, component, function, thread };
+inline constexpr std::size_t kKinds = 7;
+
+enum class ComponentKind : std::uint32_t { user = 0, realtime = 1, other = 2 };
+
+/// Bits of the HAL lock, as the published C API numbers them.
+enum LockBits : std::uint32_t {
+  lock_none = 0,
+  lock_load = 1,
+  lock_config = 2,
+  lock_tune = 3,
+  lock_params = 4,
+  lock_run = 8,
+  lock_all = 255,
+};
+
+/// Head of every record.
+struct Record {
+  Word<Offset> next{0};  ///< list of all of its kind, in order of creation
+  Word<Offset> previous{0};
+  Word<Offset> hash_next{0};  ///< chain of its bucket
+  Kind kind{Kind::none};
+  std::uint32_t id{0};  ///< handle shown by `show`; never given twice
+  Name name;
+};
+
+/// A pin or a parameter.
+struct ItemRecord : Record {
+  std::atomic<std::uint64_t> link{
+      0};  ///< offset of the slot in effect: `value` here or the signal's
+  std::atomic<std::uint64_t> value{0};
+  Type type{Type::unspecified};
+  Dir dir{Dir::unspecified};
+  Offset owner{0};  ///< ComponentRecord
+  Word<Offset> signal{0};
+  Word<Offset> signal_next{0};  ///< chain of the pins of one signal
+};
+
+struct SignalRecord : Record {
+  std::atomic<std::uint64_t> value{0};
+  Type type{Type::unspecified};
+  std::uint32_t readers{0}, writers{0}, bidirs{0};
+  std::uint32_t user_seen{
+      0};  ///< a pin of a user component was linked: its process may hold the slot's address
+  Word<Offset> first_pin{0};
+};
+
+struct ComponentRecord : Record {
+  ComponentKind type{ComponentKind::user};
+  std::uint32_t ready{0};
+  std::int64_t pid{0};  ///< of a user component
+  std::uint32_t loaded_by_loadrt{0};
+  std::uint32_t args_size{0};
+  Offset args{0};  ///< text of the loadrt arguments
+};
+
+struct FunctionRecord : Record {
+  Offset owner{0};
+  std::uint64_t code{0};  ///< addresses in the realtime host, for `show` only
+  std::uint64_t argument{0};
+  std::uint32_t users{0};  ///< threads that run it: 0 or 1
+};
+
+/// The functions of a thread, in order. Immutable: the writer makes a new one and swaps the offset.
+struct RunListRecord {
+  std::uint64_t count{0};
+  // Offsets of `count` FunctionRecords follow.
+  [[nodiscard]] Offset* functions() noexcept { return reinterpret_cast<Offset*>(this + 1); }
+  [[nodiscard]] const Offset* functions() const noexcept {
+    return reinterpret_cast<const Offset*>(this + 1);
+  }
+};
+
+struct ThreadRecord : Record {
+  std::int64_t period_ns{0};
+  Offset owner{0};
+  Word<Offset> run_list{0};
+  /// Cycles ended, counted also while functions do not run (`stop`): the grace of whoever gives memory back.
+  Word<std::uint64_t> cycles{0};
+  /// 1: a thread of its own runs the cycles, so memory may be in use at any moment; 0: cycles run in the writer's thread.
+  Word<std::uint32_t> ticking{0};
+  /// Breadcrumb: the FunctionRecord that runs now, 0 between functions.
+  Word<Offset> running{0};
+};
+
+/// The block "hal".
+struct Root {
+  static constexpr const char* kBlock = "hal";
+  static constexpr std::uint64_t kAbi = 0x6b68616c'00000001ULL;
+  static constexpr std::size_t kBuckets = 16384;
+  Word<std::uint64_t> generation{0};  ///< odd: being changed
+  rtapi::Cell changed;                ///< notified after each change of structure
+  Word<std::uint32_t> lock{lock_none};
+  Word<std::uint32_t> running{0};     ///< 1 after `start`
+  Word<std::uint64_t> bytes_used{0};  ///< of the arena, reusable ones not counted
+  Word<std::uint64_t> bytes_free{0};  ///< reusable
+  Word<std::uint32_t> count[kKinds];
+  Word<std::uint32_t> recycled[kKinds];
+  Word<Offset> head[kKinds];
+  Word<Offset> tail[kKinds];
+  Word<Offset> bucket[kBuckets];
+};
+
+/// Bucket of a name. FNV-1a; pins and parameters of one name are different objects.
+inline std::size_t bucket_of(Kind kind, std::string_view name) noexcept {
+  std::uint64_t h = 14695981039346656037ULL ^ static_cast<std::uint64_t>(kind);
+  for (const char c : name) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  return static_cast<std::size_t>((h ^ (h >> 32U)) % Root::kBuckets);
+}
+
+}  // namespace kerf::hal

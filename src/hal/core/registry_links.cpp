@@ -1,0 +1,304 @@
+// Registry: signals, links and values.
+#include "hal/core/registry.hpp"
+
+#include "hal/core/registry_change.hpp"
+#include "hal/core/value_text.hpp"
+#include "rtapi/base/suggest.hpp"
+
+namespace kerf::hal {
+
+using rtapi::Errc;
+using rtapi::fail;
+using rtapi::Result;
+using rtapi::Status;
+
+namespace {
+
+std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
+std::string type_of(Type type) { return quoted(type_name(type)); }
+
+}  // namespace
+
+Status Registry::new_signal(std::string_view name, Type type) {
+  reclaim();
+  if (find_pin(name) != nullptr) {
+    return fail(Errc::exists, "Signal name " + quoted(name) + " must not be the same as a pin.");
+  }
+  if (type == Type::unspecified) return fail(Errc::bad_argument, "unknown signal type");
+  if (const auto reason = bad_name_reason(name); !reason.empty()) {
+    return fail(Errc::bad_argument, reason);
+  }
+  if (find_signal(name) != nullptr) return fail(Errc::exists, "duplicate signal " + quoted(name));
+  KERF_TRY(const Offset offset, allocate(sizeof(SignalRecord), Kind::signal));
+  auto* signal = new (segment_.at<SignalRecord>(offset)) SignalRecord();
+  signal->kind = Kind::signal;
+  signal->id = next_id_++;
+  signal->name = Name(name);
+  signal->type = type;
+  const Change change(root_);
+  insert(*signal);
+  return {};
+}
+
+void Registry::erase_signal(SignalRecord& signal) {
+  while (signal.first_pin.get() != 0) detach(*at<ItemRecord>(signal.first_pin.get()));
+  const bool held = signal.user_seen != 0 && user_component_before(next_id_);
+  erase(signal, sizeof signal);
+  if (held) {
+    held_.push_back({pending_.back(), next_id_});
+    pending_.pop_back();
+  }
+}
+
+Status Registry::delete_signal(std::string_view name) {
+  reclaim();
+  SignalRecord* signal = find_signal(name);
+  if (signal == nullptr) {
+    return fail(Errc::not_found, "signal " + quoted(name) + " not found" +
+                                     rtapi::did_you_mean(name, names(Kind::signal)));
+  }
+  const Change change(root_);
+  erase_signal(*signal);
+  return {};
+}
+
+const ItemRecord* Registry::pin_with(const SignalRecord& signal, Dir dir) const noexcept {
+  for (auto* pin = at<ItemRecord>(signal.first_pin.get()); pin != nullptr;
+       pin = at<ItemRecord>(pin->signal_next.get())) {
+    if (pin->dir == dir) return pin;
+  }
+  return nullptr;
+}
+
+Status Registry::check_link(const ItemRecord& pin, const SignalRecord& signal) const {
+  const std::string pin_name = quoted(pin.name);
+  const std::string signal_name = quoted(signal.name);
+  if (pin.type != signal.type) {
+    return fail(Errc::type_mismatch, "Signal " + signal_name + " of type " + type_of(signal.type) +
+                                         " cannot add pin " + pin_name + " of type " +
+                                         type_of(pin.type));
+  }
+  if (pin.dir == Dir::in) return {};
+  const char* label = pin.dir == Dir::out ? "OUT" : "I/O";
+  const auto conflict = [&](Dir dir, const char* other) -> Status {
+    const ItemRecord* p = pin_with(signal, dir);
+    if (p == nullptr) return {};
+    return fail(Errc::type_mismatch, "Signal " + signal_name + " can not add " + label + " pin " +
+                                         pin_name + ", it already has " + other + " pin " +
+                                         quoted(p->name));
+  };
+  KERF_CHECK(conflict(Dir::out, "OUT"));
+  if (pin.dir == Dir::out) KERF_CHECK(conflict(Dir::io, "I/O"));
+  return {};
+}
+
+void Registry::attach(ItemRecord& pin, SignalRecord& signal) noexcept {
+  if (signal.first_pin.get() == 0) {
+    // The first pin gives the signal its value, so that linking never makes a value jump.
+    signal.value.store(pin.value.load(std::memory_order_relaxed), std::memory_order_relaxed);
+  }
+  pin.signal_next.set(signal.first_pin.get());
+  signal.first_pin.set(offset_of(&pin));
+  pin.signal.set(offset_of(&signal));
+  if (pin.dir == Dir::in) ++signal.readers;
+  if (pin.dir == Dir::out) ++signal.writers;
+  if (pin.dir == Dir::io) ++signal.bidirs;
+  const auto* owner = at<ComponentRecord>(pin.owner);
+  if (owner != nullptr && owner->type != ComponentKind::realtime) signal.user_seen = 1;
+  pin.link.store(offset_of(&signal.value), std::memory_order_release);
+}
+
+void Registry::detach(ItemRecord& pin) noexcept {
+  auto* signal = at<SignalRecord>(pin.signal.get());
+  if (signal == nullptr) return;
+  pin.value.store(signal->value.load(std::memory_order_relaxed), std::memory_order_relaxed);
+  pin.link.store(offset_of(&pin.value), std::memory_order_release);
+  Word<Offset>* chain = &signal->first_pin;
+  while (chain->get() != offset_of(&pin)) chain = &at<ItemRecord>(chain->get())->signal_next;
+  chain->set(pin.signal_next.get());
+  pin.signal_next.set(0);
+  pin.signal.set(0);
+  if (pin.dir == Dir::in) --signal->readers;
+  if (pin.dir == Dir::out) --signal->writers;
+  if (pin.dir == Dir::io) --signal->bidirs;
+}
+
+Status Registry::net(std::string_view name, std::span<const std::string> pins) {
+  reclaim();
+  if (find_pin(name) != nullptr) {
+    return fail(Errc::bad_argument,
+                "Signal name " + quoted(name) +
+                    " must not be the same as a pin.  Did you omit the signal name?");
+  }
+  if (pins.empty()) return fail(Errc::bad_argument, "'net' requires at least one pin, none given");
+  if (const auto reason = bad_name_reason(name); !reason.empty()) {
+    return fail(Errc::bad_argument, reason);
+  }
+  SignalRecord* signal = find_signal(name);
+  std::vector<ItemRecord*> fresh;
+  const ItemRecord* first = nullptr;
+  // Check against the signal as it will be: what is there plus the pins named before.
+  const ItemRecord* writer = signal != nullptr ? pin_with(*signal, Dir::out) : nullptr;
+  const ItemRecord* bidir = signal != nullptr ? pin_with(*signal, Dir::io) : nullptr;
+  for (const auto& pin_name : pins) {
+    ItemRecord* pin = find_pin(pin_name);
+    if (pin == nullptr) {
+      return fail(Errc::not_found, "Pin " + quoted(pin_name) + " does not exist" +
+                                       rtapi::did_you_mean(pin_name, names(Kind::pin)));
+    }
+    if (std::find(fresh.begin(), fresh.end(), pin) != fresh.end()) continue;
+    if (const auto* linked = at<SignalRecord>(pin->signal.get()); linked != nullptr) {
+      if (linked == signal) continue;
+      return fail(Errc::busy, "Pin " + quoted(pin_name) + " was already linked to signal " +
+                                  quoted(linked->name));
+    }
+    const Type type = signal != nullptr ? signal->type : first != nullptr ? first->type : pin->type;
+    if (pin->type != type) {
+      const std::string because =
+          signal == nullptr ? " (from pin " + quoted(first->name) + ")" : std::string();
+      return fail(Errc::type_mismatch, "Signal " + quoted(name) + " of type " + type_of(type) +
+                                           because + " cannot add pin " + quoted(pin_name) +
+                                           " of type " + type_of(pin->type));
+    }
+    const ItemRecord* other = pin->dir == Dir::in    ? nullptr
+                              : writer != nullptr    ? writer
+                              : pin->dir == Dir::out ? bidir
+                                                     : nullptr;
+    if (other != nullptr) {
+      return fail(Errc::type_mismatch,
+                  "Signal " + quoted(name) + " can not add " + std::string(dir_name(pin->dir)) +
+                      " pin " + quoted(pin_name) + ", it already has " +
+                      std::string(dir_name(other->dir)) + " pin " + quoted(other->name));
+    }
+    if (pin->dir == Dir::out) writer = pin;
+    if (pin->dir == Dir::io && bidir == nullptr) bidir = pin;
+    if (first == nullptr) first = pin;
+    fresh.push_back(pin);
+  }
+  if (signal == nullptr) {
+    KERF_CHECK(new_signal(name, first->type));
+    signal = find_signal(name);
+  }
+  const Change change(root_);
+  for (auto* pin : fresh) attach(*pin, *signal);
+  return {};
+}
+
+Status Registry::link(std::string_view pin_name, std::string_view signal_name) {
+  reclaim();
+  ItemRecord* pin = find_pin(pin_name);
+  if (pin == nullptr) {
+    return fail(Errc::not_found, "pin " + quoted(pin_name) + " not found" +
+                                     rtapi::did_you_mean(pin_name, names(Kind::pin)));
+  }
+  SignalRecord* signal = find_signal(signal_name);
+  if (signal == nullptr) {
+    return fail(Errc::not_found, "signal " + quoted(signal_name) + " not found" +
+                                     rtapi::did_you_mean(signal_name, names(Kind::signal)));
+  }
+  if (const auto* linked = at<SignalRecord>(pin->signal.get()); linked != nullptr) {
+    if (linked == signal) return {};
+    return fail(Errc::busy, "pin " + quoted(pin_name) + " is linked to " + quoted(linked->name) +
+                                ", cannot link to " + quoted(signal_name));
+  }
+  KERF_CHECK(check_link(*pin, *signal));
+  const Change change(root_);
+  attach(*pin, *signal);
+  return {};
+}
+
+Status Registry::link_pins(std::string_view first, std::string_view second) {
+  reclaim();
+  ItemRecord* a = find_pin(first);
+  ItemRecord* b = find_pin(second);
+  for (const auto& [pin, name] : {std::pair(a, first), std::pair(b, second)}) {
+    if (pin == nullptr) {
+      return fail(Errc::not_found, "pin " + quoted(name) + " not found" +
+                                       rtapi::did_you_mean(name, names(Kind::pin)));
+    }
+    if (const auto* linked = at<SignalRecord>(pin->signal.get()); linked != nullptr) {
+      return fail(Errc::busy, "pin " + quoted(name) + " is linked to " + quoted(linked->name));
+    }
+  }
+  if (a->type != b->type) {
+    return fail(Errc::type_mismatch, "pin " + quoted(first) + " of type " + type_of(a->type) +
+                                         " cannot link to pin " + quoted(second) + " of type " +
+                                         type_of(b->type));
+  }
+  if (a != b && a->dir != Dir::in && b->dir != Dir::in &&
+      (a->dir == Dir::out || b->dir == Dir::out)) {
+    return fail(Errc::type_mismatch, "pins " + quoted(first) + " and " + quoted(second) +
+                                         " both write, they cannot be linked");
+  }
+  // The signal bears the first pin's name, which `newsig` would refuse.
+  if (find_signal(first) != nullptr) return fail(Errc::exists, "duplicate signal " + quoted(first));
+  KERF_TRY(const Offset offset, allocate(sizeof(SignalRecord), Kind::signal));
+  auto* signal = new (segment_.at<SignalRecord>(offset)) SignalRecord();
+  signal->kind = Kind::signal;
+  signal->id = next_id_++;
+  signal->name = Name(first);
+  signal->type = a->type;
+  const Change change(root_);
+  insert(*signal);
+  attach(*a, *signal);
+  if (a != b) attach(*b, *signal);
+  return {};
+}
+
+Status Registry::unlink(std::string_view name) {
+  reclaim();
+  ItemRecord* pin = find_pin(name);
+  if (pin == nullptr) {
+    return fail(Errc::not_found,
+                "pin " + quoted(name) + " not found" + rtapi::did_you_mean(name, names(Kind::pin)));
+  }
+  const Change change(root_);
+  detach(*pin);
+  return {};
+}
+
+Status Registry::set_item(std::string_view name, std::string_view value) {
+  if (ItemRecord* param = find_param(name); param != nullptr) {
+    if (param->dir != Dir::rw) {
+      return fail(Errc::permission, "param " + quoted(name) + " is not writable");
+    }
+    KERF_TRY(const std::uint64_t raw, parse_value(param->type, value));
+    param->value.store(raw, std::memory_order_relaxed);
+    return {};
+  }
+  ItemRecord* pin = find_pin(name);
+  if (pin == nullptr) {
+    auto known = names(Kind::pin);
+    const auto params = names(Kind::param);
+    known.insert(known.end(), params.begin(), params.end());
+    return fail(Errc::not_found, "parameter or pin " + quoted(name) + " not found" +
+                                     rtapi::did_you_mean(name, known));
+  }
+  if (pin->dir == Dir::out)
+    return fail(Errc::permission, "pin " + quoted(name) + " is not writable");
+  if (const auto* signal = at<SignalRecord>(pin->signal.get()); signal != nullptr) {
+    return fail(Errc::busy, "pin " + quoted(name) + " is connected to a signal (" +
+                                std::string(signal->name) + "): use sets");
+  }
+  KERF_TRY(const std::uint64_t raw, parse_value(pin->type, value));
+  pin->value.store(raw, std::memory_order_relaxed);
+  return {};
+}
+
+Status Registry::set_signal(std::string_view name, std::string_view value) {
+  SignalRecord* signal = find_signal(name);
+  if (signal == nullptr) {
+    return fail(Errc::not_found, "signal " + quoted(name) + " not found" +
+                                     rtapi::did_you_mean(name, names(Kind::signal)));
+  }
+  if (signal->writers > 0) {
+    const auto* writer = pin_with(*signal, Dir::out);
+    return fail(Errc::busy, "signal " + quoted(name) + " already has writer(s): " +
+                                (writer != nullptr ? quoted(writer->name) : std::string("?")));
+  }
+  KERF_TRY(const std::uint64_t raw, parse_value(signal->type, value));
+  signal->value.store(raw, std::memory_order_relaxed);
+  return {};
+}
+
+}  // namespace kerf::hal

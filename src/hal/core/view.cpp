@@ -1,0 +1,301 @@
+#include "hal/core/view.hpp"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "hal/core/value_text.hpp"
+#include "rtapi/base/suggest.hpp"
+
+namespace kerf::hal {
+namespace {
+
+/// A change takes microseconds; a writer that is away longer than this many looks is dead in the middle of one.
+constexpr int kTries = 200'000;
+/// Chains of a changing structure may loop; no honest one is longer.
+constexpr std::size_t kLongest = 1U << 22U;
+
+}  // namespace
+
+const Root* View::root() const {
+  if (root_ == nullptr) {
+    if (auto found = segment_.find<Root>(Root::kBlock, Root::kAbi); found.ok()) root_ = *found;
+  }
+  return root_;
+}
+
+template <class T>
+const T* View::at(Offset offset) const {
+  // The offset may be half of a change: it is only trusted to lie in the segment.
+  const std::uint64_t limit = segment_.header().used.get();
+  if (offset == 0 || offset % alignof(T) != 0 || offset + sizeof(T) > limit) return nullptr;
+  return segment_.at<const T>(offset);
+}
+
+template <class F>
+auto View::consistent(F&& copy) const {
+  using Out = std::invoke_result_t<F, const Root&>;
+  const Root* r = root();
+  if (r == nullptr) return Out{};
+  for (int i = 0; i < kTries; ++i) {
+    const std::uint64_t before = r->generation.observe();
+    if ((before & 1U) != 0) continue;
+    Out out = copy(*r);
+    // Acquire: the copy is read before the second look.
+    std::atomic_thread_fence(std::memory_order_acquire);
+    if (r->generation.get() == before) return out;
+  }
+  stuck_ = true;
+  return Out{};
+}
+
+template <class T, class F>
+void View::each(const Root& root, Kind kind, F&& visit) const {
+  const T* r = at<T>(root.head[static_cast<std::size_t>(kind)].observe());
+  for (std::size_t n = 0; r != nullptr && n < kLongest; ++n) {
+    visit(*r);
+    r = at<T>(r->next.observe());
+  }
+}
+
+template <class T>
+const T* View::lookup(const Root& root, Kind kind, std::string_view name) const {
+  const Record* r = at<Record>(root.bucket[bucket_of(kind, name)].observe());
+  for (std::size_t n = 0; r != nullptr && n < kLongest; ++n) {
+    if (r->kind == kind && r->name == name) return at<T>(segment_.offset_of(r));
+    r = at<Record>(r->hash_next.observe());
+  }
+  return nullptr;
+}
+
+std::string View::name_at(Offset offset) const {
+  const Record* r = at<Record>(offset);
+  return r == nullptr ? std::string() : std::string(r->name.view());
+}
+
+ItemInfo View::info(const ItemRecord& r) const {
+  ItemInfo out;
+  out.name = r.name.view();
+  out.type = r.type;
+  out.dir = r.dir;
+  const auto* slot = at<std::atomic<std::uint64_t>>(r.link.load(std::memory_order_acquire));
+  out.raw = slot == nullptr ? 0 : slot->load(std::memory_order_relaxed);
+  if (const auto* owner = at<ComponentRecord>(r.owner); owner != nullptr) {
+    out.owner_id = owner->id;
+    out.owner = owner->name.view();
+  }
+  out.signal = name_at(r.signal.get());
+  return out;
+}
+
+SignalInfo View::info(const SignalRecord& r) const {
+  SignalInfo out;
+  out.name = r.name.view();
+  out.type = r.type;
+  out.raw = r.value.load(std::memory_order_relaxed);
+  out.readers = r.readers;
+  out.writers = r.writers;
+  out.bidirs = r.bidirs;
+  const auto* pin = at<ItemRecord>(r.first_pin.get());
+  for (std::size_t n = 0; pin != nullptr && n < kLongest; ++n) {
+    out.pins.push_back({std::string(pin->name.view()), pin->dir});
+    pin = at<ItemRecord>(pin->signal_next.get());
+  }
+  std::sort(out.pins.begin(), out.pins.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
+  return out;
+}
+
+ComponentInfo View::info(const ComponentRecord& r) const {
+  ComponentInfo out;
+  out.name = r.name.view();
+  out.id = r.id;
+  out.type = r.type;
+  out.pid = r.pid;
+  out.ready = r.ready != 0;
+  out.loaded_by_loadrt = r.loaded_by_loadrt != 0;
+  if (const auto* text = at<char>(r.args);
+      text != nullptr && at<char>(r.args + r.args_size) != nullptr) {
+    out.args.assign(text, r.args_size);
+  }
+  return out;
+}
+
+ThreadInfo View::info(const ThreadRecord& r) const {
+  ThreadInfo out;
+  out.name = r.name.view();
+  out.period_ns = r.period_ns;
+  out.cycles = r.cycles.get();
+  if (const auto* owner = at<ComponentRecord>(r.owner); owner != nullptr) {
+    out.owner_id = owner->id;
+    out.owner = owner->name.view();
+  }
+  if (const auto* list = at<RunListRecord>(r.run_list.observe()); list != nullptr) {
+    for (std::uint64_t i = 0; i < list->count && i < kLongest; ++i) {
+      const auto* f = at<Offset>(segment_.offset_of(list->functions() + i));
+      if (f == nullptr) break;
+      out.functions.push_back(name_at(*f));
+    }
+  }
+  return out;
+}
+
+std::optional<ItemInfo> View::find(Kind kind, std::string_view name) const {
+  return consistent([&](const Root& root) -> std::optional<ItemInfo> {
+    const auto* r = lookup<ItemRecord>(root, kind, name);
+    if (r == nullptr) return std::nullopt;
+    return info(*r);
+  });
+}
+
+std::optional<ItemInfo> View::find_pin(std::string_view name) const {
+  return find(Kind::pin, name);
+}
+std::optional<ItemInfo> View::find_param(std::string_view name) const {
+  return find(Kind::param, name);
+}
+std::optional<ItemInfo> View::find_item(std::string_view name) const {
+  auto item = find(Kind::param, name);
+  return item ? item : find(Kind::pin, name);
+}
+
+std::optional<SignalInfo> View::find_signal(std::string_view name) const {
+  return consistent([&](const Root& root) -> std::optional<SignalInfo> {
+    const auto* r = lookup<SignalRecord>(root, Kind::signal, name);
+    if (r == nullptr) return std::nullopt;
+    return info(*r);
+  });
+}
+
+std::optional<ComponentInfo> View::find_component(std::string_view name) const {
+  return consistent([&](const Root& root) -> std::optional<ComponentInfo> {
+    const auto* r = lookup<ComponentRecord>(root, Kind::component, name);
+    if (r == nullptr) return std::nullopt;
+    return info(*r);
+  });
+}
+
+std::optional<ThreadInfo> View::find_thread(std::string_view name) const {
+  return consistent([&](const Root& root) -> std::optional<ThreadInfo> {
+    const auto* r = lookup<ThreadRecord>(root, Kind::thread, name);
+    if (r == nullptr) return std::nullopt;
+    return info(*r);
+  });
+}
+
+namespace {
+template <class T>
+void sort_by_name(std::vector<T>& items) {
+  std::sort(items.begin(), items.end(), [](const T& a, const T& b) { return a.name < b.name; });
+}
+}  // namespace
+
+std::vector<ItemInfo> View::items(Kind kind) const {
+  auto out = consistent([&](const Root& root) {
+    std::vector<ItemInfo> list;
+    each<ItemRecord>(root, kind, [&](const ItemRecord& r) { list.push_back(info(r)); });
+    return list;
+  });
+  sort_by_name(out);
+  return out;
+}
+
+std::vector<SignalInfo> View::signals() const {
+  auto out = consistent([&](const Root& root) {
+    std::vector<SignalInfo> list;
+    each<SignalRecord>(root, Kind::signal, [&](const SignalRecord& r) { list.push_back(info(r)); });
+    return list;
+  });
+  sort_by_name(out);
+  return out;
+}
+
+std::vector<ComponentInfo> View::components() const {
+  auto out = consistent([&](const Root& root) {
+    std::vector<ComponentInfo> list;
+    each<ComponentRecord>(root, Kind::component,
+                          [&](const ComponentRecord& r) { list.push_back(info(r)); });
+    return list;
+  });
+  std::reverse(out.begin(), out.end());
+  return out;
+}
+
+std::vector<ThreadInfo> View::threads() const {
+  auto out = consistent([&](const Root& root) {
+    std::vector<ThreadInfo> list;
+    each<ThreadRecord>(root, Kind::thread, [&](const ThreadRecord& r) { list.push_back(info(r)); });
+    return list;
+  });
+  std::reverse(out.begin(), out.end());
+  return out;
+}
+
+std::vector<FunctionInfo> View::functions() const {
+  auto out = consistent([&](const Root& root) {
+    std::vector<FunctionInfo> list;
+    each<FunctionRecord>(root, Kind::function, [&](const FunctionRecord& r) {
+      FunctionInfo f;
+      f.name = r.name.view();
+      if (const auto* owner = at<ComponentRecord>(r.owner); owner != nullptr) {
+        f.owner_id = owner->id;
+        f.owner = owner->name.view();
+      }
+      f.code = r.code;
+      f.argument = r.argument;
+      f.users = r.users;
+      list.push_back(std::move(f));
+    });
+    return list;
+  });
+  sort_by_name(out);
+  return out;
+}
+
+std::vector<std::string> View::names(Kind kind) const {
+  return consistent([&](const Root& root) {
+    std::vector<std::string> list;
+    each<Record>(root, kind, [&](const Record& r) { list.emplace_back(r.name.view()); });
+    return list;
+  });
+}
+
+rtapi::Result<std::string> View::value(std::string_view name) const {
+  if (const auto item = find_item(name)) return plain_value_text(item->type, item->raw);
+  if (const auto signal = find_signal(name)) return plain_value_text(signal->type, signal->raw);
+  auto known = names(Kind::pin);
+  for (const Kind kind : {Kind::param, Kind::signal}) {
+    const auto more = names(kind);
+    known.insert(known.end(), more.begin(), more.end());
+  }
+  return rtapi::fail(rtapi::Errc::not_found, "no pin, parameter or signal '" + std::string(name) +
+                                                 "'" + rtapi::did_you_mean(name, known));
+}
+
+SlotRef View::slot(std::string_view name) const {
+  const Root* r = root();
+  if (r == nullptr) return {};
+  const auto* item = lookup<ItemRecord>(*r, Kind::param, name);
+  if (item == nullptr) item = lookup<ItemRecord>(*r, Kind::pin, name);
+  if (item == nullptr) return {};
+  return {segment_.base(), &item->link};
+}
+
+std::uint32_t View::lock_bits() const { return root() == nullptr ? 0 : root()->lock.get(); }
+bool View::running() const { return root() != nullptr && root()->running.get() != 0; }
+const rtapi::Cell* View::changed() const { return root() == nullptr ? nullptr : &root()->changed; }
+
+View::Counts View::counts() const {
+  Counts out;
+  const Root* r = root();
+  out.bytes_total = segment_.header().size;
+  if (r == nullptr) return out;
+  out.bytes_used = r->bytes_used.get();
+  out.bytes_free = r->bytes_free.get();
+  for (std::size_t k = 0; k < kKinds; ++k) {
+    out.active[k] = r->count[k].get();
+    out.recycled[k] = r->recycled[k].get();
+  }
+  return out;
+}
+
+}  // namespace kerf::hal

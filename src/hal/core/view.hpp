@@ -1,0 +1,141 @@
+// View: reads HAL from any process that has the segment mapped, and never waits for the writer.
+//
+//   hal::View view(segment);
+//   const auto pin = view.find_pin("motion.in-position");
+//   if (pin) std::puts(hal::value_text(pin->type, pin->raw).c_str());
+//
+// Each call gives a copy as it stood at one moment; a copy that the writer disturbed is made again. Values are read when the
+// copy is made.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/component.hpp"
+#include "hal/core/records.hpp"
+#include "rtapi/base/result.hpp"
+
+namespace kerf::hal {
+
+/// A pin or a parameter.
+struct ItemInfo {
+  std::string name;
+  Type type{Type::unspecified};
+  Dir dir{Dir::unspecified};
+  std::uint64_t raw{0};
+  std::uint32_t owner_id{0};
+  std::string owner;
+  std::string signal;  ///< empty: not linked
+};
+
+struct SignalInfo {
+  struct Pin {
+    std::string name;
+    Dir dir{Dir::unspecified};
+  };
+  std::string name;
+  Type type{Type::unspecified};
+  std::uint64_t raw{0};
+  std::uint32_t readers{0}, writers{0}, bidirs{0};
+  std::vector<Pin> pins;  ///< by name
+};
+
+struct ComponentInfo {
+  std::string name;
+  std::uint32_t id{0};
+  ComponentKind type{ComponentKind::user};
+  std::int64_t pid{0};
+  bool ready{false};
+  bool loaded_by_loadrt{false};
+  std::string args;
+};
+
+struct FunctionInfo {
+  std::string name;
+  std::uint32_t owner_id{0};
+  std::string owner;
+  std::uint64_t code{0}, argument{0};
+  std::uint32_t users{0};
+};
+
+struct ThreadInfo {
+  std::string name;
+  std::uint32_t owner_id{0};
+  std::string owner;
+  std::int64_t period_ns{0};
+  std::uint64_t cycles{0};
+  std::vector<std::string> functions;
+};
+
+class View {
+ public:
+  explicit View(const rtapi::Segment& segment) : segment_(segment) {}
+
+  /// False until the realtime host has made HAL in this segment.
+  [[nodiscard]] bool attached() const { return root() != nullptr; }
+
+  [[nodiscard]] std::optional<ItemInfo> find_pin(std::string_view name) const;
+  [[nodiscard]] std::optional<ItemInfo> find_param(std::string_view name) const;
+  /// The parameter, if both a pin and a parameter have the name.
+  [[nodiscard]] std::optional<ItemInfo> find_item(std::string_view name) const;
+  [[nodiscard]] std::optional<SignalInfo> find_signal(std::string_view name) const;
+  [[nodiscard]] std::optional<ComponentInfo> find_component(std::string_view name) const;
+  [[nodiscard]] std::optional<ThreadInfo> find_thread(std::string_view name) const;
+
+  /// All of a kind. Pins, parameters, signals, functions by name; components and threads newest first.
+  [[nodiscard]] std::vector<ItemInfo> pins() const { return items(Kind::pin); }
+  [[nodiscard]] std::vector<ItemInfo> params() const { return items(Kind::param); }
+  [[nodiscard]] std::vector<SignalInfo> signals() const;
+  [[nodiscard]] std::vector<ComponentInfo> components() const;
+  [[nodiscard]] std::vector<FunctionInfo> functions() const;
+  [[nodiscard]] std::vector<ThreadInfo> threads() const;
+  /// Names of a kind, in order of creation, for "did you mean".
+  [[nodiscard]] std::vector<std::string> names(Kind kind) const;
+
+  /// The value of a pin, parameter or signal as text (plain_value_text); not_found names the nearest.
+  [[nodiscard]] rtapi::Result<std::string> value(std::string_view name) const;
+  /// Where a pin's or parameter's value stands, for readers within the realtime host's process (tests, the harness): valid
+  /// while its component is loaded. `link` is null when there is no such item.
+  [[nodiscard]] SlotRef slot(std::string_view name) const;
+
+  [[nodiscard]] std::uint32_t lock_bits() const;
+  [[nodiscard]] bool running() const;
+  /// Notified after each change of structure; nullptr while not attached.
+  [[nodiscard]] const rtapi::Cell* changed() const;
+  struct Counts {
+    std::uint64_t bytes_used{0}, bytes_free{0}, bytes_total{0};
+    std::uint32_t active[kKinds]{};
+    std::uint32_t recycled[kKinds]{};
+  };
+  [[nodiscard]] Counts counts() const;
+  /// True when the writer died in the middle of a change: nothing more can be read.
+  [[nodiscard]] bool stuck() const { return stuck_; }
+
+ private:
+  [[nodiscard]] const Root* root() const;
+  template <class T>
+  [[nodiscard]] const T* at(Offset offset) const;
+  /// Calls `copy` until it saw one state from beginning to end.
+  template <class F>
+  auto consistent(F&& copy) const;
+  template <class T, class F>
+  void each(const Root& root, Kind kind, F&& visit) const;
+  template <class T>
+  [[nodiscard]] const T* lookup(const Root& root, Kind kind, std::string_view name) const;
+  [[nodiscard]] std::vector<ItemInfo> items(Kind kind) const;
+  [[nodiscard]] std::optional<ItemInfo> find(Kind kind, std::string_view name) const;
+  [[nodiscard]] std::string name_at(Offset offset) const;
+  [[nodiscard]] ItemInfo info(const ItemRecord& r) const;
+  [[nodiscard]] SignalInfo info(const SignalRecord& r) const;
+  [[nodiscard]] ComponentInfo info(const ComponentRecord& r) const;
+  [[nodiscard]] ThreadInfo info(const ThreadRecord& r) const;
+
+  const rtapi::Segment& segment_;
+  mutable const Root* root_{nullptr};
+  mutable bool stuck_{false};
+};
+
+}  // namespace kerf::hal
