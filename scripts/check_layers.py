@@ -25,7 +25,7 @@ ALLOWED = {
     "launcher": ["rtapi", "ini", "hal/client", "hal/core/types.hpp", "task/api", "motion/api"],
     "gateway": ["rtapi", "ini", "hal/client", "hal/core/types.hpp", "task/api", "motion/api"],
     "python": ["rtapi", "ini", "hal/client", "hal/core/types.hpp", "task/api", "motion/api"],
-    "components": ["hal/component.hpp", "hal/core/types.hpp", "rtapi/base"],
+    "components": ["hal/component.hpp", "hal/stream.hpp", "hal/core/types.hpp", "rtapi/base"],
     "components/kinematics": ["hal/component.hpp", "hal/core/types.hpp", "rtapi/base", "motion/api"],
     "components/drivers": ["hal/component.hpp", "hal/core/types.hpp", "rtapi/base", "io/devices"],
 }

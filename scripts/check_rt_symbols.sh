@@ -48,9 +48,9 @@ sort -u "$work/defined" -o "$work/defined"
 
 # Versions such as @GLIBC_2.29 are not part of the name.
 bad=$(sed -E 's/@+[A-Za-z_0-9.]+$//' "$work/needed" | sort -u |
-  awk -F'\t' 'NR == FNR { defined[$0] = 1; next } !($2 in defined)' "$work/defined" - |
+  awk -F'\t' 'FILENAME == ARGV[1] { defined[$0] = 1; next } !($2 in defined)' "$work/defined" - |
   awk -F'\t' '
-    NR == FNR { allowed[++n] = "^(" $0 ")$"; next }
+    FILENAME == ARGV[1] { allowed[++n] = "^(" $0 ")$"; next }
     { for (i = 1; i <= n; i++) if ($2 ~ allowed[i]) next
       print $1 ": " $2 }' "$work/allowed" -)
 if [[ $bad ]]; then
