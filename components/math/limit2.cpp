@@ -1,0 +1,44 @@
+// limit2: bounds a value and its rate of change.
+#include "hal/component.hpp"
+
+namespace kerf::components {
+
+class Limit2 final : public hal::Component<Limit2> {
+ public:
+  static constexpr hal::Info kInfo{
+      .name = "limit2",
+      .summary = "Keeps a value between min and max and its rate of change below maxv",
+      .notes =
+          "For a position these are limits of position and velocity. out starts from zero and "
+          "walks to in; load makes it jump there. min and max are never broken, not even for "
+          "maxv; with min above max, min wins."};
+  using Component::Component;
+
+ private:
+  hal::In<double> in_{pin<hal::In<double>>("in", "Input")};
+  hal::Out<double> out_{pin<hal::Out<double>>("out", "Input within the limits")};
+  hal::In<bool> load_{pin<hal::In<bool>>("load", "True: out follows in whatever maxv says")};
+  hal::In<double> min_{pin<hal::In<double>>("min", "Lowest value of out", -1e20)};
+  hal::In<double> max_{pin<hal::In<double>>("max", "Highest value of out", 1e20)};
+  hal::In<double> maxv_{pin<hal::In<double>>("maxv", "Most that out may change in a second", 1e20)};
+  double before_{0.0};
+
+  void update(const hal::Period& period) noexcept {
+    double value = in_;
+    if (!load_) {
+      const double step = maxv_ * period.seconds();
+      if (value > before_ + step) value = before_ + step;
+      if (value < before_ - step) value = before_ - step;
+    }
+    const double min = min_, max = max_;
+    if (value > max) value = max;
+    if (value < min) value = min;
+    before_ = value;
+    out_ = value;
+  }
+  hal::Function update_{function<&Limit2::update>("", "Computes out from in and its last value")};
+};
+
+}  // namespace kerf::components
+
+KERF_HAL_MODULE(kerf::components::Limit2)
