@@ -34,7 +34,10 @@ class Timedelay final : public hal::Component<Timedelay> {
     elapsed_s_ = static_cast<double>(elapsed_ns_) * 1e-9;
     // Half a nanosecond of slack: the delay is a decimal fraction, the clock is whole.
     const double delay_ns = (now ? on_delay_s_ : off_delay_s_) * 1e9;
-    if (!(static_cast<double>(elapsed_ns_) + 0.5 < delay_ns)) out_ = now;
+    if (!(static_cast<double>(elapsed_ns_) + 0.5 < delay_ns)) {
+      out_ = now;
+      elapsed_ns_ = 0;
+    }
   }
   hal::Function update_{function<&Timedelay::update>("", "Passes in on when its time has come")};
 };

@@ -8,7 +8,7 @@ namespace kerf::components {
 class ConvFloatS32 final : public hal::Component<ConvFloatS32> {
  public:
   static constexpr hal::Info kInfo{
-      .name = "conv_float_s32",
+      .name = "conv-float-s32",
       .summary = "Converts a value from float to s32",
       .notes =
           "The fraction is cut off (towards zero). What does not fit into an s32 sets "

@@ -5,7 +5,7 @@ namespace kerf::components {
 
 class ConvS32Float final : public hal::Component<ConvS32Float> {
  public:
-  static constexpr hal::Info kInfo{.name = "conv_s32_float",
+  static constexpr hal::Info kInfo{.name = "conv-s32-float",
                                    .summary = "Converts a value from s32 to float",
                                    .notes = "Every s32 has an exact float."};
   using Component::Component;

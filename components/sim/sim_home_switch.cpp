@@ -6,7 +6,7 @@ namespace kerf::components {
 class SimHomeSwitch final : public hal::Component<SimHomeSwitch> {
  public:
   static constexpr hal::Info kInfo{
-      .name = "sim_home_switch",
+      .name = "sim-home-switch",
       .summary = "Home switch simulator",
       .notes =
           "A switch that closes at home-pos, seen from the machine's middle: for home-pos of zero "

@@ -8,7 +8,7 @@ namespace kerf::components {
 class SimSpindle final : public hal::Component<SimSpindle> {
  public:
   static constexpr hal::Info kInfo{
-      .name = "sim_spindle",
+      .name = "sim-spindle",
       .summary = "Simulated spindle with index pulse",
       .notes =
           "velocity-cmd * scale is the wanted speed in revolutions per second: with spindle.N."

@@ -8,29 +8,12 @@ namespace kerf::components {
 namespace {
 constexpr double kTwoPi = 6.283185307179586476925;
 constexpr std::int64_t kMaxChannels = 16;
-
-/// Cuts the text up to the next comma off the front of `list`.
-std::string_view next_field(std::string_view& list) noexcept {
-  const std::size_t comma = list.find(',');
-  const std::size_t size = comma == std::string_view::npos ? list.size() : comma;
-  const std::string_view field(list.data(), size);
-  list.remove_prefix(comma == std::string_view::npos ? size : size + 1);
-  return field;
-}
-
-/// Prefix of channel `index`: from the list of names, or "siggen.INDEX" when there is none.
-hal::Name channel_name(std::string_view names, std::size_t index) noexcept {
-  if (names.empty()) return hal::numbered("siggen.#", index);
-  for (std::size_t i = 0; i < index; ++i) (void)next_field(names);
-  return hal::Name(next_field(names));
-}
 }  // namespace
 
 class SiggenChannel {
  public:
-  SiggenChannel(hal::Builder& b, std::size_t index, std::string_view names) noexcept
-      : b_(&b), prefix_(channel_name(names, index)) {
-    if (prefix_.empty()) b.fail("siggen: names= has an empty name");
+  SiggenChannel(hal::Builder& b, std::size_t index) noexcept
+      : b_(&b), prefix_(index == 0 ? b.prefix() : hal::numbered("siggen.#", index)) {
     frequency_ = make<hal::In<double>>("frequency",
                                        "Frequency [Hz], bounded to half of the rate of calls", 1.0);
     amplitude_ = make<hal::In<double>>("amplitude", "Peak of the waves above offset", 1.0);
@@ -107,26 +90,22 @@ class Siggen final : public hal::Component<Siggen> {
           "16, default 1), named siggen.0, siggen.1, ...; or names= gives a name for each. Run "
           "update many times a period: above half the rate of calls the frequency is cut. A "
           "negative "
-          "frequency runs the waves backwards. Changes of frequency do not make the waves jump.",
-      .singleton = true};
+          "frequency runs the waves backwards. Changes of frequency do not make the waves jump."};
 
-  explicit Siggen(hal::Builder& b) noexcept : Component(b) { make_channels(b); }
-
- private:
-  void make_channels(hal::Builder& b) noexcept {
-    const std::string_view names =
-        text_arg("names", "", "Names of the channels, with commas between them");
-    const std::int64_t asked = int_arg("num_chan", 0, "Number of channels, instead of names");
+  explicit Siggen(hal::Builder& b) noexcept : Component(b) {
+    // The loader makes an instance a channel; num_chan= is the older way, and the first instance's to do.
+    const std::int64_t channels = int_arg("num_chan", 1, "Number of channels, instead of names=");
     if (b.failed()) return;
-    if (!names.empty() && asked != 0) return b.fail("siggen: give num_chan= or names=, not both");
-    std::int64_t channels = names.empty() ? (asked == 0 ? 1 : asked) : 0;
-    for (std::string_view rest = names; !rest.empty(); ++channels) (void)next_field(rest);
     if (channels < 1 || channels > kMaxChannels) {
-      return b.fail("siggen: 1 to 16 channels are possible");
+      b.fail("siggen: num_chan= must be from 1 to 16");
+    } else if (channels != 1 && b.prefix().view() != "siggen.0") {
+      b.fail("siggen: give num_chan= or names=, not both");
+    } else {
+      channels_ = hal::make_array<SiggenChannel>(b, static_cast<std::size_t>(channels));
     }
-    channels_ = hal::make_array<SiggenChannel>(b, static_cast<std::size_t>(channels), names);
   }
 
+ private:
   hal::Array<SiggenChannel> channels_;
 };
 

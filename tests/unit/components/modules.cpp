@@ -19,15 +19,16 @@ const std::vector<const hal::Module*>& all_modules() {
 }
 
 const hal::Module& module(std::string_view name) {
+  std::string dashes(name);
+  std::replace(dashes.begin(), dashes.end(), '_', '-');
   for (const hal::Module* m : all_modules()) {
-    if (m->info.name == name) return *m;
+    if (m->info.name == dashes) return *m;
   }
   throw std::logic_error("no component '" + std::string(name) + "' is linked into the test");
 }
 
 std::string first_prefix(const hal::Module& module) {
   std::string prefix(module.info.name);
-  std::replace(prefix.begin(), prefix.end(), '_', '-');
   return module.info.singleton ? prefix : prefix + ".0";
 }
 

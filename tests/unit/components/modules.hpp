@@ -1,4 +1,4 @@
-// The components under test, by the name that loadrt takes.
+// The components under test.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace kerf::components {
 
-/// Throws std::logic_error for a name that no component has.
+/// By the name that loadrt takes (dashes and underscores are the same to it). Throws std::logic_error for an unknown one.
 const hal::Module& module(std::string_view name);
 const std::vector<const hal::Module*>& all_modules();
 

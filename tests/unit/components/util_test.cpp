@@ -55,7 +55,7 @@ TEST(Threads, RefusesWhatMakesNoThread) {
 
 class SiggenTest : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_TRUE(hal.create(module("siggen"), "siggen")) << hal.error(); }
+  void SetUp() override { ASSERT_TRUE(hal.create(module("siggen"), "siggen.0")) << hal.error(); }
   double get(const char* wave) { return hal.get<double>(std::string("siggen.0.") + wave); }
   hal::TestBuilder hal;
 };
@@ -129,33 +129,28 @@ TEST_F(SiggenTest, RunsBackwardsAtANegativeFrequency) {
 TEST(Siggen, NamesItsChannels) {
   hal::TestBuilder numbered;
   numbered.set_arg("num_chan", "3");
-  ASSERT_TRUE(numbered.create(module("siggen"), "siggen")) << numbered.error();
+  ASSERT_TRUE(numbered.create(module("siggen"), "siggen.0")) << numbered.error();
   EXPECT_TRUE(numbered.has("siggen.2.sine"));
   EXPECT_FALSE(numbered.has("siggen.3.sine"));
   EXPECT_EQ(numbered.functions().size(), 3U);
 
   hal::TestBuilder named;
-  named.set_arg("names", "left,right");
-  ASSERT_TRUE(named.create(module("siggen"), "siggen")) << named.error();
+  ASSERT_TRUE(named.create(module("siggen"), "left")) << named.error();
   EXPECT_TRUE(named.has("left.sine"));
-  EXPECT_TRUE(named.has("right.clock"));
-  EXPECT_EQ(named.functions(), (std::vector<std::string>{"left.update", "right.update"}));
+  EXPECT_EQ(named.functions(), std::vector<std::string>{"left.update"});
 }
 
 TEST(Siggen, RefusesBadNumbersOfChannels) {
-  for (const char* count : {"17", "-1"}) {
+  for (const char* count : {"17", "-1", "0"}) {
     hal::TestBuilder hal;
     hal.set_arg("num_chan", count);
-    EXPECT_FALSE(hal.create(module("siggen"), "siggen"));
-    EXPECT_EQ(hal.error(), "siggen: 1 to 16 channels are possible");
+    EXPECT_FALSE(hal.create(module("siggen"), "siggen.0"));
+    EXPECT_EQ(hal.error(), "siggen: num_chan= must be from 1 to 16");
   }
   hal::TestBuilder both;
   both.set_arg("num_chan", "2");
-  both.set_arg("names", "a,b");
-  EXPECT_FALSE(both.create(module("siggen"), "siggen"));
-  hal::TestBuilder empty;
-  empty.set_arg("names", "a,,b");
-  EXPECT_FALSE(empty.create(module("siggen"), "siggen"));
+  EXPECT_FALSE(both.create(module("siggen"), "left"));
+  EXPECT_EQ(both.error(), "siggen: give num_chan= or names=, not both");
 }
 
 }  // namespace
