@@ -120,6 +120,11 @@ struct Root {
   Word<Offset> bucket[kBuckets];
 };
 
+/// A link made of plain memory, for handles that must work though the item could not be made.
+inline const std::atomic<std::uint64_t>* slot_link(std::uint64_t* words) noexcept {
+  return reinterpret_cast<const std::atomic<std::uint64_t>*>(words);
+}
+
 /// Bucket of a name. FNV-1a; pins and parameters of one name are different objects.
 inline std::size_t bucket_of(Kind kind, std::string_view name) noexcept {
   std::uint64_t h = 14695981039346656037ULL ^ static_cast<std::uint64_t>(kind);

@@ -1,0 +1,273 @@
+#include "hal/loader/host.hpp"
+
+#include <algorithm>
+#include <new>
+
+#include "hal/core/value_text.hpp"
+#include "rtapi/base/suggest.hpp"
+
+namespace kerf::hal {
+
+using rtapi::Errc;
+using rtapi::fail;
+using rtapi::Result;
+using rtapi::Status;
+
+namespace {
+
+std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
+
+Reply reply(const Status& status) {
+  if (status.ok()) return {};
+  return {static_cast<int>(status.error().code), status.error().message()};
+}
+
+Reply bad(Errc code, std::string text) { return {static_cast<int>(code), std::move(text)}; }
+
+}  // namespace
+
+/// One command: its name, how many words may follow, what the lock forbids, and who does it.
+struct Host::Row {
+  const char* name;
+  std::size_t min;
+  std::size_t max;
+  std::uint32_t lock;
+  Reply (Host::*run)(Words argv);
+};
+
+const Host::Row Host::kCommands[] = {
+    {"loadrt", 1, SIZE_MAX, lock_load, &Host::load},
+    {"unloadrt", 1, 1, lock_load, &Host::unload},
+    {"net", 1, SIZE_MAX, lock_config, &Host::net},
+    {"newsig", 2, 2, lock_config, &Host::new_signal},
+    {"delsig", 1, 1, lock_config, &Host::delete_signal},
+    {"linkps", 2, 2, lock_config, &Host::link_pin_signal},
+    {"linksp", 2, 2, lock_config, &Host::link_signal_pin},
+    {"linkpp", 2, 2, lock_config, &Host::link_pins},
+    {"unlinkp", 1, 1, lock_config, &Host::unlink},
+    {"setp", 2, 2, lock_params, &Host::set_item},
+    {"sets", 2, 2, lock_params, &Host::set_signal},
+    {"addf", 2, 3, lock_config, &Host::add_function},
+    {"delf", 2, 2, lock_config, &Host::delete_function},
+    {"start", 0, 0, lock_run, &Host::start},
+    {"stop", 0, 0, lock_run, &Host::stop},
+    {"lock", 0, 1, 0, &Host::lock},
+    {"unlock", 0, 1, 0, &Host::unlock},
+    {"comp-new", 1, 1, 0, &Host::component_new},
+    {"pin-new", 4, 5, 0, &Host::pin_new},
+    {"param-new", 4, 5, 0, &Host::param_new},
+    {"comp-ready", 1, 1, 0, &Host::component_ready},
+    {"comp-exit", 1, 1, 0, &Host::component_exit},
+};
+
+Result<std::unique_ptr<Host>> Host::create(rtapi::Segment& segment, const rtapi::Clock& clock,
+                                           ModuleSource& modules, HostDriver* driver) {
+  std::unique_ptr<Host> host(new Host(clock, modules, driver));
+  KERF_TRY(host->registry_, Registry::create(segment));
+  return host;
+}
+
+Host::~Host() { unload_all(); }
+
+Reply Host::command(Words argv, std::uint64_t client, std::int64_t pid) {
+  if (argv.empty()) return {};
+  for (const Row& row : kCommands) {
+    if (argv[0] != row.name) continue;
+    const std::size_t given = argv.size() - 1;
+    if (given < row.min || given > row.max) {
+      const std::string least = row.min == row.max ? ""
+                                : given < row.min  ? "at least "
+                                                   : "at most ";
+      const std::size_t want = given < row.min ? row.min : row.max;
+      return bad(Errc::bad_argument, argv[0] + " requires " + least + std::to_string(want) +
+                                         " arguments, " + std::to_string(given) + " given");
+    }
+    if (const auto locked = registry_->check_lock(row.lock); !locked.ok()) return reply(locked);
+    client_ = client;
+    pid_ = pid;
+    registry_->reclaim();
+    return (this->*row.run)(argv.subspan(1));
+  }
+  std::vector<std::string> known;
+  for (const Row& row : kCommands) known.emplace_back(row.name);
+  return bad(Errc::not_found,
+             "Unknown command " + quoted(argv[0]) + rtapi::did_you_mean(argv[0], known));
+}
+
+// ---- signals and values -------------------------------------------------------------------------
+
+Reply Host::net(Words argv) { return reply(registry_->net(argv[0], argv.subspan(1))); }
+
+Reply Host::new_signal(Words argv) {
+  const Type type = type_from_name(argv[1]);
+  if (type == Type::unspecified) {
+    return bad(Errc::bad_argument, "Unknown signal type " + quoted(argv[1]) +
+                                       "; known are bit, float, s32, u32, s64, u64, port");
+  }
+  return reply(registry_->new_signal(argv[0], type));
+}
+
+Reply Host::delete_signal(Words argv) { return reply(registry_->delete_signal(argv[0])); }
+Reply Host::link_pin_signal(Words argv) { return reply(registry_->link(argv[0], argv[1])); }
+Reply Host::link_signal_pin(Words argv) { return reply(registry_->link(argv[1], argv[0])); }
+Reply Host::link_pins(Words argv) { return reply(registry_->link_pins(argv[0], argv[1])); }
+Reply Host::unlink(Words argv) { return reply(registry_->unlink(argv[0])); }
+Reply Host::set_item(Words argv) { return reply(registry_->set_item(argv[0], argv[1])); }
+Reply Host::set_signal(Words argv) { return reply(registry_->set_signal(argv[0], argv[1])); }
+
+Reply Host::start(Words /*argv*/) {
+  registry_->set_running(true);
+  return {};
+}
+
+Reply Host::stop(Words /*argv*/) {
+  registry_->set_running(false);
+  return {};
+}
+
+Reply Host::lock(Words argv) {
+  const std::string what = argv.empty() ? "all" : argv[0];
+  if (what == "none")
+    registry_->set_lock(lock_none);
+  else if (what == "tune")
+    registry_->set_lock(lock_tune);
+  else if (what == "all")
+    registry_->set_lock(lock_all);
+  else
+    return bad(Errc::bad_argument,
+               "Unknown 'lock' type " + quoted(what) + "; known are none, tune, all");
+  return {};
+}
+
+Reply Host::unlock(Words argv) {
+  const std::string what = argv.empty() ? "all" : argv[0];
+  if (what == "tune")
+    registry_->set_lock(lock_tune);
+  else if (what == "all")
+    registry_->set_lock(lock_none);
+  else
+    return bad(Errc::bad_argument,
+               "Unknown 'unlock' type " + quoted(what) + "; known are tune, all");
+  return {};
+}
+
+// ---- user components ----------------------------------------------------------------------------
+
+Reply Host::component_new(Words argv) {
+  auto made = registry_->add_component(argv[0], ComponentKind::user, pid_);
+  if (!made.ok()) {
+    std::string text = made.error().message();
+    if (made.error().code == Errc::exists) text = "duplicate component name " + quoted(argv[0]);
+    return bad(made.error().code, text);
+  }
+  user_components_[argv[0]] = {*made, client_};
+  return {0, std::to_string((*made)->id)};
+}
+
+Result<Host::UserComponent*> Host::own_component(const std::string& name) {
+  const auto it = user_components_.find(name);
+  if (it == user_components_.end())
+    return fail(Errc::not_found, "component " + quoted(name) + " not found");
+  if (it->second.client != client_) {
+    return fail(Errc::permission, "component " + quoted(name) + " belongs to another client");
+  }
+  return &it->second;
+}
+
+Reply Host::item_new(Words argv, bool pin) {
+  auto owner = own_component(argv[0]);
+  if (!owner.ok()) return bad(owner.error().code, owner.error().message());
+  if ((*owner)->record->ready != 0) {
+    return bad(Errc::busy,
+               "component " + quoted(argv[0]) + " is ready: no more pins or parameters");
+  }
+  const Type type = type_from_name(argv[2]);
+  const Dir dir = dir_from_name(argv[3]);
+  const bool is_pin_dir = dir == Dir::in || dir == Dir::out || dir == Dir::io;
+  if (type == Type::unspecified || dir == Dir::unspecified || is_pin_dir != pin) {
+    return bad(Errc::bad_argument,
+               "bad type or direction for " + quoted(argv[1]) + ": " + argv[2] + " " + argv[3]);
+  }
+  std::uint64_t initial = 0;
+  if (argv.size() > 4) {
+    auto value = parse_value(type, argv[4]);
+    if (!value.ok()) return bad(value.error().code, value.error().message());
+    initial = *value;
+  }
+  auto& record = *(*owner)->record;
+  auto made = pin ? registry_->add_pin(record, argv[1], type, dir, initial)
+                  : registry_->add_param(record, argv[1], type, dir, initial);
+  if (!made.ok()) return bad(made.error().code, made.error().message());
+  return {0, std::to_string(segment().offset_of(&(*made)->link))};
+}
+
+Reply Host::pin_new(Words argv) { return item_new(argv, true); }
+Reply Host::param_new(Words argv) { return item_new(argv, false); }
+
+Reply Host::component_ready(Words argv) {
+  auto own = own_component(argv[0]);
+  if (!own.ok()) return bad(own.error().code, own.error().message());
+  if ((*own)->record->ready != 0)
+    return bad(Errc::busy, "Component " + quoted(argv[0]) + " already ready");
+  registry_->set_ready(*(*own)->record);
+  return {};
+}
+
+Reply Host::component_exit(Words argv) {
+  auto own = own_component(argv[0]);
+  if (!own.ok()) return bad(own.error().code, own.error().message());
+  registry_->remove_component(*(*own)->record);
+  user_components_.erase(argv[0]);
+  return {};
+}
+
+void Host::client_gone(std::uint64_t client) {
+  for (auto it = user_components_.begin(); it != user_components_.end();) {
+    if (it->second.client != client) {
+      ++it;
+      continue;
+    }
+    registry_->remove_component(*it->second.record);
+    it = user_components_.erase(it);
+  }
+  registry_->reclaim();
+}
+
+// ---- what drivers look at -----------------------------------------------------------------------
+
+std::vector<ThreadRunner*> Host::threads() const {
+  std::vector<ThreadRunner*> out;
+  for (const auto& t : threads_) out.push_back(t->runner.get());
+  std::stable_sort(out.begin(), out.end(), [](const ThreadRunner* a, const ThreadRunner* b) {
+    return a->period_ns() < b->period_ns();
+  });
+  return out;
+}
+
+std::vector<rtapi::Participant*> Host::participants() const {
+  std::vector<rtapi::Participant*> out;
+  for (const auto& l : loaded_)
+    out.insert(out.end(), l->participants.begin(), l->participants.end());
+  return out;
+}
+
+Host::Thread* Host::find_thread(std::string_view name) {
+  for (const auto& t : threads_) {
+    if (t->runner->record().name == name) return t.get();
+  }
+  return nullptr;
+}
+
+Host::Loaded* Host::find_loaded(std::string_view name) const {
+  const auto folded = [](std::string_view s) {
+    std::string out(s);
+    std::replace(out.begin(), out.end(), '-', '_');
+    return out;
+  };
+  for (const auto& l : loaded_) {
+    if (folded(l->name) == folded(name)) return l.get();
+  }
+  return nullptr;
+}
+
+}  // namespace kerf::hal

@@ -1,0 +1,187 @@
+// Host: the realtime host without its threads. Owns HAL's structure, loads components, and answers every command that changes
+// something. Programs (rtapi_app) and tests give it a clock, a source of components and a driver for its threads.
+//
+// Everything here but ThreadRunner::run_cycle is @nonrt and belongs to one thread.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/core/registry.hpp"
+#include "hal/loader/module_source.hpp"
+#include "hal/loader/thread_runner.hpp"
+#include "rtapi/clock/clock.hpp"
+
+namespace kerf::hal {
+
+/// Answer to a command. `status` 0 or an rtapi::Errc; `text` is the error, or what was asked for.
+struct Reply {
+  int status{0};
+  std::string text;
+  [[nodiscard]] bool ok() const noexcept { return status == 0; }
+};
+
+/// Who runs the threads and participants that loaded components bring.
+class HostDriver {
+ public:
+  virtual ~HostDriver() = default;
+  /// A thread to be run from now on, each period. An error undoes the loadrt.
+  virtual rtapi::Status thread_added(ThreadRunner& /*thread*/) { return {}; }
+  /// Returns when the thread runs no more.
+  virtual void thread_removed(ThreadRunner& /*thread*/) {}
+  virtual rtapi::Status participant_added(rtapi::Participant& /*participant*/) { return {}; }
+  virtual void participant_removed(rtapi::Participant& /*participant*/) {}
+  /// Lets some time pass while Host waits for the threads to finish a cycle; false: waited long enough.
+  virtual bool wait_for_threads(int /*attempt*/) { return false; }
+};
+
+class Host {
+ public:
+  /// Makes HAL in the segment. All references must outlive the host; `driver` may be null in tests that run cycles themselves.
+  static rtapi::Result<std::unique_ptr<Host>> create(rtapi::Segment& segment,
+                                                     const rtapi::Clock& clock,
+                                                     ModuleSource& modules,
+                                                     HostDriver* driver = nullptr);
+  /// Unloads everything, last loaded first.
+  ~Host();
+  Host(const Host&) = delete;
+  Host& operator=(const Host&) = delete;
+
+  /// One command of any kind, whole words. `client` tells whose user components are meant (0: nobody's, they stay), `pid` is
+  /// the client's process.
+  Reply command(std::span<const std::string> argv, std::uint64_t client = 0, std::int64_t pid = 0);
+  Reply command(std::initializer_list<std::string> argv) {
+    return command(std::span<const std::string>(argv.begin(), argv.size()));
+  }
+  /// The client is dead: its components leave, their pins are unlinked.
+  void client_gone(std::uint64_t client);
+
+  /// Threads by period, fastest first; equal ones in order of creation.
+  [[nodiscard]] std::vector<ThreadRunner*> threads() const;
+  /// Objects that components registered with Builder::add_participant, in order.
+  [[nodiscard]] std::vector<rtapi::Participant*> participants() const;
+  /// Raised when a thread comes or goes, so that schedulers look again.
+  [[nodiscard]] std::uint64_t thread_changes() const noexcept { return thread_changes_; }
+  [[nodiscard]] Registry& registry() noexcept { return *registry_; }
+  [[nodiscard]] rtapi::Segment& segment() noexcept { return registry_->segment(); }
+  [[nodiscard]] const rtapi::Clock& clock() const noexcept { return clock_; }
+  [[nodiscard]] bool running() const noexcept { return registry_->root().running.get() != 0; }
+  void set_driver(HostDriver* driver) noexcept { driver_ = driver; }
+  /// Stops, then unloads all realtime components, last first.
+  void unload_all();
+
+ private:
+  friend class LiveBuilder;
+
+  struct Memory {
+    void* data;
+    std::size_t bytes;
+    std::size_t align;
+  };
+  struct Instance {
+    void* object;
+  };
+  struct Loaded;
+  struct Service {
+    void* object;
+    Loaded* provider;
+  };
+  struct Thread {
+    std::unique_ptr<ThreadRunner> runner;
+    ComponentRecord* component;
+    std::vector<FunctionRecord*> functions;
+    std::unique_ptr<RunEntry[]> entries;
+    std::unique_ptr<RunList> list;
+    Loaded* owner;
+  };
+  /// A list that a thread may still be in.
+  struct OldList {
+    const ThreadRecord* thread;
+    std::uint64_t cycles;
+    std::unique_ptr<RunEntry[]> entries;
+    std::unique_ptr<RunList> list;
+  };
+  /// A realtime component that is loaded.
+  struct Loaded {
+    std::string name;
+    const Module* module{nullptr};
+    ComponentRecord* record{nullptr};
+    std::vector<Instance> instances;
+    std::vector<Memory> memory;
+    std::vector<FunctionRecord*> functions;
+    std::vector<std::string> services;
+    std::vector<std::string> blocks;
+    std::vector<rtapi::Participant*> participants;
+    std::set<Loaded*> uses;  ///< whose services it has
+    std::vector<std::unique_ptr<std::string>> texts;
+  };
+  struct UserComponent {
+    ComponentRecord* record;
+    std::uint64_t client;
+  };
+  using Words = std::span<const std::string>;
+  struct Row;
+  static const Row kCommands[];
+
+  Host(const rtapi::Clock& clock, ModuleSource& modules, HostDriver* driver)
+      : clock_(clock), modules_(modules), driver_(driver) {}
+
+  Reply load(Words argv);
+  Reply unload(Words argv);
+  Reply net(Words argv);
+  Reply new_signal(Words argv);
+  Reply delete_signal(Words argv);
+  Reply link_pin_signal(Words argv);
+  Reply link_signal_pin(Words argv);
+  Reply link_pins(Words argv);
+  Reply unlink(Words argv);
+  Reply set_item(Words argv);
+  Reply set_signal(Words argv);
+  Reply add_function(Words argv);
+  Reply delete_function(Words argv);
+  Reply start(Words argv);
+  Reply stop(Words argv);
+  Reply lock(Words argv);
+  Reply unlock(Words argv);
+  Reply component_new(Words argv);
+  Reply pin_new(Words argv);
+  Reply param_new(Words argv);
+  Reply component_ready(Words argv);
+  Reply component_exit(Words argv);
+  Reply item_new(Words argv, bool pin);
+
+  rtapi::Status add_thread(Loaded& owner, std::string_view name, std::int64_t period_ns);
+  void remove_threads(Loaded& owner);
+  rtapi::Status unload_one(Loaded& loaded, bool forced);
+  /// Takes functions out of all run lists.
+  rtapi::Status drop_functions(const Loaded& loaded);
+  rtapi::Status publish_list(Thread& thread, std::vector<FunctionRecord*> functions);
+  /// Returns when no thread can still be in a function of an old list.
+  rtapi::Status wait_for_grace();
+  void destroy(Loaded& loaded);
+  Thread* find_thread(std::string_view name);
+  [[nodiscard]] Loaded* find_loaded(std::string_view name) const;
+  rtapi::Result<UserComponent*> own_component(const std::string& name);
+
+  const rtapi::Clock& clock_;
+  ModuleSource& modules_;
+  HostDriver* driver_;
+  std::unique_ptr<Registry> registry_;
+  std::vector<std::unique_ptr<Loaded>> loaded_;
+  std::vector<std::unique_ptr<Thread>> threads_;
+  std::vector<OldList> old_lists_;
+  std::map<FunctionRecord*, RunEntry> functions_;
+  std::map<std::string, Service, std::less<>> services_;
+  std::map<std::string, UserComponent, std::less<>> user_components_;
+  std::uint64_t thread_changes_{0};
+  std::uint64_t client_{0};  ///< of the command being done
+  std::int64_t pid_{0};
+};
+
+}  // namespace kerf::hal

@@ -1,0 +1,207 @@
+// Host: threads and their function lists.
+#include <algorithm>
+
+#include "hal/core/value_text.hpp"
+#include "hal/loader/host.hpp"
+#include "rtapi/base/suggest.hpp"
+
+namespace kerf::hal {
+
+using rtapi::Errc;
+using rtapi::fail;
+using rtapi::Status;
+
+namespace {
+
+constexpr std::int64_t kShortestPeriodNs = 1'000;
+constexpr std::int64_t kLongestPeriodNs = 1'000'000'000;
+
+std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
+
+Reply reply(const Status& status) {
+  if (status.ok()) return {};
+  return {static_cast<int>(status.error().code), status.error().message()};
+}
+
+}  // namespace
+
+Status Host::add_thread(Loaded& owner, std::string_view name, std::int64_t period_ns) {
+  if (period_ns < kShortestPeriodNs || period_ns > kLongestPeriodNs) {
+    return fail(Errc::bad_argument, "thread " + quoted(name) + ": period " +
+                                        std::to_string(period_ns) +
+                                        " ns is not between 1000 and 1000000000");
+  }
+  for (const auto& t : threads_) {
+    if (period_ns < t->runner->period_ns() && t->owner == &owner) {
+      return fail(Errc::bad_argument, "new thread period " + std::to_string(period_ns) +
+                                          " is less than the period " +
+                                          std::to_string(t->runner->period_ns()) + " of thread " +
+                                          quoted(t->runner->name()) + ": make the fastest first");
+    }
+  }
+  // Each thread shows as a component of its own, so that its items have an owner that scripts know.
+  const std::string base(name);
+  KERF_TRY(ComponentRecord * component,
+           registry_->add_component("__" + base, ComponentKind::realtime));
+  const auto build = [&]() -> Status {
+    KERF_TRY(ThreadRecord * record, registry_->add_thread(*component, base, period_ns));
+    KERF_TRY(ItemRecord * time,
+             registry_->add_pin(*component, base + ".time", Type::s32, Dir::out, 0));
+    KERF_TRY(ItemRecord * beat,
+             registry_->add_pin(*component, base + ".threadbeat", Type::s64, Dir::out, 0));
+    KERF_TRY(ItemRecord * tmax,
+             registry_->add_param(*component, base + ".tmax", Type::s32, Dir::rw, 0));
+    auto thread = std::make_unique<Thread>();
+    thread->component = component;
+    thread->owner = &owner;
+    thread->runner = std::make_unique<ThreadRunner>(
+        registry_->root(), *record, clock_,
+        ThreadRunner::Items{Out<std::int32_t>(registry_->slot_ref(*time)),
+                            Param<std::int32_t>(registry_->slot_ref(*tmax)),
+                            Out<std::int64_t>(registry_->slot_ref(*beat))});
+    KERF_CHECK(publish_list(*thread, {}));
+    if (driver_ != nullptr) KERF_CHECK(driver_->thread_added(*thread->runner));
+    threads_.push_back(std::move(thread));
+    return {};
+  };
+  if (auto status = build(); !status.ok()) {
+    registry_->remove_component(*component);
+    return status;
+  }
+  registry_->set_ready(*component);
+  ++thread_changes_;
+  return {};
+}
+
+void Host::remove_threads(Loaded& owner) {
+  for (auto it = threads_.begin(); it != threads_.end();) {
+    if ((*it)->owner != &owner) {
+      ++it;
+      continue;
+    }
+    if (driver_ != nullptr) driver_->thread_removed(*(*it)->runner);
+    const ThreadRecord* record = &(*it)->runner->record();
+    std::erase_if(old_lists_, [&](const OldList& old) { return old.thread == record; });
+    registry_->remove_component(*(*it)->component);
+    it = threads_.erase(it);
+    ++thread_changes_;
+  }
+}
+
+Status Host::publish_list(Thread& thread, std::vector<FunctionRecord*> functions) {
+  auto entries = std::make_unique<RunEntry[]>(functions.size());
+  for (std::size_t i = 0; i < functions.size(); ++i) entries[i] = functions_.at(functions[i]);
+  auto list = std::make_unique<RunList>(RunList{entries.get(), functions.size()});
+  ThreadRecord& record = thread.runner->record();
+  KERF_CHECK(registry_->set_run_list(record, functions));
+  std::erase_if(old_lists_, [](const OldList& old) {
+    return old.thread->ticking.get() == 0 || old.thread->cycles.observe() > old.cycles;
+  });
+  const std::uint64_t cycles = record.cycles.observe();
+  thread.runner->swap_list(list.get());
+  // The cycle that runs now, number cycles + 1, may be in the old list; the one after it is not.
+  if (thread.list != nullptr) {
+    old_lists_.push_back({&record, cycles, std::move(thread.entries), std::move(thread.list)});
+  }
+  thread.entries = std::move(entries);
+  thread.list = std::move(list);
+  thread.functions = std::move(functions);
+  return {};
+}
+
+Status Host::wait_for_grace() {
+  std::vector<std::pair<ThreadRecord*, std::uint64_t>> seen;
+  for (const auto& t : threads_) {
+    ThreadRecord& record = t->runner->record();
+    if (record.ticking.get() != 0) seen.emplace_back(&record, record.cycles.observe());
+  }
+  for (int attempt = 0;; ++attempt) {
+    std::erase_if(seen, [](const auto& s) {
+      return s.first->ticking.get() == 0 || s.first->cycles.observe() > s.second;
+    });
+    if (seen.empty()) return {};
+    if (driver_ == nullptr || !driver_->wait_for_threads(attempt)) break;
+  }
+  const auto* running = registry_->at<FunctionRecord>(seen.front().first->running.get());
+  return fail(
+      Errc::busy,
+      "thread " + quoted(seen.front().first->name) + " does not end its cycle" +
+          (running == nullptr ? std::string() : "; it is in function " + quoted(running->name)));
+}
+
+Status Host::drop_functions(const Loaded& loaded) {
+  for (const auto& t : threads_) {
+    auto rest = t->functions;
+    std::erase_if(rest, [&](FunctionRecord* f) {
+      return std::find(loaded.functions.begin(), loaded.functions.end(), f) !=
+             loaded.functions.end();
+    });
+    if (rest.size() != t->functions.size()) KERF_CHECK(publish_list(*t, std::move(rest)));
+  }
+  return {};
+}
+
+Reply Host::add_function(Words argv) {
+  const auto error = [](Errc code, std::string text) {
+    return Reply{static_cast<int>(code), std::move(text)};
+  };
+  FunctionRecord* function = registry_->find_function(argv[0]);
+  if (function == nullptr) {
+    return error(Errc::not_found,
+                 "function " + quoted(argv[0]) + " not found" +
+                     rtapi::did_you_mean(argv[0], registry_->names(Kind::function)));
+  }
+  if (function->users > 0) {
+    return error(Errc::busy, "function " + quoted(argv[0]) + " may only be added to one thread");
+  }
+  Thread* thread = find_thread(argv[1]);
+  if (thread == nullptr) {
+    return error(Errc::not_found, "thread " + quoted(argv[1]) + " not found" +
+                                      rtapi::did_you_mean(argv[1], registry_->names(Kind::thread)));
+  }
+  auto list = thread->functions;
+  const auto size = static_cast<std::int64_t>(list.size());
+  std::int64_t position = -1;
+  if (argv.size() > 2) {
+    const auto parsed = parse_value(Type::s32, argv[2]);
+    if (!parsed.ok() || from_raw<std::int32_t>(*parsed) == 0) {
+      return error(Errc::bad_argument, "bad position: " + argv[2]);
+    }
+    position = from_raw<std::int32_t>(*parsed);
+  }
+  // From the front 1, 2, ...; from the end -1, -2, ...
+  const std::int64_t index = position > 0 ? position - 1 : size + 1 + position;
+  if (index < 0) return error(Errc::bad_argument, "position " + quoted(argv[2]) + " is too low");
+  if (index > size)
+    return error(Errc::bad_argument, "position " + quoted(argv[2]) + " is too high");
+  list.insert(list.begin() + index, function);
+  return reply(publish_list(*thread, std::move(list)));
+}
+
+Reply Host::delete_function(Words argv) {
+  const auto error = [](Errc code, std::string text) {
+    return Reply{static_cast<int>(code), std::move(text)};
+  };
+  FunctionRecord* function = registry_->find_function(argv[0]);
+  if (function == nullptr) {
+    return error(Errc::not_found,
+                 "function " + quoted(argv[0]) + " not found" +
+                     rtapi::did_you_mean(argv[0], registry_->names(Kind::function)));
+  }
+  if (function->users == 0)
+    return error(Errc::bad_argument, "function " + quoted(argv[0]) + " is not in use");
+  Thread* thread = find_thread(argv[1]);
+  if (thread == nullptr) {
+    return error(Errc::not_found, "thread " + quoted(argv[1]) + " not found" +
+                                      rtapi::did_you_mean(argv[1], registry_->names(Kind::thread)));
+  }
+  auto list = thread->functions;
+  const auto it = std::find(list.begin(), list.end(), function);
+  if (it == list.end()) {
+    return error(Errc::not_found, "thread " + quoted(argv[1]) + " doesn't use " + quoted(argv[0]));
+  }
+  list.erase(it);
+  return reply(publish_list(*thread, std::move(list)));
+}
+
+}  // namespace kerf::hal

@@ -1,0 +1,259 @@
+// Host: loadrt and unloadrt.
+#include <algorithm>
+#include <new>
+
+#include "hal/core/value_text.hpp"
+#include "hal/loader/host.hpp"
+#include "hal/loader/live_builder.hpp"
+#include "rtapi/base/suggest.hpp"
+
+namespace kerf::hal {
+
+using rtapi::Errc;
+using rtapi::fail;
+using rtapi::Result;
+using rtapi::Status;
+
+namespace {
+
+constexpr std::int64_t kMostInstances = 4096;
+
+std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
+
+using Args = std::map<std::string, std::string, std::less<>>;
+
+/// NAME=VALUE words; quotes around a value are taken off.
+Result<Args> parse_args(std::span<const std::string> words) {
+  Args args;
+  for (const auto& word : words) {
+    const auto equals = word.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      return fail(Errc::bad_argument, "Unknown parameter `" + word + "'; expected NAME=VALUE");
+    }
+    std::string value = word.substr(equals + 1);
+    if (value.size() >= 2 && (value.front() == '"' || value.front() == '\'') &&
+        value.back() == value.front()) {
+      value = value.substr(1, value.size() - 2);
+    }
+    args[word.substr(0, equals)] = value;
+  }
+  return args;
+}
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const auto end = std::min(text.find(',', begin), text.size());
+    parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+struct InstanceWish {
+  std::string prefix;
+  std::int64_t personality;
+};
+
+/// What the loader's own parameters ask for; takes them out of `args`.
+Result<std::vector<InstanceWish>> instances(const Info& info, Args& args) {
+  std::vector<InstanceWish> out;
+  const auto take = [&](const char* name) -> std::string {
+    const auto it = args.find(name);
+    if (it == args.end()) return {};
+    std::string value = it->second;
+    args.erase(it);
+    return value;
+  };
+  if (info.singleton) {
+    for (const char* own : {"count", "names"}) {
+      if (args.count(own) > 0) {
+        return fail(Errc::bad_argument,
+                    std::string(info.name) + " has one instance only: " + own + "= is not for it");
+      }
+    }
+  }
+  const std::string count_text = take("count");
+  const std::string names_text = take("names");
+  const std::string personality_text = take("personality");
+  if (!count_text.empty() && !names_text.empty()) {
+    return fail(Errc::bad_argument, "count= and names= are mutually exclusive");
+  }
+  std::int64_t count = 0;
+  if (!count_text.empty()) {
+    const auto value = parse_value(Type::s64, count_text);
+    if (!value.ok()) {
+      return fail(Errc::bad_argument,
+                  "`" + count_text + "' invalid for parameter `count=" + count_text + "'");
+    }
+    count = from_raw<std::int64_t>(*value);
+    if (count < 0 || count > kMostInstances) {
+      return fail(Errc::bad_argument, "count=" + count_text + " is not between 0 and " +
+                                          std::to_string(kMostInstances));
+    }
+  }
+  if (info.singleton) {
+    out.push_back({std::string(info.name), 0});
+  } else if (!names_text.empty()) {
+    for (auto& name : split(names_text)) {
+      if (name.empty())
+        return fail(Errc::bad_argument, "names=" + names_text + " has an empty name");
+      out.push_back({std::move(name), 0});
+    }
+  } else {
+    if (count == 0) count = info.default_count;
+    for (std::int64_t i = 0; i < count; ++i) {
+      out.push_back({std::string(info.name) + "." + std::to_string(i), 0});
+    }
+  }
+  if (!personality_text.empty()) {
+    const auto values = split(personality_text);
+    for (std::size_t i = 0; i < values.size() && i < out.size(); ++i) {
+      const auto value = parse_value(Type::s64, values[i]);
+      if (!value.ok())
+        return fail(Errc::bad_argument, "`" + values[i] + "' invalid for parameter `personality'");
+      out[i].personality = from_raw<std::int64_t>(*value);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Reply Host::load(Words argv) {
+  const std::string& name = argv[0];
+  const auto error = [&](const rtapi::Error& e) {
+    return Reply{static_cast<int>(e.code), name + ": " + e.message()};
+  };
+  if (find_loaded(name) != nullptr) {
+    return {static_cast<int>(Errc::exists), name + ": already exists"};
+  }
+  auto args = parse_args(argv.subspan(1));
+  if (!args.ok()) return error(args.error());
+  auto module = modules_.open(name);
+  if (!module.ok()) return {static_cast<int>(module.error().code), module.error().message()};
+  auto wishes = instances((*module)->info, *args);
+  std::string given;
+  for (const auto& word : argv.subspan(1)) given += (given.empty() ? "" : " ") + word;
+  auto record = wishes.ok()
+                    ? registry_->add_component(name, ComponentKind::realtime, 0, given, true)
+                    : Result<ComponentRecord*>(rtapi::Failure{wishes.error()});
+  if (!record.ok()) {
+    modules_.close(*module);
+    return error(record.error());
+  }
+
+  auto loaded = std::make_unique<Loaded>();
+  loaded->name = name;
+  loaded->module = *module;
+  loaded->record = *record;
+  Loaded& l = *loaded;
+  LiveBuilder builder(*this, l, std::move(*args));
+  for (const auto& wish : *wishes) {
+    builder.begin_instance(wish.prefix, wish.personality);
+    void* storage = builder.allocate(l.module->size, l.module->align);
+    if (storage == nullptr) break;
+    l.module->create(storage, builder);
+    l.instances.push_back({storage});
+    if (builder.failed()) break;
+  }
+  if (!builder.failed()) {
+    if (auto unknown = builder.unknown_arg(); !unknown.empty()) builder.fail(unknown);
+  }
+  loaded_.push_back(std::move(loaded));
+  for (const auto& thread : builder.threads()) {
+    if (builder.failed()) break;
+    if (auto status = add_thread(l, thread.name, thread.period_ns); !status.ok()) {
+      builder.fail(status.error().message());
+    }
+  }
+  std::size_t started = 0;
+  for (auto* participant : l.participants) {
+    if (builder.failed()) break;
+    if (driver_ == nullptr) continue;
+    if (auto status = driver_->participant_added(*participant); !status.ok()) {
+      builder.fail(status.error().message());
+    } else {
+      ++started;
+    }
+  }
+  if (builder.failed()) {
+    l.participants.resize(driver_ == nullptr ? 0 : started);
+    destroy(l);
+    loaded_.pop_back();
+    return {static_cast<int>(Errc::bad_argument), name + ": " + builder.error()};
+  }
+  registry_->set_ready(*l.record);
+  return {};
+}
+
+void Host::destroy(Loaded& l) {
+  for (auto it = l.participants.rbegin(); it != l.participants.rend(); ++it) {
+    if (driver_ != nullptr) driver_->participant_removed(**it);
+  }
+  remove_threads(l);
+  for (auto it = l.instances.rbegin(); it != l.instances.rend(); ++it)
+    l.module->destroy(it->object);
+  for (auto* function : l.functions) functions_.erase(function);
+  for (const auto& service : l.services) services_.erase(service);
+  for (const auto& block : l.blocks) segment().drop_block(block.c_str());
+  registry_->remove_component(*l.record);
+  for (const auto& m : l.memory) ::operator delete(m.data, m.bytes, std::align_val_t(m.align));
+  l.memory.clear();
+  modules_.close(l.module);
+  registry_->reclaim();
+}
+
+Status Host::unload_one(Loaded& loaded, bool forced) {
+  for (const auto& other : loaded_) {
+    if (!forced && other->uses.count(&loaded) > 0) {
+      return fail(Errc::busy,
+                  "component " + quoted(loaded.name) + " is in use by " + quoted(other->name));
+    }
+  }
+  KERF_CHECK(drop_functions(loaded));
+  if (auto status = wait_for_grace(); !status.ok() && !forced) return status;
+  // Functions of others in this component's threads are free again.
+  for (const auto& t : threads_) {
+    if (t->owner == &loaded) KERF_CHECK(publish_list(*t, {}));
+  }
+  for (const auto& other : loaded_) other->uses.erase(&loaded);
+  destroy(loaded);
+  std::erase_if(loaded_, [&](const auto& l) { return l.get() == &loaded; });
+  return {};
+}
+
+Reply Host::unload(Words argv) {
+  if (argv[0] == "all") {
+    unload_all();
+    return {};
+  }
+  Loaded* loaded = find_loaded(argv[0]);
+  if (loaded == nullptr) {
+    std::vector<std::string> known;
+    for (const auto& l : loaded_) known.push_back(l->name);
+    return {static_cast<int>(Errc::not_found), "component " + quoted(argv[0]) + " is not loaded" +
+                                                   rtapi::did_you_mean(argv[0], known)};
+  }
+  if (auto status = unload_one(*loaded, false); !status.ok()) {
+    return {static_cast<int>(status.error().code), status.error().message()};
+  }
+  return {};
+}
+
+void Host::unload_all() {
+  if (registry_ == nullptr) return;
+  registry_->set_running(false);
+  while (!loaded_.empty()) {
+    const std::size_t before = loaded_.size();
+    (void)unload_one(*loaded_.back(), true);
+    // Out of HAL memory, not even an empty list could be published: the threads are stopped with their owner all the same.
+    if (loaded_.size() == before) {
+      destroy(*loaded_.back());
+      loaded_.pop_back();
+    }
+  }
+}
+
+}  // namespace kerf::hal

@@ -1,0 +1,133 @@
+#include "hal/loader/live_builder.hpp"
+
+#include <cstring>
+#include <new>
+
+#include "rtapi/base/suggest.hpp"
+
+namespace kerf::hal {
+
+using rtapi::Result;
+
+void LiveBuilder::fail(std::string_view what) noexcept {
+  if (error_.empty()) error_ = what.empty() ? "error" : std::string(what);
+}
+
+SlotRef LiveBuilder::harmless() noexcept {
+  // The link is 8, the value at offset 8 of this builder: enough for the reads and writes of a constructor.
+  dummy_[0] = sizeof(std::uint64_t);
+  return {reinterpret_cast<std::byte*>(dummy_), slot_link(dummy_)};
+}
+
+SlotRef LiveBuilder::item(Result<ItemRecord*> made) noexcept {
+  if (!made.ok()) {
+    fail(made.error().message());
+    return harmless();
+  }
+  return host_.registry().slot_ref(**made);
+}
+
+SlotRef LiveBuilder::add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                             std::string_view /*doc*/) noexcept {
+  if (failed()) return harmless();
+  return item(host_.registry().add_pin(*loaded_.record, name, type, dir, initial));
+}
+
+SlotRef LiveBuilder::add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                               std::string_view /*doc*/) noexcept {
+  if (failed()) return harmless();
+  return item(host_.registry().add_param(*loaded_.record, name, type, dir, initial));
+}
+
+void LiveBuilder::add_function(std::string_view name, FunctionThunk thunk, void* object,
+                               std::string_view /*doc*/) noexcept {
+  if (failed()) return;
+  auto& registry = host_.registry();
+  auto made = registry.add_function(*loaded_.record, name, reinterpret_cast<std::uintptr_t>(thunk),
+                                    reinterpret_cast<std::uintptr_t>(object));
+  if (!made.ok()) return fail(made.error().message());
+  loaded_.functions.push_back(*made);
+  RunEntry entry;
+  entry.thunk = thunk;
+  entry.object = object;
+  entry.record = *made;
+  entry.record_offset = registry.segment().offset_of(*made);
+  const std::string base(name);
+  entry.time = make_pin<Out<std::int32_t>>(*this, base + ".time", "Time of the last run [ns]");
+  entry.tmax = make_param<Param<std::int32_t>>(*this, base + ".tmax", "Longest time of a run [ns]");
+  entry.tmax_increased =
+      make_param<RoParam<bool>>(*this, base + ".tmax-increased", "The last run raised tmax");
+  host_.functions_.emplace(*made, entry);
+}
+
+std::string_view LiveBuilder::arg(std::string_view name, std::string_view default_text,
+                                  std::string_view /*doc*/) noexcept {
+  asked_.emplace(name);
+  const auto given = args_.find(name);
+  // The text lives as long as the instance, so it is kept with the component.
+  loaded_.texts.push_back(
+      std::make_unique<std::string>(given == args_.end() ? default_text : given->second));
+  return *loaded_.texts.back();
+}
+
+std::string LiveBuilder::unknown_arg() const {
+  for (const auto& [name, text] : args_) {
+    if (asked_.count(name) > 0) continue;
+    std::vector<std::string> known(asked_.begin(), asked_.end());
+    for (const char* own : {"count", "names", "personality"}) known.emplace_back(own);
+    return "Unknown parameter `" + name + "=" + text + "'" + rtapi::did_you_mean(name, known);
+  }
+  return {};
+}
+
+void* LiveBuilder::allocate(std::size_t bytes, std::size_t align) noexcept {
+  if (failed()) return nullptr;
+  void* data = ::operator new(bytes, std::align_val_t(align), std::nothrow);
+  if (data == nullptr) {
+    fail("no memory for a component");
+    return nullptr;
+  }
+  std::memset(data, 0, bytes);  // also backs the pages before a realtime thread meets them
+  loaded_.memory.push_back({data, bytes, align});
+  return data;
+}
+
+std::byte* LiveBuilder::shared_block(std::string_view name, std::size_t bytes,
+                                     std::uint64_t abi) noexcept {
+  if (failed()) return nullptr;
+  const std::string text(name);
+  auto block = host_.segment().make_block(text.c_str(), bytes, abi);
+  if (!block.ok()) {
+    fail(block.error().message());
+    return nullptr;
+  }
+  loaded_.blocks.push_back(text);
+  return *block;
+}
+
+void LiveBuilder::provide(std::string_view service, void* object) noexcept {
+  if (failed()) return;
+  const auto [it, added] =
+      host_.services_.emplace(std::string(service), Host::Service{object, &loaded_});
+  if (!added) {
+    return fail("service '" + it->first + "' is already provided by " + it->second.provider->name);
+  }
+  loaded_.services.emplace_back(service);
+}
+
+void* LiveBuilder::find_service(std::string_view service) noexcept {
+  const auto it = host_.services_.find(service);
+  if (it == host_.services_.end()) return nullptr;
+  if (it->second.provider != &loaded_) loaded_.uses.insert(it->second.provider);
+  return it->second.object;
+}
+
+void LiveBuilder::add_participant(rtapi::Participant& participant) noexcept {
+  if (!failed()) loaded_.participants.push_back(&participant);
+}
+
+void LiveBuilder::add_thread(std::string_view name, std::int64_t period_ns) noexcept {
+  if (!failed()) threads_.push_back({std::string(name), period_ns});
+}
+
+}  // namespace kerf::hal

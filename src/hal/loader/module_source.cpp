@@ -1,0 +1,115 @@
+#include "hal/loader/module_source.hpp"
+
+#include <dlfcn.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "rtapi/base/suggest.hpp"
+
+namespace kerf::hal {
+
+using rtapi::Errc;
+using rtapi::fail;
+using rtapi::Result;
+
+namespace {
+
+std::string with(std::string_view name, char from, char to) {
+  std::string out(name);
+  std::replace(out.begin(), out.end(), from, to);
+  return out;
+}
+
+rtapi::Failure<rtapi::Error> unknown(std::string_view name, const std::vector<std::string>& known) {
+  return fail(Errc::not_found,
+              "no component '" + std::string(name) + "'" + rtapi::did_you_mean(name, known));
+}
+
+}  // namespace
+
+DlopenSource::DlopenSource() {
+  if (const char* list = std::getenv("KERF_COMPONENTS"); list != nullptr && *list != '\0') {
+    std::string_view rest(list);
+    while (!rest.empty()) {
+      const auto end = std::min(rest.find(':'), rest.size());
+      if (end > 0) folders_.emplace_back(rest.substr(0, end));
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+    return;
+  }
+  std::error_code error;
+  const auto exe = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (!error) folders_.push_back((exe.parent_path().parent_path() / "components").string());
+}
+
+DlopenSource::~DlopenSource() {
+  for (const auto& [module, handle] : open_) ::dlclose(handle);
+}
+
+Result<const Module*> DlopenSource::open(std::string_view name) {
+  if (name.empty() || name.find('/') != std::string_view::npos) return unknown(name, names());
+  for (const auto& folder : folders_) {
+    for (const auto& file : {std::string(name), with(name, '_', '-'), with(name, '-', '_')}) {
+      const std::string path = folder + "/" + file + ".so";
+      if (::access(path.c_str(), F_OK) != 0) continue;
+      void* handle = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+      if (handle == nullptr) {
+        const char* why = ::dlerror();
+        return fail(Errc::system,
+                    std::string(name) + ": dlopen: " + (why != nullptr ? why : "failed"));
+      }
+      const std::string symbol = std::string(kModuleSymbolPrefix) + with(file, '-', '_');
+      const auto* module = static_cast<const Module*>(::dlsym(handle, symbol.c_str()));
+      if (module == nullptr || module->abi != kModuleAbi) {
+        ::dlclose(handle);
+        return fail(Errc::protocol,
+                    path + (module == nullptr ? " is not a Kerf component"
+                                              : " was built for another version of Kerf"));
+      }
+      open_.emplace(module, handle);
+      return module;
+    }
+  }
+  return unknown(name, names());
+}
+
+void DlopenSource::close(const Module* module) {
+  const auto it = open_.find(module);
+  if (it == open_.end()) return;
+  void* handle = it->second;
+  open_.erase(it);
+  ::dlclose(handle);
+}
+
+std::vector<std::string> DlopenSource::names() const {
+  std::vector<std::string> out;
+  for (const auto& folder : folders_) {
+    std::error_code error;
+    for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;
+         it.increment(error)) {
+      if (it->path().extension() == ".so") out.push_back(it->path().stem().string());
+    }
+  }
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
+Result<const Module*> StaticSource::open(std::string_view name) {
+  const std::string id = with(name, '-', '_');
+  for (const auto& row : table_) {
+    if (id == row.id) return row.module;
+  }
+  return unknown(name, names());
+}
+
+std::vector<std::string> StaticSource::names() const {
+  std::vector<std::string> out;
+  for (const auto& row : table_) out.emplace_back(row.id);
+  return out;
+}
+
+}  // namespace kerf::hal

@@ -1,0 +1,40 @@
+#include "hal/loader/realtime_host.hpp"
+
+#include "hal/loader/server.hpp"
+
+namespace kerf::hal {
+
+void RealtimeHost::look_at_threads(rtapi::Nanos now) {
+  if (seen_changes_ == host_.thread_changes()) return;
+  seen_changes_ = host_.thread_changes();
+  const auto old = due_;
+  due_.clear();
+  for (ThreadRunner* thread : host_.threads()) {
+    Due due{thread, (now / thread->period_ns() + 1) * thread->period_ns()};
+    for (const Due& d : old) {
+      if (d.thread == thread) due.at = d.at;
+    }
+    due_.push_back(due);
+  }
+}
+
+void RealtimeHost::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
+  if (server_ != nullptr) {
+    while (server_->serve()) {
+    }
+    server_->watch(now, next);
+  }
+  look_at_threads(now);
+  const bool running = host_.running();
+  for (Due& due : due_) {
+    if (due.at <= now) {
+      due.thread->run_cycle(due.at, now);
+      due.at = (now / due.thread->period_ns() + 1) * due.thread->period_ns();
+    }
+    // Stopped threads have nothing to do; `start` comes as a request and wakes this participant.
+    if (running) next.wake_at(due.at);
+  }
+  if (!running && server_ == nullptr) next.watch(host_.registry().root().changed);
+}
+
+}  // namespace kerf::hal
