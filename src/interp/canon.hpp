@@ -64,7 +64,7 @@ struct Arc {
   Plane plane{Plane::xy};
   std::int32_t turns{
       1};  ///< > 0 counter-clockwise seen against the normal, < 0 clockwise; |turns| = number of started
-      ///< turns: 1 is an arc of at most one full circle; start equal to end in the plane is a full circle
+  ///< turns: 1 is an arc of at most one full circle; start equal to end in the plane is a full circle
 };
 
 /// One row of the tool table. Number 0 with pocket 0 is "no tool" on non-random changers.
@@ -131,9 +131,9 @@ class Canon {
   virtual void dwell(double seconds) = 0;
 
   // --- spindle ---
-  /// S word; never negative. The spindle turns only after start_spindle.
-  virtual void set_spindle_speed(int spindle, double rpm) = 0;
-  /// G96: `css_max_rpm` > 0 is the limit D and speed is mm/min of surface; G97: 0.
+  /// S word; never negative. rpm; in G96 mm/min of surface. The spindle turns only after start_spindle.
+  virtual void set_spindle_speed(int spindle, double speed) = 0;
+  /// G96: `css_max_rpm` > 0 is the limit D (1e30 without D) and speeds are mm/min of surface; G97: 0.
   virtual void set_spindle_mode(int spindle, double css_max_rpm) = 0;
   virtual void start_spindle(int spindle, SpindleDirection direction) = 0;
   virtual void stop_spindle(int spindle) = 0;
@@ -185,6 +185,8 @@ class Canon {
   virtual void pallet_shuttle() = 0;
   /// M2, M30.
   virtual void program_end() = 0;
+  /// The closing % of a program without M2: modes stay, spindle and coolant too. For listings; needs no action.
+  virtual void finish() {}
   /// After program end and at interpreter start and reset.
   virtual void on_reset() = 0;
   /// M100-M199: run the user's program `path` (as Environment::find_user_mcode found it) with P and Q as text

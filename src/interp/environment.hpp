@@ -14,6 +14,7 @@ namespace kerf::interp {
 struct Settings {
   double machine_unit_mm{
       1.0};  ///< mm per machine unit ([TRAJ]LINEAR_UNITS): unit of parameters 5061-5390 and 5401-5410
+  std::optional<Units> start_units{};  ///< G20/G21 at start; absent: as the machine's unit
   int spindles{1};                     ///< [TRAJ]SPINDLES, 1-8
   std::uint32_t axis_mask{0x1FF};      ///< bit i = axis i of XYZABCUVW exists ([TRAJ]COORDINATES)
   bool random_toolchanger{false};      ///< [EMCIO]RANDOM_TOOLCHANGER

@@ -29,6 +29,7 @@
 
 namespace kerf::interp {
 
+class Core;
 class ParameterTable;
 
 enum class Outcome : std::uint8_t {
@@ -46,7 +47,6 @@ enum class SyncReason : std::uint8_t {
   tool_change,  ///< M6: needs tool_in_spindle, pocket_in_spindle, machine_position (the changer may move)
   user_mcode,    ///< M100-M199
   program_stop,  ///< M0, M1, M60: the operator may have changed offsets or jogged
-  orient,        ///< M19
 };
 
 /// What the world did while the queue ran empty. Members without a value leave the interpreter's as it is.
@@ -101,6 +101,8 @@ class Interpreter {
   /// Executes one MDI line. When it calls a sub the result is `ok`: go on with execute_next() until `idle`
   /// (always do so; a line that is done at once gives `idle` at the next call). An open program stays where it is.
   [[nodiscard]] Outcome execute_mdi(std::string_view text);
+  /// An MDI line is not yet finished.
+  [[nodiscard]] bool mdi_active() const;
   [[nodiscard]] SyncReason sync_reason() const;
   /// After needs_sync, and after anything else moved the machine (jog, homing, abort). Makes no canon call.
   void synchronize(const ExternalState& state);
@@ -130,7 +132,6 @@ class Interpreter {
   [[nodiscard]] const std::string& file_name(std::uint32_t file_id) const;
 
  private:
-  class Core;
   std::unique_ptr<Core> core_;
 };
 

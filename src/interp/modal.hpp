@@ -44,8 +44,8 @@ struct ModalState {
   std::int32_t selected_pocket{-1};
   std::int32_t speed_spindle{0};  ///< spindle of the last S word and of G95, G96
   std::int32_t feed_spindle{0};
-  double feed{0};          ///< last F: see feed_mode; G93: 1/min
-  double angular_feed{0};  ///< the same number as written, for moves of ABC only
+  double feed{0};          ///< last F in mm/min; G95: mm/rev; G93: 1/min. For moves of XYZ or UVW
+  double feed_word{0};     ///< the same as written: degrees/min for moves of ABC only
   double tolerance_mm{0};  ///< G64 P
   double naivecam_tolerance_mm{0};
   std::array<double, kMaxSpindles> speed_rpm{};
@@ -59,7 +59,7 @@ struct ModalState {
   DistanceMode distance{DistanceMode::absolute};
   DistanceMode arc_distance{DistanceMode::incremental};
   ProgramFeedMode feed_mode{ProgramFeedMode::per_minute};
-  RetractMode retract{RetractMode::old_z};
+  RetractMode retract{RetractMode::r_plane};
   PathMode path{PathMode::continuous};
   bool lathe_diameter{false};  ///< G7
   bool g92_applied{false};

@@ -1,0 +1,33 @@
+// The families of codes: each file lists its rows and defines their handlers.
+#pragma once
+
+#include <span>
+
+#include "interp/core.hpp"
+#include "interp/dialect.hpp"
+
+namespace kerf::interp {
+
+[[nodiscard]] std::span<const CodeRow> motion_codes();  ///< G0 G1 G4 G38.x G53 G80
+[[nodiscard]] std::span<const CodeRow> arc_codes();     ///< G2 G3
+[[nodiscard]] std::span<const CodeRow> cycle_codes();   ///< G73 G81-G83 G85 G89
+[[nodiscard]] std::span<const CodeRow>
+mode_codes();  ///< planes, units, distance, feed mode, path, retract
+[[nodiscard]] std::span<const CodeRow> offset_codes();   ///< G10 G28 G30 G52 G54-G59.3 G92
+[[nodiscard]] std::span<const CodeRow> tool_codes();     ///< G40 G43 G49 M6 M61
+[[nodiscard]] std::span<const CodeRow> spindle_codes();  ///< G96 G97 M3-M5 M19
+[[nodiscard]] std::span<const CodeRow> io_codes();       ///< M7-M9 M48-M53 M62-M68
+[[nodiscard]] std::span<const CodeRow> program_codes();  ///< M0-M2 M30 M60 M70-M73 M100-M199
+
+/// Sets the feed of one move in G93, refuses a missing feed. `linear_mm` and `angular_deg` are lengths of the move.
+[[nodiscard]] bool prepare_feed(Core& c, const Block& b, double linear_mm, double angular_deg,
+                                const char* what, const char* zero_feed);
+/// Length by which a feed counts: XYZ, else UVW in mm; only rotary axes: degrees.
+void feed_length(const Pose& from, const Pose& to, double& linear_mm, double& angular_deg);
+/// The calls that bring the path mode of the state back (after cycles).
+void announce_path_mode(Core& c);
+/// First and last spindle that `$` names (-1: all). Error: no such spindle.
+[[nodiscard]] bool spindle_range(Core& c, const Block& b, int otherwise, const char* command,
+                                 int& first, int& last);
+
+}  // namespace kerf::interp

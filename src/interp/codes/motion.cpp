@@ -1,0 +1,111 @@
+// G0, G1, G4, G38.2-G38.5, G53, G80. Manual: "G0 Rapid Move", "G1 Linear Move", "G4 Dwell", "G38.n Straight Probe".
+#include <cmath>
+
+#include "interp/codes/families.hpp"
+
+namespace kerf::interp {
+
+void feed_length(const Pose& from, const Pose& to, double& linear_mm, double& angular_deg) {
+  const Pose d = to - from;
+  linear_mm = std::hypot(d.x, d.y, d.z);
+  if (linear_mm < 1e-9) linear_mm = std::hypot(d.u, d.v, d.w);
+  angular_deg = linear_mm < 1e-9 ? std::hypot(d.a, d.b, d.c) : 0;
+}
+
+bool prepare_feed(Core& c, const Block& b, double linear_mm, double angular_deg, const char* what,
+                  const char* zero_feed) {
+  if (c.state.feed_mode == ProgramFeedMode::inverse_time) {
+    if (!b.has('f'))
+      return c.fail(0,
+                    "G93 needs an F on each line that moves; F is 1 over the minutes of the move",
+                    "F word missing with inverse time %s move", what);
+    if (b['f'] == 0) return c.fail('f', "Write F greater than 0", "%s", zero_feed);
+    const double rate = b['f'];
+    const bool turning = linear_mm < 1e-9;
+    c.out.call<&Canon::set_feed_rate>(turning ? c.mm(angular_deg * rate) : linear_mm * rate,
+                                      angular_deg * rate);
+    return true;
+  }
+  if (c.state.feed == 0) return c.fail(0, "Write F with a feed, here or before", "%s", zero_feed);
+  if (c.state.feed_mode == ProgramFeedMode::per_revolution &&
+      c.state.speed_rpm[static_cast<std::size_t>(c.state.feed_spindle)] == 0)
+    return c.fail(0, "Set a spindle speed first",
+                  "Cannot feed with zero spindle speed in feed per rev mode");
+  return true;
+}
+
+namespace {
+
+bool straight(Core& c, const Block& b, int code) {
+  if (!b.has_axes())
+    return c.fail(0, "Write where to go, e.g. X0", "All axes missing with motion code");
+  Pose end;
+  if (!c.target(b, end)) return false;
+  if (code == 0) {
+    c.out.call<&Canon::straight_traverse>(end);
+  } else {
+    double linear = 0, angular = 0;
+    if (c.state.feed_mode == ProgramFeedMode::inverse_time)
+      feed_length(c.state.position, end, linear, angular);
+    if (!prepare_feed(c, b, linear, angular, "g1", "Cannot do g1 with zero feed rate"))
+      return false;
+    c.out.call<&Canon::straight_feed>(end);
+  }
+  c.state.position = end;
+  c.state.motion = code;
+  return true;
+}
+
+bool probe(Core& c, const Block& b, int code) {
+  if (!b.has_axes())
+    return c.fail(0, "Write where to probe to, e.g. Z-10", "All axes missing with motion code");
+  if (c.state.cutter_comp != 400)
+    return c.fail(0, "Write G40 before", "Cannot probe with cutter radius comp on");
+  if (c.state.feed_mode == ProgramFeedMode::inverse_time)
+    return c.fail(0, "Write G94 before", "Cannot probe in inverse time feed mode");
+  if (c.state.feed == 0)
+    return c.fail(0, "Write F with a feed, here or before", "Cannot probe with zero feed rate");
+  Pose end;
+  if (!c.target(b, end)) return false;
+  const Pose d = end - c.state.position;
+  if (d.a != 0 || d.b != 0 || d.c != 0)
+    return c.fail(0, "Probe with linear axes only", "Cannot move rotary axes during probing");
+  if (std::hypot(d.x, d.y, d.z) < 0.0254 && std::hypot(d.u, d.v, d.w) < 0.0254)
+    return c.fail(0, "Probe from further away", "Start point too close to probe point");
+  c.out.call<&Canon::turn_probe_on>();
+  c.out.call<&Canon::straight_probe>(end, static_cast<ProbeKind>(code - 382));
+  c.out.call<&Canon::turn_probe_off>();
+  c.state.position = end;
+  c.state.motion = code;
+  c.ask_sync(SyncReason::probe);
+  return true;
+}
+
+bool dwell(Core& c, const Block& b, int) {
+  if (!b.has('p') || b['p'] < 0)
+    return c.fail('p', "Write P with seconds, 0 or more", "Dwell time missing with g4");
+  c.out.call<&Canon::dwell>(b['p']);
+  return true;
+}
+
+bool cancel_motion(Core& c, const Block&, int) {
+  c.comment("interpreter: motion mode set to none");
+  c.state.motion = 800;
+  return true;
+}
+
+constexpr CodeRow kRows[] = {
+    {'g', 0, 0, 1, kOrderMotion, straight, 0, AxisUse::required},
+    {'g', 10, 10, 1, kOrderMotion, straight, 0, AxisUse::required},
+    {'g', 40, 40, 0, kOrderDwell, dwell, letters("p"), AxisUse::none},
+    {'g', 382, 385, 1, kOrderMotion, probe, 0, AxisUse::required},
+    // Only changes where G0 and G1 go (Core::target).
+    {'g', 530, 530, 0, 0, nullptr, 0, AxisUse::none},
+    {'g', 800, 800, 1, kOrderMotion, cancel_motion, 0, AxisUse::none},
+};
+
+}  // namespace
+
+std::span<const CodeRow> motion_codes() { return kRows; }
+
+}  // namespace kerf::interp

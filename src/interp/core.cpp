@@ -1,0 +1,620 @@
+#include "interp/core.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+namespace kerf::interp {
+
+namespace {
+constexpr int kRowSlots = 24;
+
+bool near_integer(double v, double& rounded) {
+  rounded = std::nearbyint(v);
+  return std::fabs(v - rounded) <= kTolerance;
+}
+}  // namespace
+
+Core::Core(Environment& environment, Canon& sink, const Settings& config, const Dialect& rows)
+    : env(environment), canon(sink), settings(config), dialect(rows), parser_(rows, params) {
+  for (const auto& family : dialect.families) {
+    for (const CodeRow& r : family) {
+      for (int code = r.code; code <= r.last; ++code) {
+        if (r.letter == 'g')
+          g_rows_[static_cast<std::size_t>(code)] = &r;
+        else
+          m_rows_[static_cast<std::size_t>(code)] = &r;
+      }
+    }
+  }
+  for (const LetterRow& r : dialect.letters)
+    unused_[static_cast<std::size_t>(letter_index(r.letter))] = r.unused;
+  flows.programs.emplace_back();
+  flows.programs[0].source = make_text_source("");
+}
+
+const CodeRow* Core::row(char letter, int code) const {
+  if (code < 0) return nullptr;
+  const auto n = static_cast<std::size_t>(code);
+  if (letter == 'g') return n < g_rows_.size() ? g_rows_[n] : nullptr;
+  return n < m_rows_.size() ? m_rows_[n] : nullptr;
+}
+
+// --- errors ---
+
+bool Core::set_error(std::size_t at, bool known, const char* help, const char* format,
+                     std::va_list args) {
+  char text[400];
+  std::vsnprintf(text, sizeof text, format, args);
+  error.text = text;
+  error.help = help == nullptr ? "" : help;
+  error.file = current_file();
+  error.source = current != nullptr ? current->text : std::string();
+  error.line = current != nullptr ? current->place.line + 1 : 0;
+  error.column = known && current != nullptr ? parser_.column_of(current->text, at) : 0;
+  error.call_level = flows.frames.empty() ? 0 : static_cast<std::int32_t>(flows.frames.size()) - 1;
+  return false;
+}
+
+bool Core::fail(char letter, const char* help, const char* format, ...) {
+  std::va_list args;
+  va_start(args, format);
+  const int i = letter == 0 ? -1 : letter_index(letter);
+  const bool known = i >= 0 && (block_.mask >> i & 1U) != 0 && block_.source != nullptr;
+  set_error(known ? block_.at[static_cast<std::size_t>(i)] : 0, known, help, format, args);
+  va_end(args);
+  return false;
+}
+
+bool Core::fail_at(std::size_t normalised, const char* help, const char* format, ...) {
+  std::va_list args;
+  va_start(args, format);
+  set_error(normalised, true, help, format, args);
+  va_end(args);
+  return false;
+}
+
+std::string_view Core::current_file() const {
+  if (flows.frames.empty()) return {};
+  return flows.programs[flows.frames.back().program].path;
+}
+
+// --- life of a block ---
+
+void Core::begin_block() {
+  saved_ = state;
+  saved_tool_ = spindle_tool;
+  out.clear();
+  params.begin();
+  sync = SyncReason::none;
+  ended = false;
+  block_.source = nullptr;
+}
+
+void Core::undo_block() {
+  state = saved_;
+  spindle_tool = saved_tool_;
+  out.clear();
+  params.rollback();
+  sync = SyncReason::none;
+  ended = false;
+  repeats.left = 0;
+}
+
+Outcome Core::execute_next() {
+  if (repeats.left > 0) return next_repeat();
+  if (flows.skip.active) return continue_skip();
+  if (flows.frames.empty()) return Outcome::idle;
+  ParsedBlock* b = nullptr;
+  const LineRead r = read_block(b);
+  if (r == LineRead::bad) return Outcome::error;
+  if (r != LineRead::line) return read_problem(r);
+  return execute_block(*b);
+}
+
+Outcome Core::read_problem(LineRead r) {
+  current = nullptr;
+  switch (r) {
+    case LineRead::end: return end_of_file();
+    case LineRead::too_long:
+      fail(0, "Split the line; 8192 characters are possible", "Command too long");
+      break;
+    case LineRead::changed:
+      fail(0, "Stop, check the file and start it again",
+           "The program file was changed while it runs");
+      break;
+    default: fail(0, "", "Cannot read the program file"); break;
+  }
+  const Frame& f = flows.frames.back();
+  error.line = f.place.line;
+  return Outcome::error;
+}
+
+Outcome Core::end_of_file() {
+  if (flows.mdi && flows.frames.size() == 1) {
+    drop_frames();
+    return Outcome::idle;
+  }
+  const Frame f = flows.frames.back();
+  if (flows.frames.size() > 1) {
+    fail(0, "Add its endsub, or a return",
+         "EOF in file:%s seeking o-word: o%s endsub from line: %d",
+         std::string(current_file()).c_str(), f.sub.c_str(), f.place.line);
+  } else if (state.percent_file) {
+    fail(0, "End the file with a line % or with M2", "File ended with no percent sign (%%)");
+  } else {
+    fail(0, "Add M2 as the last line", "File ended with no percent sign (%%) or program end (M2)");
+  }
+  error.line = f.place.line;
+  drop_frames();
+  return Outcome::error;
+}
+
+Outcome Core::execute_block(ParsedBlock& b) {
+  begin_block();
+  current = &b;
+  state.line = b.place.line + 1;
+  if (b.percent) {
+    const bool first_line = flows.frames.size() == 1 && !flows.mdi && !state.percent_file &&
+                            flows.frames[0].loops.empty() && !flows.started;
+    if (first_line) {
+      state.percent_file = true;
+      return Outcome::ok;
+    }
+    if (!state.percent_file) {
+      fail_at(0, "", "Bad character '%%' used");
+      undo_block();
+      return Outcome::error;
+    }
+    out.call<&Canon::finish>();
+    ended = true;
+    return finish_block(b);
+  }
+  if (b.skip && block_delete) return Outcome::ok;
+  if (!b.words.empty() || !b.assignments.empty() || b.flow != Flow::none) flows.started = true;
+  if (b.flow != Flow::none) return run_flow(b);
+  if (!build(b, block_) || !assign(b) || !run_comment(b) || !run_rows(block_)) {
+    undo_block();
+    return Outcome::error;
+  }
+  return finish_block(b);
+}
+
+Outcome Core::finish_block(const ParsedBlock& p) {
+  if (!out.empty()) {
+    SourceLine source;
+    source.file_id = flows.frames.empty() ? 0 : flows.frames.back().program;
+    source.line = p.place.line + 1;
+    source.sequence = p.sequence;
+    source.call_level =
+        flows.frames.empty() ? 0 : static_cast<std::int32_t>(flows.frames.size()) - 1;
+    source.file = current_file();
+    source.text = p.text;
+    if (repeats.left > 0) {
+      repeats.source = source;
+      repeats.file = source.file;
+      repeats.text = source.text;
+    }
+    out.deliver(canon, source);
+  }
+  if (ended) {
+    drop_frames();
+    return Outcome::program_end;
+  }
+  return sync == SyncReason::none ? Outcome::ok : Outcome::needs_sync;
+}
+
+Outcome Core::next_repeat() {
+  begin_block();
+  current = nullptr;
+  const CodeRow* r = row('g', repeats.code);
+  if (r == nullptr || !r->run(*this, repeats.block, repeats.code)) {
+    undo_block();
+    error.file = repeats.file;
+    error.source = repeats.text;
+    error.line = repeats.source.line;
+    return Outcome::error;
+  }
+  SourceLine source = repeats.source;
+  source.file = repeats.file;
+  source.text = repeats.text;
+  out.deliver(canon, source);
+  return Outcome::ok;
+}
+
+// --- from parsed line to block ---
+
+bool Core::build(const ParsedBlock& p, Block& b) {
+  b.mask = 0;
+  b.row_count = 0;
+  b.motion = nullptr;
+  b.motion_code = -1;
+  b.motion_is_modal = b.axis_by_other = b.g53 = false;
+  b.source = &p;
+  for (const ParsedWord& w : p.words) {
+    double v = w.value;
+    if (!w.constant && !evaluate(p, w.expr, v)) return false;
+    const char name = kLetterNames[w.letter];
+    if (name == 'g' || name == 'm') {
+      if (!add_code(b, name, v)) return error.column = parser_.column_of(p.text, w.at), false;
+      continue;
+    }
+    const LetterMask bit = LetterMask{1} << w.letter;
+    if ((b.mask & bit) != 0)
+      return fail_at(w.at, "Keep one of them", "Multiple %c words on one line", name);
+    b.mask |= bit;
+    b.value[w.letter] = v;
+    b.at[w.letter] = w.at;
+  }
+  return choose_motion(b) && check_letters(b);
+}
+
+bool Core::add_code(Block& b, char letter, double value) {
+  double rounded = 0;
+  const bool g = letter == 'g';
+  const bool whole = near_integer(g ? value * 10 : value, rounded);
+  if (g) {
+    if (rounded > dialect.last_g_code || value < 0)
+      return fail(0, "G-codes go from 0 to 99",
+                  value < 0 ? "Negative g code used" : "G-code out of range");
+  } else {
+    if (value < 0) return fail(0, "", "Negative m code used");
+    if (rounded > dialect.last_m_code)
+      return fail(0, "M-codes go from 0 to 199", "M-code greater than %d: M%d", dialect.last_m_code,
+                  static_cast<int>(std::min(rounded, 1e9)));
+    if (!whole) return fail(0, "", "Non integer value for integer");
+  }
+  const int code = static_cast<int>(rounded);
+  const CodeRow* r = whole ? row(letter, code) : nullptr;
+  if (r == nullptr) {
+    return g ? fail(0, "See the list of G-codes in the manual", "Unknown g code used")
+             : fail(0, "See the list of M-codes in the manual", "Unknown m code used: M%d", code);
+  }
+  for (int i = 0; i < b.row_count; ++i) {
+    const CodeRow* other = b.rows[static_cast<std::size_t>(i)];
+    if (other->letter == letter && other->group == r->group)
+      return fail(0, "Write them on separate lines", "Two %c codes used from same modal group",
+                  letter);
+  }
+  if (b.row_count == kRowSlots)
+    return fail(0, "Write them on separate lines", "Too many codes on one line");
+  b.rows[static_cast<std::size_t>(b.row_count)] = r;
+  b.codes[static_cast<std::size_t>(b.row_count++)] = static_cast<std::int16_t>(code);
+  return true;
+}
+
+bool Core::choose_motion(Block& b) {
+  for (int i = 0; i < b.row_count; ++i) {
+    const CodeRow* r = b.rows[static_cast<std::size_t>(i)];
+    if (r->letter != 'g') continue;
+    if (r->group == 1) {
+      b.motion = r;
+      b.motion_code = b.codes[static_cast<std::size_t>(i)];
+    } else if (r->run == nullptr) {
+      b.g53 = true;
+    } else if (r->axes != AxisUse::none) {
+      b.axis_by_other = true;
+    }
+  }
+  if (b.axis_by_other && b.motion != nullptr && b.motion->axes != AxisUse::none)
+    return fail(0, "Write them on separate lines",
+                "Cannot use two g codes that both use axis values");
+  if (b.has_axes() && !b.axis_by_other) {
+    if (b.motion == nullptr) {
+      b.motion = state.motion == 800 ? nullptr : row('g', state.motion);
+      b.motion_code = state.motion;
+      b.motion_is_modal = true;
+    }
+    if (b.motion == nullptr)
+      return fail(0, "Write G0, G1 or another motion code before the axis words",
+                  "Cannot use axis values without a g code that uses them");
+    if (b.motion->axes == AxisUse::none)
+      return fail(0, "Write the move on a line of its own", "Cannot use axis values with g80");
+  }
+  if (b.g53 && (b.motion == nullptr || (b.motion_code != 0 && b.motion_code != 10)))
+    return fail(0, "Write G53 G0 or G53 G1", "Must use g0 or g1 with g53");
+  return true;
+}
+
+bool Core::check_letters(const Block& b) {
+  LetterMask used = letters("fstn") | kAxisMask;
+  for (int i = 0; i < b.row_count; ++i) used |= b.rows[static_cast<std::size_t>(i)]->words;
+  if (b.motion != nullptr) used |= b.motion->words;
+  LetterMask left = b.mask & ~used;
+  for (std::size_t i = 0; left != 0; ++i, left >>= 1) {
+    if ((left & 1U) == 0) continue;
+    const char name = kLetterNames[i];
+    return fail(name, "Delete the word, or add the code that it belongs to", "%s",
+                unused_[i] != nullptr ? unused_[i] : "Word that no code of this line uses");
+  }
+  return !b.has_axes() || check_axes(b);
+}
+
+bool Core::assign(const ParsedBlock& p) {
+  if (p.assignments.empty()) return true;
+  // All values are found before any is stored (manual: "Numbered Parameters").
+  assigned_.clear();
+  for (const Assignment& a : p.assignments) {
+    double v = 0;
+    if (!evaluate(p, a.value, v)) return false;
+    int index = 0;
+    if (a.named) {
+      const std::string& name = params.name(a.id);
+      if (predefined_.by_id(a.id, name) != nullptr || name.starts_with("_hal[") ||
+          name.starts_with("_ini["))
+        return fail_at(a.at, "", "Cannot assign to read-only parameter #<%s>", name.c_str());
+    } else {
+      double number = 0, rounded = 0;
+      if (!evaluate(p, a.index, number)) return false;
+      if (!near_integer(number, rounded)) return fail_at(a.at, "", "Non integer value for integer");
+      if (rounded < 1 || rounded >= kParameterCount)
+        return fail_at(a.at, "Numbers go from 1 to 5602", "Parameter number out of range");
+      index = static_cast<int>(rounded);
+      if (ParameterTable::read_only(index)) return fail_at(a.at, "", "Parameter is readonly");
+    }
+    assigned_.emplace_back(index, Value{v, nullptr});
+  }
+  for (std::size_t i = 0; i < assigned_.size(); ++i) {
+    if (p.assignments[i].named)
+      params.set_named(p.assignments[i].id, std::move(assigned_[i].second));
+    else
+      params.set(assigned_[i].first, assigned_[i].second.number);
+  }
+  return true;
+}
+
+// --- execution ---
+
+bool Core::run_rows(const Block& b) {
+  struct Step {
+    std::int16_t order;
+    std::int16_t code;
+    const CodeRow* row;  // null: the word of `code`
+  };
+  std::array<Step, kRowSlots + 4> steps;  // NOLINT(*-member-init): filled below
+  int n = 0;
+  const auto add = [&](std::int16_t order, int code, const CodeRow* r) {
+    int at = n++;
+    for (; at > 0 && steps[static_cast<std::size_t>(at - 1)].order > order; --at)
+      steps[static_cast<std::size_t>(at)] = steps[static_cast<std::size_t>(at - 1)];
+    steps[static_cast<std::size_t>(at)] = {order, static_cast<std::int16_t>(code), r};
+  };
+  if (b.has('f')) add(kOrderFeed, 'f', nullptr);
+  if (b.has('s')) add(kOrderSpeed, 's', nullptr);
+  if (b.has('t')) add(kOrderTool, 't', nullptr);
+  for (int i = 0; i < b.row_count; ++i) {
+    const CodeRow* r = b.rows[static_cast<std::size_t>(i)];
+    if (r->run != nullptr) add(r->order, b.codes[static_cast<std::size_t>(i)], r);
+  }
+  if (b.motion != nullptr && b.motion_is_modal) add(kOrderMotion, b.motion_code, b.motion);
+  for (int i = 0; i < n; ++i) {
+    const Step& s = steps[static_cast<std::size_t>(i)];
+    const bool ok = s.row != nullptr ? s.row->run(*this, b, s.code)
+                    : s.code == 'f'  ? feed_word(b)
+                    : s.code == 's'  ? speed_word(b)
+                                     : tool_word(b);
+    if (!ok) return false;
+  }
+  return true;
+}
+
+bool Core::integer(const Block& b, char letter, int otherwise, int& value) {
+  value = otherwise;
+  if (!b.has(letter)) return true;
+  double rounded = 0;
+  if (!near_integer(b[letter], rounded) || std::fabs(rounded) > 1e9)
+    return fail(letter, "", "Non integer value for integer");
+  value = static_cast<int>(rounded);
+  return true;
+}
+
+bool Core::feed_word(const Block& b) {
+  const double f = b['f'];
+  if (f < 0) return fail('f', "Write the feed as a positive number", "Negative f word used");
+  state.feed_word = f;
+  if (state.feed_mode == ProgramFeedMode::inverse_time) {
+    state.feed = f;  // becomes a feed per minute with each move
+    return true;
+  }
+  state.feed = mm(f);
+  out.call<&Canon::set_feed_rate>(state.feed, f);
+  return true;
+}
+
+bool Core::speed_word(const Block& b) {
+  const double s = b['s'];
+  int spindle = 0;
+  if (!integer(b, '$', 0, spindle)) return false;
+  if (s < 0)
+    return fail('s', "Write the speed as a positive number; M4 turns the other way",
+                "Negative spindle speed used");
+  if (spindle < -1 || spindle >= settings.spindles)
+    return fail('$', "", "Spindle ($) number out of range in S Command\nnum_spindles =%d. $=%d",
+                settings.spindles, spindle);
+  const int first = spindle < 0 ? 0 : spindle;
+  const int last = spindle < 0 ? settings.spindles - 1 : spindle;
+  for (int i = first; i <= last; ++i) {
+    const auto n = static_cast<std::size_t>(i);
+    state.speed_rpm[n] = s;
+    // Surface speed is written in m/min or feet/min.
+    const double factor = !state.css[n] ? 1.0 : state.units == Units::inch ? 304.8 : 1000.0;
+    out.call<&Canon::set_spindle_speed>(i, s * factor);
+  }
+  state.speed_spindle = first;
+  return true;
+}
+
+bool Core::tool_word(const Block& b) {
+  int number = 0;
+  if (!integer(b, 't', 0, number)) return false;
+  if (number < 0) return fail('t', "", "Negative tool id (tool not found)");
+  if (number == 0 && !settings.random_toolchanger) {
+    state.selected_pocket = 0;
+  } else {
+    const auto tool = env.find_tool(number);
+    if (!tool) {
+      return fail('t', "Add the tool to the tool table, or choose another",
+                  "Requested tool %d not found in the tool table", number);
+    }
+    state.selected_pocket = tool->pocket;
+  }
+  state.selected_tool = number;
+  out.call<&Canon::select_tool>(number);
+  return true;
+}
+
+// --- geometry shared by the families ---
+
+bool Core::check_axes(const Block& b) {
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    if (b.has_axis(i) && (settings.axis_mask >> i & 1U) == 0) {
+      const char axis = rtapi::kAxisLetters[i];
+      return fail(kLetterNames[static_cast<std::size_t>(kAxisLetter[i])],
+                  "[TRAJ]COORDINATES lists the axes of this machine", "%c word with no %c axis",
+                  axis, axis);
+    }
+  }
+  return true;
+}
+
+bool Core::target(const Block& b, Pose& end) {
+  end = state.position;
+  const bool polar = b.has('@') || b.has('^');
+  if (polar) {
+    if (b.has('x') || b.has('y'))
+      return fail(b.has('x') ? 'x' : 'y', "Use either",
+                  "Cannot specify polar coordinate with X or Y words");
+    if (state.plane_code != 170)
+      return fail(b.has('@') ? '@' : '^', "", "Cannot use polar coordinate except in G17 plane");
+    double radius = std::hypot(state.position.x, state.position.y);
+    double angle = std::atan2(state.position.y, state.position.x) * 180.0 / 3.14159265358979323846;
+    if (state.distance == DistanceMode::incremental) {
+      if (radius < 1e-9 && !(b.has('@') && b.has('^')))
+        return fail(
+            b.has('@') ? '@' : '^', "",
+            "Incremental motion with polar coordinates is indeterminate when at the origin");
+      radius += b.has('@') ? mm(b['@']) : 0;
+      angle += b.get('^', 0);
+    } else {
+      if (b.has('@')) radius = mm(b['@']);
+      if (b.has('^')) angle = b['^'];
+      if (!b.has('^') && radius != 0 && std::hypot(state.position.x, state.position.y) < 1e-9)
+        return fail('@', "", "Must specify angle in polar coordinate if at the origin");
+    }
+    end.x = radius * std::cos(angle * 3.14159265358979323846 / 180.0);
+    end.y = radius * std::sin(angle * 3.14159265358979323846 / 180.0);
+  }
+  if (b.g53) {
+    if (state.distance == DistanceMode::incremental)
+      return fail(0, "Write G90 before G53", "Cannot use g53 incremental");
+    // Axes that are not named stay; an offset rotation mixes X and Y, so go through machine coordinates.
+    Pose machine = machine_position();
+    for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+      if (b.has_axis(i)) machine[i] = rtapi::is_rotary(i) ? b.axis(i) : mm(b.axis(i));
+    }
+    end = state.frame.to_program(machine);
+    return true;
+  }
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    if (!b.has_axis(i)) continue;
+    double v = rtapi::is_rotary(i) ? b.axis(i) : mm(b.axis(i));
+    if (i == 0 && state.lathe_diameter) v /= 2;
+    end[i] = state.distance == DistanceMode::absolute ? v : end[i] + v;
+  }
+  return true;
+}
+
+void Core::set_frame(const CanonFrame& frame) {
+  const Pose machine = machine_position();
+  state.frame = frame;
+  state.position = frame.to_program(machine);
+}
+
+// --- outside world ---
+
+void Core::synchronize(const ExternalState& external) {
+  params.begin();
+  if (external.tool_in_spindle) {
+    const int number = *external.tool_in_spindle;
+    const int pocket = external.pocket_in_spindle.value_or(spindle_tool.pocket);
+    const auto tool =
+        number > 0 || settings.random_toolchanger ? env.find_tool(number) : std::nullopt;
+    spindle_tool = tool.value_or(Tool{});
+    spindle_tool.number = number;
+    spindle_tool.pocket = external.pocket_in_spindle ? pocket : tool ? tool->pocket : 0;
+  }
+  if (external.probe) {
+    const Pose p = state.frame.to_program(external.probe->machine_position);
+    params.set_pose(kProbe, p, state.unit_mm());
+    params.set(kProbeSuccess, external.probe->tripped ? 1 : 0);
+  }
+  if (external.machine_position)
+    state.position = state.frame.to_program(*external.machine_position);
+  if (external.input_value) params.set(kInputValue, *external.input_value);
+  if (external.toolchanger_fault) {
+    params.set(kChangerFault, *external.toolchanger_fault != 0 ? 1 : 0);
+    params.set(kChangerReason, *external.toolchanger_fault);
+  }
+  params.begin();
+  sync = SyncReason::none;
+}
+
+void Core::abort() {
+  repeats.left = 0;
+  flows.skip.active = false;
+  drop_frames();
+  state.percent_file = false;
+}
+
+void Core::restore(const ModalState& before) {
+  const bool percent = state.percent_file;
+  state = before;
+  state.percent_file = percent;
+  params.begin();
+  params.set(kCoordSystem, before.coord_system);
+  params.set(kG92Applied, before.g92_applied ? 1 : 0);
+  if (before.g92_applied) params.set_pose(kG92Offset, before.frame.g92(), settings.machine_unit_mm);
+  const int base = kG5xOffset + 20 * (before.coord_system - 1);
+  params.set_pose(base, before.frame.g5x(), settings.machine_unit_mm);
+  params.set(base + 9, before.frame.rotation_deg());
+  params.begin();
+}
+
+void Core::init() {
+  repeats.left = 0;
+  flows.skip = {};
+  flows.subs.clear();
+  drop_frames();
+  const Units machine_units = settings.machine_unit_mm == 25.4 ? Units::inch : Units::mm;
+  state = ModalState{};
+  state.units = settings.start_units.value_or(machine_units);
+  params.begin();
+  int system = static_cast<int>(params.get(kCoordSystem));
+  if (system < 1 || system > 9) system = 1;
+  state.coord_system = system;
+  const int base = kG5xOffset + 20 * (system - 1);
+  CanonFrame f;
+  f.set_g5x_offset(params.pose(base, settings.machine_unit_mm));
+  f.set_xy_rotation(params.get(base + 9));
+  if (params.get(kG92Applied) != 0) {
+    if (settings.disable_g92_persistence) {
+      params.set(kG92Applied, 0);
+      for (int i = 0; i < 9; ++i) params.set(kG92Offset + i, 0);
+    } else {
+      f.set_g92_offset(params.pose(kG92Offset, settings.machine_unit_mm));
+      state.g92_applied = true;
+    }
+  }
+  state.frame = f;
+  out.clear();
+  out.call<&Canon::use_length_units>(state.units);
+  out.call<&Canon::set_g5x_offset>(system, f.g5x());
+  out.call<&Canon::set_g92_offset>(f.g92());
+  out.call<&Canon::set_xy_rotation>(f.rotation_deg());
+  out.call<&Canon::set_feed_reference>();
+  out.call<&Canon::on_reset>();
+  out.deliver(canon, {});
+}
+
+}  // namespace kerf::interp

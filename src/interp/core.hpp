@@ -1,0 +1,189 @@
+// Core: the state machine behind Interpreter. Handlers of codes work on it; see docs in interpreter.hpp.
+#pragma once
+
+#include <array>
+#include <cstdarg>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "interp/block.hpp"
+#include "interp/canon_buffer.hpp"
+#include "interp/dialect.hpp"
+#include "interp/interpreter.hpp"
+#include "interp/parameters.hpp"
+#include "interp/parser.hpp"
+#include "interp/predefined.hpp"
+#include "interp/program.hpp"
+
+namespace kerf::interp {
+
+/// Codes within this of an integer are that integer; EQ compares by it (manual: "Equality").
+inline constexpr double kTolerance = 0.0001;
+
+/// A block with its numbers computed.
+struct Block {
+  LetterMask mask{0};
+  std::array<double, kLetters> value{};
+  std::array<std::uint16_t, kLetters> at{};
+  std::array<const CodeRow*, 24> rows{};
+  std::array<std::int16_t, 24> codes{};  ///< the code of each row (rows may be ranges)
+  int row_count{0};
+  const CodeRow* motion{nullptr};  ///< explicit or modal group 1 row that takes the axis words
+  int motion_code{-1};
+  bool motion_is_modal{false};
+  bool axis_by_other{false};  ///< a group 0 or 8 code takes the axis words
+  bool g53{false};
+  const ParsedBlock* source{nullptr};
+
+  [[nodiscard]] bool has(char c) const { return (mask >> letter_index(c) & 1U) != 0; }
+  [[nodiscard]] double operator[](char c) const {
+    return value[static_cast<std::size_t>(letter_index(c))];
+  }
+  [[nodiscard]] double get(char c, double otherwise) const {
+    return has(c) ? (*this)[c] : otherwise;
+  }
+  [[nodiscard]] bool has_axis(std::size_t axis) const {
+    return (mask >> kAxisLetter[axis] & 1U) != 0;
+  }
+  [[nodiscard]] double axis(std::size_t axis) const {
+    return value[static_cast<std::size_t>(kAxisLetter[axis])];
+  }
+  [[nodiscard]] bool has_axes() const { return (mask & kAxisMask) != 0; }
+  [[nodiscard]] int code_of(char letter, int group) const {
+    for (int i = 0; i < row_count; ++i) {
+      const auto n = static_cast<std::size_t>(i);
+      if (rows[n]->letter == letter && rows[n]->group == group) return codes[n];
+    }
+    return -1;
+  }
+};
+
+/// A canned cycle block in progress: each execute_next does one repeat.
+struct Repeats {
+  std::int64_t left{0};
+  Block block;
+  SourceLine source;
+  std::string file, text;
+  int code{0};
+};
+
+class Core {
+ public:
+  Core(Environment& environment, Canon& sink, const Settings& config, const Dialect& rows);
+
+  // --- what Interpreter offers ---
+  void init();
+  [[nodiscard]] Outcome execute_next();
+  [[nodiscard]] Outcome execute_mdi(std::string_view text);
+  void open_main(const std::string& path, std::unique_ptr<LineSource> source);
+  void close_main();
+  void synchronize(const ExternalState& external);
+  void abort();
+  void restore(const ModalState& state);
+
+  // --- for handlers (codes/) ---
+  Environment& env;
+  Canon& canon;
+  const Settings settings;
+  const Dialect& dialect;
+  ModalState state;
+  ParameterTable params;
+  CanonBuffer out;
+  Tool spindle_tool{0, 0, {}, 0, 0, 0, 0};  ///< row of the tool in the spindle
+  InterpError error;
+  SyncReason sync{SyncReason::none};
+  bool block_delete{false};
+  bool ended{false};  ///< M2, M30 or % in this block
+  Flows flows;
+  Repeats repeats;
+  double sub_value{0};  ///< #<_value>
+  bool sub_value_returned{false};
+
+  /// Remembers the error of this block; always false. `letter`: the word to blame, 0 for the whole line.
+  bool fail(char letter, const char* help, const char* format, ...)
+      __attribute__((format(printf, 4, 5)));
+  bool fail_at(std::size_t normalised, const char* help, const char* format, ...)
+      __attribute__((format(printf, 4, 5)));
+  /// The word as an integer; error when it is none. Absent: `otherwise`.
+  [[nodiscard]] bool integer(const Block& b, char letter, int otherwise, int& value);
+  /// mm of a length in program units.
+  [[nodiscard]] double mm(double length) const { return length * state.unit_mm(); }
+  /// Program coordinates that the axis words ask for (G90/G91, G53, polar). Error: axis not there.
+  [[nodiscard]] bool target(const Block& b, Pose& end);
+  [[nodiscard]] bool check_axes(const Block& b);
+  void comment(std::string_view text) { out.call<&Canon::comment>(out.keep(text)); }
+  void ask_sync(SyncReason reason) { sync = reason; }
+  [[nodiscard]] Pose machine_position() const { return state.frame.to_machine(state.position); }
+  /// Offsets changed: the machine stands where it stood, its program coordinates are others.
+  void set_frame(const CanonFrame& frame);
+  /// Value of #number as the program sees it.
+  [[nodiscard]] double parameter(int index) const;
+  [[nodiscard]] bool evaluate(const ParsedBlock& b, const Expr& e, double& value);
+  [[nodiscard]] bool read_named(std::uint32_t id, Value& value, bool& exists);
+  [[nodiscard]] const CodeRow* row(char letter, int code) const;
+
+  // --- program flow (flow.cpp) ---
+  [[nodiscard]] Outcome run_flow(ParsedBlock& b);
+  [[nodiscard]] Outcome continue_skip();
+  [[nodiscard]] Outcome land(ParsedBlock& b);
+  [[nodiscard]] Outcome skip_failed();
+  void start_skip(ParsedBlock& b, const std::string& label, FlowMask stop_at);
+  [[nodiscard]] bool flow_label(ParsedBlock& b, std::string& label);
+  [[nodiscard]] bool flow_step(ParsedBlock& b, const std::string& label, double condition);
+  [[nodiscard]] bool run_while(ParsedBlock& b, const std::string& label, bool condition);
+  [[nodiscard]] bool loop_end_step(ParsedBlock& b, const std::string& label);
+  [[nodiscard]] bool undefined_label(const ParsedBlock& b, const std::string& label);
+  [[nodiscard]] bool define_sub(ParsedBlock& b, const std::string& label);
+  [[nodiscard]] bool call_sub(ParsedBlock& b, const std::string& label);
+  [[nodiscard]] bool enter_file_sub(std::uint32_t program);
+  [[nodiscard]] bool enter_sub(const FileAndPlace& where);
+  void leave_sub(bool has_value, double value);
+  void drop_frames();
+  [[nodiscard]] Program* open_program(const std::string& path);
+  std::uint32_t add_program(std::string path, std::unique_ptr<LineSource> source);
+  [[nodiscard]] LineRead read_block(ParsedBlock*& b);
+
+  const ParsedBlock* current{nullptr};
+  [[nodiscard]] std::string_view current_file() const;
+  [[nodiscard]] bool run_comment(const ParsedBlock& b);
+
+ private:
+  [[nodiscard]] Outcome execute_block(ParsedBlock& b);
+  [[nodiscard]] bool build(const ParsedBlock& p, Block& b);
+  [[nodiscard]] bool add_code(Block& b, char letter, double value);
+  [[nodiscard]] bool assign(const ParsedBlock& p);
+  [[nodiscard]] bool choose_motion(Block& b);
+  [[nodiscard]] bool check_letters(const Block& b);
+  [[nodiscard]] bool run_rows(const Block& b);
+  [[nodiscard]] bool feed_word(const Block& b);
+  [[nodiscard]] bool speed_word(const Block& b);
+  [[nodiscard]] bool tool_word(const Block& b);
+  [[nodiscard]] Outcome finish_block(const ParsedBlock& p);
+  [[nodiscard]] Outcome next_repeat();
+  [[nodiscard]] Outcome read_problem(LineRead r);
+  [[nodiscard]] Outcome end_of_file();
+  void expand_text(std::string_view text, std::string& result);
+  void begin_block();
+  void undo_block();
+  bool set_error(std::size_t at, bool known, const char* help, const char* format,
+                 std::va_list args);
+
+  Parser parser_;
+  Predefined predefined_;
+  std::array<const CodeRow*, 1000> g_rows_{};
+  std::array<const CodeRow*, 200> m_rows_{};
+  std::array<const char*, kLetters> unused_{};
+  ModalState saved_;
+  Tool saved_tool_;
+  Block block_;
+  ParsedBlock scratch_;
+  ParsedBlock skip_scratch_;
+  std::string message_, flow_label_;
+  std::vector<std::pair<int, Value>> assigned_;
+  friend class Interpreter;
+};
+
+}  // namespace kerf::interp

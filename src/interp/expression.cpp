@@ -1,0 +1,186 @@
+// Expressions: runs the postfix programs that the parser made. Manual: "Expressions", "Functions".
+#include <cmath>
+
+#include "interp/core.hpp"
+
+namespace kerf::interp {
+
+namespace {
+
+constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+/// Brackets are limited by the parser; each can hold back one operand per level of precedence.
+constexpr int kStack = 512;
+
+bool equal(double a, double b) { return std::fabs(a - b) < kTolerance; }
+double truth(bool b) { return b ? 1.0 : 0.0; }
+
+double binary(Op op, double a, double b) {
+  switch (op) {
+    case Op::power: return std::pow(a, b);
+    case Op::times: return a * b;
+    case Op::divide: return a / b;
+    case Op::modulo: {
+      const double r = std::fmod(a, b);
+      return r < 0 ? r + std::fabs(b) : r;
+    }
+    case Op::plus: return a + b;
+    case Op::minus: return a - b;
+    case Op::eq: return truth(equal(a, b));
+    case Op::ne: return truth(!equal(a, b));
+    case Op::gt: return truth(a > b);
+    case Op::ge: return truth(a >= b);
+    case Op::lt: return truth(a < b);
+    case Op::le: return truth(a <= b);
+    case Op::op_and: return truth(a != 0 && b != 0);
+    case Op::op_or: return truth(a != 0 || b != 0);
+    case Op::op_xor: return truth((a != 0) != (b != 0));
+    default: return 0;
+  }
+}
+
+/// Null, or why the function cannot be computed.
+const char* unary(Op op, double& v) {
+  switch (op) {
+    case Op::negate: v = -v; break;
+    case Op::abs: v = std::fabs(v); break;
+    case Op::acos:
+      if (v < -1 || v > 1) return "Argument to acos out of range";
+      v = std::acos(v) * kDegrees;
+      break;
+    case Op::asin:
+      if (v < -1 || v > 1) return "Argument to asin out of range";
+      v = std::asin(v) * kDegrees;
+      break;
+    case Op::cos: v = std::cos(v / kDegrees); break;
+    case Op::exp: v = std::exp(v); break;
+    case Op::fix: v = std::floor(v); break;
+    case Op::fup: v = std::ceil(v); break;
+    case Op::ln:
+      if (v <= 0) return "Zero or negative argument to ln";
+      v = std::log(v);
+      break;
+    case Op::round: v = std::floor(std::fabs(v) + 0.5) * (v < 0 ? -1 : 1); break;
+    case Op::sin: v = std::sin(v / kDegrees); break;
+    case Op::sqrt:
+      if (v < 0) return "Negative argument to sqrt";
+      v = std::sqrt(v);
+      break;
+    case Op::tan: v = std::tan(v / kDegrees); break;
+    default: break;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+double Core::parameter(int index) const {
+  if (index < kToolNumber || index > kPositionLast) return params.get(index);
+  if (index == kToolNumber) return spindle_tool.number < 0 ? 0 : spindle_tool.number;
+  if (index <= kToolNumber + 9) {
+    const auto axis = static_cast<std::size_t>(index - kToolNumber - 1);
+    return rtapi::is_rotary(axis) ? spindle_tool.offset[axis]
+                                  : spindle_tool.offset[axis] / settings.machine_unit_mm;
+  }
+  if (index == 5410) return spindle_tool.diameter_mm / settings.machine_unit_mm;
+  if (index == 5411) return spindle_tool.front_angle_deg;
+  if (index == 5412) return spindle_tool.back_angle_deg;
+  if (index == kToolLast) return spindle_tool.orientation;
+  if (index >= kPosition) {
+    const auto axis = static_cast<std::size_t>(index - kPosition);
+    return rtapi::is_rotary(axis) ? state.position[axis] : state.position[axis] / state.unit_mm();
+  }
+  return params.get(index);
+}
+
+bool Core::read_named(std::uint32_t id, Value& value, bool& exists) {
+  exists = true;
+  if (const Value* v = params.find(id); v != nullptr) {
+    value = *v;
+    return true;
+  }
+  if (params.is_global(id)) {
+    const std::string& name = params.name(id);
+    if (const Predefined::Getter get = predefined_.by_id(id, name); get != nullptr) {
+      value = {get(*this), nullptr};
+      return true;
+    }
+    std::optional<double> outside;
+    if (name.starts_with("_hal[") && name.back() == ']') {
+      outside = env.hal_value(std::string_view(name).substr(5, name.size() - 6));
+    } else if (name.starts_with("_ini[")) {
+      std::string upper(name.substr(5));
+      for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c;
+      const std::size_t end = upper.find(']');
+      if (end != std::string::npos)
+        outside = env.ini_value(std::string_view(upper).substr(0, end),
+                                std::string_view(upper).substr(end + 1));
+    }
+    if (outside) {
+      value = {*outside, nullptr};
+      return true;
+    }
+  }
+  exists = false;
+  return false;
+}
+
+bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
+  double stack[kStack];
+  int n = 0;
+  const ExprOp* op = b.ops.data() + e.first;
+  for (const ExprOp* end = op + e.count; op != end; ++op) {
+    if (n >= kStack - 1) return fail_at(op->at, "", "Expression nested too deeply");
+    switch (op->op) {
+      case Op::number: stack[n++] = op->value; continue;
+      case Op::parameter: {
+        const double v = stack[n - 1];
+        const double index = std::nearbyint(v);
+        if (std::fabs(v - index) > kTolerance)
+          return fail_at(op->at, "", "Non integer value for integer");
+        if (!(index >= 1 && index < kParameterCount))
+          return fail_at(op->at, "Numbers go from 1 to 5602", "Parameter number out of range");
+        stack[n - 1] = parameter(static_cast<int>(index));
+        continue;
+      }
+      case Op::named: {
+        Value v;
+        bool exists = false;
+        if (!read_named(op->id, v, exists))
+          return fail_at(op->at, "Assign it first, or test it with EXISTS",
+                         "Named parameter #<%s> not defined", params.name(op->id).c_str());
+        stack[n++] = v.number;
+        continue;
+      }
+      case Op::exists_named: {
+        Value v;
+        bool exists = false;
+        (void)read_named(op->id, v, exists);
+        stack[n++] = truth(exists);
+        continue;
+      }
+      case Op::exists_numbered: stack[n - 1] = 0; continue;  // as the peer: only names exist
+      case Op::atan:
+        stack[n - 2] = std::atan2(stack[n - 2], stack[n - 1]) * kDegrees;
+        --n;
+        continue;
+      default: break;
+    }
+    if (op->op >= Op::power) {
+      const double a = stack[n - 2], c = stack[n - 1];
+      if ((op->op == Op::divide || op->op == Op::modulo) && c == 0)
+        return fail_at(op->at, "", "Attempt to divide by zero");
+      if (op->op == Op::power && a < 0 && c != std::floor(c))
+        return fail_at(op->at, "", "Attempt to raise negative to non-integer power");
+      stack[--n - 1] = binary(op->op, a, c);
+      continue;
+    }
+    if (const char* why = unary(op->op, stack[n - 1]); why != nullptr)
+      return fail_at(op->at, "", "%s", why);
+  }
+  value = n > 0 ? stack[n - 1] : 0;
+  if (!std::isfinite(value))
+    return fail_at(b.ops[e.first].at, "", "The result of the expression is not a number");
+  return true;
+}
+
+}  // namespace kerf::interp

@@ -1,0 +1,103 @@
+// Active comments: MSG, DEBUG, PRINT, LOG..., abort. Manual: "Messages", "Logging", "Comment Parameters".
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+#include "interp/core.hpp"
+
+namespace kerf::interp {
+
+namespace {
+constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Length of a format (%d, %f, %lf, %.3f) at the start of `text`, 0 for anything else; `decimals` is what it asks for.
+std::size_t format_length(std::string_view text, int& decimals) {
+  if (text.starts_with("%lf")) return decimals = 6, 3;
+  if (text.starts_with("%d")) return decimals = 0, 2;
+  if (text.starts_with("%f")) return decimals = 4, 2;
+  if (text.size() >= 4 && text[1] == '.' && is_digit(text[2]) && text[3] == 'f')
+    return decimals = text[2] - '0', 4;
+  return 0;
+}
+}  // namespace
+
+void Core::expand_text(std::string_view text, std::string& result) {
+  result.clear();
+  int decimals = 6;
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    if (c == '%') {
+      if (const std::size_t n = format_length(text.substr(i), decimals); n > 0) {
+        i += n;
+        continue;
+      }
+    }
+    Value value;
+    bool exists = true, parameter_here = false;
+    if (c == '#' && i + 1 < text.size() && is_digit(text[i + 1])) {
+      int index = 0;
+      const auto r = std::from_chars(text.data() + i + 1, text.data() + text.size(), index);
+      parameter_here = true;
+      exists = r.ec == std::errc() && index > 0 && index < kParameterCount;
+      if (exists) value.number = parameter(index);
+      i = static_cast<std::size_t>(r.ptr - text.data());
+    } else if (const std::size_t end = text.find('>', i); c == '#' && i + 1 < text.size() &&
+                                                          text[i + 1] == '<' &&
+                                                          end != std::string_view::npos) {
+      std::string name;
+      for (const char n : text.substr(i + 2, end - i - 2)) {
+        if (n != ' ' && n != '\t') name += n >= 'A' && n <= 'Z' ? static_cast<char>(n + 32) : n;
+      }
+      parameter_here = true;
+      (void)read_named(params.intern(name), value, exists);
+      i = end + 1;
+    }
+    if (!parameter_here) {
+      result += c;
+      ++i;
+    } else if (!exists) {
+      result += "######";
+    } else if (value.text != nullptr) {
+      result += *value.text;
+    } else {
+      char number[352];
+      std::snprintf(number, sizeof number, "%.*f", decimals, value.number);
+      result += number;
+    }
+  }
+}
+
+bool Core::run_comment(const ParsedBlock& b) {
+  if (b.comment == CommentKind::none) return true;
+  const std::string& text = b.comment_text;
+  const auto keep = [this](std::string_view t) { return out.keep(t); };
+  switch (b.comment) {
+    case CommentKind::none: break;
+    case CommentKind::plain: comment(text); break;
+    case CommentKind::msg: out.call<&Canon::message>(keep(text)); break;
+    case CommentKind::debug:
+      if (params.get(kDebugEnable) == 0) break;
+      expand_text(text, message_);
+      out.call<&Canon::message>(keep(message_));
+      break;
+    case CommentKind::print:
+      expand_text(text, message_);
+      out.call<&Canon::print>(keep(message_));
+      break;
+    case CommentKind::log:
+      expand_text(text, message_);
+      out.call<&Canon::log>(keep(message_));
+      break;
+    case CommentKind::log_open:
+    case CommentKind::log_append:
+      out.call<&Canon::log_open>(keep(text), b.comment == CommentKind::log_append);
+      break;
+    case CommentKind::log_close: out.call<&Canon::log_close>(); break;
+    case CommentKind::abort:
+      expand_text(text, message_);
+      return fail(0, "The program asked to stop here", "%s", message_.c_str());
+  }
+  return true;
+}
+
+}  // namespace kerf::interp

@@ -1,0 +1,202 @@
+#include "interp/parameters.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+
+namespace kerf::interp {
+
+namespace {
+
+using rtapi::Errc;
+using rtapi::fail;
+
+struct Range {
+  int first, last;
+};
+// Manual, "Numbered Parameters": what keeps its value without power.
+constexpr Range kPersistent[] = {
+    {5161, 5169}, {5181, 5189}, {5210, 5220}, {5221, 5230}, {5241, 5250}, {5261, 5270},
+    {5281, 5290}, {5301, 5310}, {5321, 5330}, {5341, 5350}, {5361, 5370}, {5381, 5390},
+};
+
+}  // namespace
+
+ParameterTable::ParameterTable() : numbers_(kParameterCount, 0.0), scopes_(1) {
+  numbers_[kCoordSystem] = 1;
+  numbers_[kDebugEnable] = 1;
+}
+
+bool ParameterTable::persistent(int index) noexcept {
+  return std::any_of(std::begin(kPersistent), std::end(kPersistent),
+                     [index](const Range& r) { return index >= r.first && index <= r.last; });
+}
+
+void ParameterTable::set(int index, double value) {
+  if (index <= 0 || index >= kParameterCount) return;
+  double& cell = numbers_[static_cast<std::size_t>(index)];
+  undo_numbers_.emplace_back(index, cell);
+  cell = value;
+}
+
+Pose ParameterTable::pose(int first, double unit_mm) const noexcept {
+  Pose p;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    p[i] = get(first + static_cast<int>(i)) * (rtapi::is_rotary(i) ? 1.0 : unit_mm);
+  return p;
+}
+
+void ParameterTable::set_pose(int first, const Pose& pose, double unit_mm) {
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    set(first + static_cast<int>(i), rtapi::is_rotary(i) ? pose[i] : pose[i] / unit_mm);
+}
+
+std::uint32_t ParameterTable::intern(std::string_view name) {
+  // The common case must not allocate: short names stay inside the string object.
+  const auto [at, added] =
+      ids_.try_emplace(std::string(name), static_cast<std::uint32_t>(names_.size()));
+  if (added) names_.push_back({&at->first, !name.empty() && name.front() == '_', false, {}});
+  return at->second;
+}
+
+const Value* ParameterTable::find(std::uint32_t id) const {
+  const Name& n = names_[id];
+  if (n.global) return n.set ? &n.value : nullptr;
+  for (const Local& local : scopes_[depth_ - 1]) {
+    if (local.id == id) return local.set ? &local.value : nullptr;
+  }
+  return nullptr;
+}
+
+ParameterTable::Slot ParameterTable::slot(std::uint32_t id) {
+  Name& n = names_[id];
+  if (n.global) return {&n.set, &n.value};
+  auto& scope = scopes_[depth_ - 1];
+  for (Local& local : scope) {
+    if (local.id == id) return {&local.set, &local.value};
+  }
+  scope.push_back({id, false, {}});
+  return {&scope.back().set, &scope.back().value};
+}
+
+void ParameterTable::set_named(std::uint32_t id, Value value) {
+  const Slot s = slot(id);
+  undo_named_.push_back({id, *s.set, *s.value});
+  *s.set = true;
+  *s.value = std::move(value);
+}
+
+void ParameterTable::push_scope() {
+  if (scopes_.size() == depth_) scopes_.emplace_back();
+  scopes_[depth_++].clear();
+}
+
+void ParameterTable::pop_scope() {
+  if (depth_ > 1) --depth_;
+}
+
+void ParameterTable::rollback() {
+  for (auto i = undo_numbers_.rbegin(); i != undo_numbers_.rend(); ++i)
+    numbers_[static_cast<std::size_t>(i->first)] = i->second;
+  for (auto i = undo_named_.rbegin(); i != undo_named_.rend(); ++i) {
+    const Slot s = slot(i->id);
+    *s.set = i->set;
+    *s.value = i->value;
+  }
+  begin();
+}
+
+rtapi::Status ParameterFile::load(ParameterTable& table) const {
+  std::FILE* file = std::fopen(path_.c_str(), "re");
+  if (file == nullptr)
+    return fail(Errc::not_found,
+                std::string("Unable to open file <") + path_ + ">: " + std::strerror(errno));
+  char line[512];
+  std::int32_t number = 0, before = 0;
+  rtapi::Status status;
+  table.extra_persistent_.clear();
+  while (std::fgets(line, sizeof line, file) != nullptr) {
+    ++number;
+    double index = 0, value = 0;
+    char rest[2];
+    if (std::sscanf(line, "%lf %lf %1s", &index, &value, rest) != 2) continue;
+    const rtapi::SourcePos at{rtapi::FixedString<160>(path_), number, 0};
+    if (index < 1 || index >= kParameterCount || index != static_cast<int>(index)) {
+      status = fail(Errc::syntax, "Parameter number out of range; 1 to 5602 are possible", at);
+      break;
+    }
+    const int i = static_cast<int>(index);
+    if (i <= before) {
+      status = fail(Errc::syntax, "Parameter file out of order; numbers must ascend", at);
+      break;
+    }
+    before = i;
+    table.set(i, value);
+    if (!ParameterTable::persistent(i)) table.extra_persistent_.push_back(i);
+  }
+  std::fclose(file);
+  table.begin();
+  const double system = table.get(kCoordSystem);
+  if (status.ok() && !(system >= 1 && system <= 9)) table.set(kCoordSystem, 1);
+  return status;
+}
+
+std::string ParameterFile::text(const ParameterTable& table) {
+  std::vector<std::int32_t> keep = table.extra_persistent_;
+  for (const Range& r : kPersistent) {
+    for (int i = r.first; i <= r.last; ++i) keep.push_back(i);
+  }
+  std::sort(keep.begin(), keep.end());
+  std::string out;
+  char line[64];
+  for (const std::int32_t i : keep) {
+    std::snprintf(line, sizeof line, "%d\t%.6f\n", i, table.get(i));
+    out += line;
+  }
+  return out;
+}
+
+rtapi::Status ParameterFile::save(const ParameterTable& table) const {
+  const std::string content = text(table);
+  const std::string fresh = path_ + ".new";
+  const auto problem = [&](const char* what) {
+    const std::string message = std::string(what) + " " + fresh + ": " + std::strerror(errno);
+    ::unlink(fresh.c_str());
+    return fail(Errc::system, message);
+  };
+  const int fd = ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (fd < 0) return problem("cannot create");
+  std::size_t done = 0;
+  while (done < content.size()) {
+    const ssize_t n = ::write(fd, content.data() + done, content.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) {
+      ::close(fd);
+      return problem("cannot write");
+    }
+    done += static_cast<std::size_t>(n);
+  }
+  if (::fsync(fd) != 0 || ::close(fd) != 0) return problem("cannot write");
+  const std::string backup = path_ + ".bak";
+  ::unlink(backup.c_str());
+  // A second name for the old content; the path itself is never missing.
+  if (::link(path_.c_str(), backup.c_str()) != 0 && errno != ENOENT && errno != EPERM)
+    return problem("cannot keep a backup of");
+  if (::rename(fresh.c_str(), path_.c_str()) != 0) return problem("cannot replace the file by");
+  const std::size_t slash = path_.rfind('/');
+  const std::string dir = slash == std::string::npos ? "." : path_.substr(0, slash + 1);
+  const int dir_fd = ::open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (dir_fd >= 0) {
+    ::fsync(dir_fd);
+    ::close(dir_fd);
+  }
+  return {};
+}
+
+}  // namespace kerf::interp

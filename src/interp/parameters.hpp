@@ -1,0 +1,136 @@
+// ParameterTable: numbered and named parameters, and ParameterFile: the .var file that keeps some of them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "rtapi/base/pose.hpp"
+#include "rtapi/base/result.hpp"
+
+namespace kerf::interp {
+
+using rtapi::Pose;
+
+inline constexpr int kParameterCount = 5603;  ///< numbers 1 to 5602
+inline constexpr int kSubArguments = 30;      ///< #1-#30 are local to a sub
+
+/// Numbers with a meaning (manual: "Numbered Parameters").
+enum Param : std::int32_t {
+  kProbe = 5061,  ///< 5061-5069 result of G38.x
+  kProbeSuccess = 5070,
+  kG28Home = 5161,
+  kG30Home = 5181,
+  kG92Applied = 5210,
+  kG92Offset = 5211,
+  kCoordSystem = 5220,
+  kG5xOffset = 5221,  ///< + 20 * (system - 1); + 9 is R
+  kInputValue = 5399,
+  kToolNumber = 5400,  ///< -5413, read from the tool in the spindle
+  kToolLast = 5413,
+  kPosition = 5420,  ///< -5428, read from the interpreter's position
+  kPositionLast = 5428,
+  kDebugEnable = 5599,
+  kChangerFault = 5600,
+  kChangerReason = 5601,
+};
+
+/// A number, or a text (dialects with string parameters). The number of a text is 0.
+struct Value {
+  double number{0};
+  std::shared_ptr<const std::string> text;
+};
+
+/// Names are given in lower case without blanks. Changes between begin() and commit() can be taken back: a block in
+/// error leaves no trace.
+class ParameterTable {
+ public:
+  ParameterTable();
+
+  // --- numbered ---
+  /// index 1 .. kParameterCount-1; others read 0 and ignore writes.
+  [[nodiscard]] double get(int index) const noexcept {
+    return index > 0 && index < kParameterCount ? numbers_[static_cast<std::size_t>(index)] : 0.0;
+  }
+  void set(int index, double value);
+  /// Nine numbers from `first` on as a pose in mm (and back), `unit_mm` being mm per stored unit.
+  [[nodiscard]] Pose pose(int first, double unit_mm) const noexcept;
+  void set_pose(int first, const Pose& pose, double unit_mm);
+  /// True for what the program may not assign (5400-5413, 5420-5428).
+  [[nodiscard]] static bool read_only(int index) noexcept {
+    return (index >= kToolNumber && index <= kToolLast) ||
+           (index >= kPosition && index <= kPositionLast);
+  }
+  /// True for what the parameter file keeps by the manual; other numbers are kept when the file has them.
+  [[nodiscard]] static bool persistent(int index) noexcept;
+
+  // --- named ---
+  /// Id of a name, the same for the life of the table.
+  [[nodiscard]] std::uint32_t intern(std::string_view name);
+  [[nodiscard]] const std::string& name(std::uint32_t id) const { return *names_[id].text; }
+  [[nodiscard]] bool is_global(std::uint32_t id) const { return names_[id].global; }
+  /// Null when there is none in the current scope.
+  [[nodiscard]] const Value* find(std::uint32_t id) const;
+  void set_named(std::uint32_t id, Value value);
+  /// Scopes of local names: one per sub call. The outermost stays.
+  void push_scope();
+  void pop_scope();
+
+  // --- taking back ---
+  void begin() noexcept { undo_numbers_.clear(), undo_named_.clear(); }
+  void rollback();
+
+ private:
+  friend class ParameterFile;
+  struct Name {
+    const std::string* text;
+    bool global;
+    bool set{false};
+    Value value;  ///< of globals
+  };
+  struct Local {
+    std::uint32_t id;
+    bool set;
+    Value value;
+  };
+  struct NamedUndo {
+    std::uint32_t id;
+    bool set;
+    Value value;
+  };
+  struct Slot {
+    bool* set;
+    Value* value;
+  };
+  Slot slot(std::uint32_t id);
+
+  std::vector<double> numbers_;
+  std::vector<std::int32_t> extra_persistent_;  ///< user numbers that the file had
+  std::unordered_map<std::string, std::uint32_t> ids_;
+  std::vector<Name> names_;
+  std::vector<std::vector<Local>> scopes_;
+  std::size_t depth_{1};
+  std::vector<std::pair<std::int32_t, double>> undo_numbers_;
+  std::vector<NamedUndo> undo_named_;
+};
+
+/// The peer's format: lines "number<tab>value"; lines without exactly two numbers are skipped; numbers ascend.
+class ParameterFile {
+ public:
+  explicit ParameterFile(std::string path) : path_(std::move(path)) {}
+  /// Numbers that the file does not name stay as they are. Errors: not_found, syntax (out of order, out of range).
+  [[nodiscard]] rtapi::Status load(ParameterTable& table) const;
+  /// Whole or not at all: PATH.new is written and synced, PATH is kept as PATH.bak, then replaced.
+  [[nodiscard]] rtapi::Status save(const ParameterTable& table) const;
+  /// The text that save() writes.
+  [[nodiscard]] static std::string text(const ParameterTable& table);
+
+ private:
+  std::string path_;
+};
+
+}  // namespace kerf::interp

@@ -1,0 +1,480 @@
+#include "interp/parser.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <cstring>
+
+namespace kerf::interp {
+
+namespace {
+
+/// Brackets inside brackets: more is a mistake, and the parser is recursive in them.
+constexpr int kDeepest = 48;
+
+constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; }
+
+struct FunctionRow {
+  std::string_view name;
+  Op op;
+};
+constexpr FunctionRow kFunctions[] = {
+    {"abs", Op::abs}, {"acos", Op::acos},   {"asin", Op::asin}, {"atan", Op::atan},
+    {"cos", Op::cos}, {"exp", Op::exp},     {"fix", Op::fix},   {"fup", Op::fup},
+    {"ln", Op::ln},   {"round", Op::round}, {"sin", Op::sin},   {"sqrt", Op::sqrt},
+    {"tan", Op::tan},
+};
+
+struct OperatorRow {
+  std::string_view name;
+  Op op;
+  int level;  ///< 5 binds strongest
+};
+constexpr OperatorRow kOperators[] = {
+    {"**", Op::power, 5},   {"*", Op::times, 4},  {"/", Op::divide, 4},   {"mod", Op::modulo, 4},
+    {"+", Op::plus, 3},     {"-", Op::minus, 3},  {"eq", Op::eq, 2},      {"ne", Op::ne, 2},
+    {"gt", Op::gt, 2},      {"ge", Op::ge, 2},    {"lt", Op::lt, 2},      {"le", Op::le, 2},
+    {"and", Op::op_and, 1}, {"or", Op::op_or, 1}, {"xor", Op::op_xor, 1},
+};
+constexpr int kStrongest = 5;
+
+struct FlowRow {
+  std::string_view name;
+  Flow flow;
+};
+// Longer names first where one begins another.
+constexpr FlowRow kFlows[] = {
+    {"sub", Flow::sub},
+    {"endsub", Flow::endsub},
+    {"call", Flow::call},
+    {"return", Flow::ret},
+    {"if", Flow::if_},
+    {"elseif", Flow::elseif},
+    {"else", Flow::else_},
+    {"endif", Flow::endif},
+    {"while", Flow::while_},
+    {"endwhile", Flow::endwhile},
+    {"do", Flow::do_},
+    {"repeat", Flow::repeat},
+    {"endrepeat", Flow::endrepeat},
+    {"break", Flow::break_},
+    {"continue", Flow::continue_},
+};
+
+struct CommentRow {
+  std::string_view name;
+  CommentKind kind;
+  bool comma;
+};
+constexpr CommentRow kComments[] = {
+    {"msg", CommentKind::msg, true},
+    {"debug", CommentKind::debug, true},
+    {"print", CommentKind::print, true},
+    {"log", CommentKind::log, true},
+    {"logopen", CommentKind::log_open, true},
+    {"logappend", CommentKind::log_append, true},
+    {"logclose", CommentKind::log_close, false},
+    {"abort", CommentKind::abort, true},
+};
+
+}  // namespace
+
+CommentKind classify_comment(std::string_view text, std::string_view& rest) {
+  char head[12];
+  std::size_t n = 0, i = 0;
+  for (; i < text.size() && text[i] != ',' && n < sizeof head; ++i) {
+    if (!is_blank(text[i])) head[n++] = lower(text[i]);
+  }
+  const std::string_view name(head, n);
+  const bool comma = i < text.size() && text[i] == ',';
+  for (const CommentRow& row : kComments) {
+    if (row.name != name || (row.comma && !comma)) continue;
+    rest = comma ? text.substr(i + 1) : std::string_view();
+    return row.kind;
+  }
+  rest = text;
+  return CommentKind::plain;
+}
+
+bool Parser::fail(const char* format, ...) {
+  std::va_list args;
+  va_start(args, format);
+  std::vsnprintf(error_, sizeof error_, format, args);
+  va_end(args);
+  at_ = pos_;
+  return false;
+}
+
+void Parser::push(Op op, double number, std::uint32_t id) {
+  out_->ops.push_back({op, static_cast<std::uint16_t>(pos_), id, number});
+}
+
+int Parser::column_of(std::string_view line, std::size_t normalised) const {
+  std::size_t n = 0;
+  bool in_comment = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (!in_comment && is_blank(line[i])) continue;
+    if (n == normalised) return static_cast<int>(i) + 1;
+    if (line[i] == '(') in_comment = true;
+    if (line[i] == ')') in_comment = false;
+    ++n;
+  }
+  return static_cast<int>(line.size()) + 1;
+}
+
+// Blanks go, letters become small, comments stay as they are; ; ends the line.
+bool Parser::normalise(std::string_view line) {
+  size_ = 0;
+  pos_ = 0;
+  if (line.size() > kLongestLine) return fail("Command too long");
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (is_blank(c)) continue;
+    if (c == ';') break;
+    if (c == '(') {
+      const std::size_t end = line.find_first_of("()", i + 1);
+      pos_ = size_;
+      if (end == std::string_view::npos) return fail("Unclosed comment found");
+      if (line[end] == '(') return fail("Nested comment found");
+      std::memcpy(buffer_ + size_, line.data() + i, end - i + 1);
+      size_ += end - i + 1;
+      i = end;
+      continue;
+    }
+    buffer_[size_++] = lower(c);
+  }
+  buffer_[size_] = '\0';
+  pos_ = 0;
+  return true;
+}
+
+bool Parser::parse(std::string_view line, ParsedBlock& out) {
+  out.clear();
+  out_ = &out;
+  depth_ = 0;
+  std::size_t first = 0;
+  while (first < line.size() && is_blank(line[first])) ++first;
+  if (first < line.size() && line[first] == '%') {
+    out.percent = true;
+    return true;
+  }
+  if (!normalise(line)) return false;
+  if (dialect_.block_delete && peek() == '/') {
+    out.skip = true;
+    ++pos_;
+  }
+  return sequence() && items();
+}
+
+bool Parser::peek_flow(std::string_view line, ParsedBlock& out) {
+  std::size_t i = 0;
+  const auto blanks = [&] {
+    while (i < line.size() && is_blank(line[i])) ++i;
+  };
+  blanks();
+  if (i < line.size() && line[i] == '/') ++i;
+  blanks();
+  if (i < line.size() && lower(line[i]) == 'n') {
+    ++i;
+    while (i < line.size() && (is_digit(line[i]) || is_blank(line[i]))) ++i;
+  }
+  if (i >= line.size() || lower(line[i]) != 'o') return false;
+  return parse(line, out) && out.flow != Flow::none;
+}
+
+bool Parser::sequence() {
+  if (peek() != 'n') return true;
+  const std::size_t start = ++pos_;
+  if (!is_digit(peek())) return fail("Bad format unsigned integer");
+  std::int64_t n = 0;
+  while (is_digit(peek()) && pos_ - start < 10) n = n * 10 + (buffer_[pos_++] - '0');
+  // A fraction of a line number is allowed and means nothing (manual: "Line Number").
+  if (peek() == '.') {
+    ++pos_;
+    while (is_digit(peek())) ++pos_;
+  }
+  out_->sequence = n > 2147483647 ? 2147483647 : static_cast<std::int32_t>(n);
+  return true;
+}
+
+bool Parser::items() {
+  if (peek() == 'o' && dialect_.o_words) return flow();
+  while (pos_ < size_) {
+    const char c = buffer_[pos_];
+    if (c == '(') {
+      if (!comment()) return false;
+    } else if (c == '#') {
+      if (!assignment()) return false;
+    } else {
+      const int letter = letter_index(c);
+      if (letter < 0 || c == 'n' || c == 'o') return fail("Bad character '%c' used", c);
+      if (!word(letter)) return false;
+    }
+  }
+  return true;
+}
+
+bool Parser::word(int letter) {
+  ParsedWord w;
+  w.letter = static_cast<std::uint8_t>(letter);
+  w.at = static_cast<std::uint16_t>(pos_++);
+  const auto first = out_->ops.size();
+  const char c = peek();
+  if (is_digit(c) || c == '.') {  // the plain case keeps clear of the operation list
+    const std::size_t start = pos_;
+    while (is_digit(peek()) || peek() == '.') ++pos_;
+    const auto r =
+        std::from_chars(buffer_ + start, buffer_ + pos_, w.value, std::chars_format::fixed);
+    if (r.ec == std::errc() && r.ptr == buffer_ + pos_) {
+      out_->words.push_back(w);
+      return true;
+    }
+    pos_ = start;
+  }
+  if (!value()) return false;
+  const auto count = out_->ops.size() - first;
+  if (count == 1 && out_->ops.back().op == Op::number) {
+    w.value = out_->ops.back().value;
+    out_->ops.pop_back();
+  } else {
+    w.constant = false;
+    w.expr = {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
+  }
+  out_->words.push_back(w);
+  return true;
+}
+
+bool Parser::comment() {
+  const std::size_t end = std::string_view(buffer_, size_).find(')', pos_);
+  std::string_view rest;
+  // Only the last comment of a line acts (manual: "Repeated Items").
+  out_->comment = classify_comment(std::string_view(buffer_ + pos_ + 1, end - pos_ - 1), rest);
+  out_->comment_text.assign(rest);
+  pos_ = end + 1;
+  return true;
+}
+
+bool Parser::assignment() {
+  Assignment a;
+  a.at = static_cast<std::uint16_t>(pos_++);
+  if (peek() == '<') {
+    std::string_view text;
+    if (!name(text)) return false;
+    a.named = true;
+    a.id = names_.intern(text);
+  } else {
+    a.index.first = static_cast<std::uint32_t>(out_->ops.size());
+    if (!value()) return false;
+    a.index.count = static_cast<std::uint32_t>(out_->ops.size()) - a.index.first;
+  }
+  if (peek() != '=') return fail("Equal sign missing in parameter setting");
+  ++pos_;
+  a.value.first = static_cast<std::uint32_t>(out_->ops.size());
+  if (!value()) return false;
+  a.value.count = static_cast<std::uint32_t>(out_->ops.size()) - a.value.first;
+  out_->assignments.push_back(a);
+  return true;
+}
+
+bool Parser::flow() {
+  ++pos_;
+  if (peek() == '<') {
+    std::string_view text;
+    if (!name(text)) return false;
+    out_->label.assign("<").append(text).append(">");
+  } else if (is_digit(peek())) {
+    std::size_t start = pos_;
+    while (is_digit(peek())) ++pos_;
+    while (start + 1 < pos_ && buffer_[start] == '0') ++start;
+    out_->label.assign(buffer_ + start, pos_ - start);
+  } else {
+    out_->label_expr.first = static_cast<std::uint32_t>(out_->ops.size());
+    if (!value()) return false;
+    out_->label_expr.count = static_cast<std::uint32_t>(out_->ops.size()) - out_->label_expr.first;
+  }
+  const std::size_t start = pos_;
+  while (peek() >= 'a' && peek() <= 'z') ++pos_;
+  const std::string_view word(buffer_ + start, pos_ - start);
+  for (const FlowRow& row : kFlows) {
+    if (row.name == word) out_->flow = row.flow;
+  }
+  if (out_->flow == Flow::none) {
+    pos_ = start;
+    return fail("Unknown control command in o word");
+  }
+  return flow_arguments();
+}
+
+bool Parser::flow_arguments() {
+  const Flow f = out_->flow;
+  const bool needs = f == Flow::if_ || f == Flow::elseif || f == Flow::while_ || f == Flow::repeat;
+  const std::size_t most = f == Flow::call                                ? kSubArguments
+                           : needs || f == Flow::ret || f == Flow::endsub ? 1
+                                                                          : 0;
+  while (peek() == '[') {
+    if (out_->arguments.size() == most) {
+      return most == kSubArguments ? fail("Too many parameters to subroutine call")
+                                   : fail("Unexpected character after O-word");
+    }
+    Expr e;
+    e.first = static_cast<std::uint32_t>(out_->ops.size());
+    if (!value()) return false;
+    e.count = static_cast<std::uint32_t>(out_->ops.size()) - e.first;
+    out_->arguments.push_back(e);
+  }
+  if (needs && out_->arguments.empty())
+    return fail("Left bracket missing after '%s'", f == Flow::if_      ? "if"
+                                                   : f == Flow::elseif ? "elseif"
+                                                   : f == Flow::while_ ? "while"
+                                                                       : "repeat");
+  while (pos_ < size_) {
+    if (peek() != '(') return fail("Unexpected character after O-word");
+    if (!comment()) return false;
+  }
+  return true;
+}
+
+// "<name>"; blanks and capitals are gone already.
+bool Parser::name(std::string_view& out) {
+  const std::size_t start = ++pos_;
+  while (pos_ < size_ && buffer_[pos_] != '>') ++pos_;
+  if (pos_ == size_) return fail("Named parameter not terminated");
+  out = std::string_view(buffer_ + start, pos_ - start);
+  ++pos_;
+  return true;
+}
+
+bool Parser::number(double sign) {
+  const std::size_t start = pos_;
+  while (is_digit(peek()) || peek() == '.') ++pos_;
+  double v = 0;
+  const auto r = std::from_chars(buffer_ + start, buffer_ + pos_, v, std::chars_format::fixed);
+  if (r.ec != std::errc() || r.ptr != buffer_ + pos_) {
+    const std::string_view text(buffer_ + start, pos_ - start);
+    pos_ = start;
+    return fail("bad number format (%s) parsing '%.*s'",
+                r.ec != std::errc() ? "conversion failed" : "trailing characters",
+                static_cast<int>(text.size()), text.data());
+  }
+  push(Op::number, sign * v);
+  return true;
+}
+
+bool Parser::value() {
+  const char c = peek();
+  if (is_digit(c) || c == '.') return number(1);
+  if (c == '[') return expression();
+  if (c == '#') return parameter();
+  if (c == '+' || c == '-') {
+    const char after = pos_ + 1 < size_ ? buffer_[pos_ + 1] : '\0';
+    if (is_digit(after) || after == '.') {
+      ++pos_;
+      return number(c == '-' ? -1 : 1);
+    }
+    if (after != '[' && after != '#' && letter_index(after) < 0)
+      return fail("bad number format (conversion failed) parsing '%c'", c);
+    ++pos_;
+    if (++depth_ > kDeepest) return fail("Expression nested too deeply");
+    if (!value()) return false;
+    --depth_;
+    if (c == '-') push(Op::negate);
+    return true;
+  }
+  if (c >= 'a' && c <= 'z') return function();
+  if (c == '\0' || c == '(') return fail("No characters found in reading real value");
+  return fail("bad number format (conversion failed) parsing '%c'", c);
+}
+
+bool Parser::expression() {
+  if (peek() != '[') return fail("Left bracket missing");
+  const std::size_t open = pos_++;
+  if (++depth_ > kDeepest) return fail("Expression nested too deeply");
+  if (!binary(1)) return false;
+  if (peek() != ']') {
+    if (pos_ < size_) return fail("Unknown operation");
+    pos_ = open;
+    return fail("Unclosed expression");
+  }
+  ++pos_;
+  --depth_;
+  return true;
+}
+
+int Parser::operator_at(Op& op, std::size_t& length) const {
+  for (const OperatorRow& row : kOperators) {
+    if (!starts(row.name)) continue;
+    op = row.op;
+    length = row.name.size();
+    return row.level;
+  }
+  return 0;
+}
+
+bool Parser::binary(int level) {
+  if (level > kStrongest) return value();
+  if (!binary(level + 1)) return false;
+  for (;;) {
+    Op op{};
+    std::size_t length = 0;
+    if (operator_at(op, length) != level) return true;
+    const std::size_t place = pos_;
+    pos_ += length;
+    if (!binary(level + 1)) return false;
+    out_->ops.push_back({op, static_cast<std::uint16_t>(place), 0, 0});
+  }
+}
+
+bool Parser::parameter() {
+  const std::size_t place = pos_++;
+  if (peek() == '<') {
+    std::string_view text;
+    if (!name(text)) return false;
+    out_->ops.push_back({Op::named, static_cast<std::uint16_t>(place), names_.intern(text), 0});
+    return true;
+  }
+  if (++depth_ > kDeepest) return fail("Expression nested too deeply");
+  if (!value()) return false;
+  --depth_;
+  out_->ops.push_back({Op::parameter, static_cast<std::uint16_t>(place), 0, 0});
+  return true;
+}
+
+bool Parser::function() {
+  if (starts("exists[#")) {
+    const std::size_t place = pos_;
+    pos_ += 8;
+    if (peek() == '<') {
+      std::string_view text;
+      if (!name(text)) return false;
+      out_->ops.push_back(
+          {Op::exists_named, static_cast<std::uint16_t>(place), names_.intern(text), 0});
+    } else {
+      if (!value()) return false;
+      out_->ops.push_back({Op::exists_numbered, static_cast<std::uint16_t>(place), 0, 0});
+    }
+    if (peek() != ']') return fail("Unclosed expression");
+    ++pos_;
+    return true;
+  }
+  for (const FunctionRow& row : kFunctions) {
+    if (!starts(row.name)) continue;
+    const std::size_t place = pos_;
+    pos_ += row.name.size();
+    if (peek() != '[') return fail("Left bracket missing after unary operation name");
+    if (!expression()) return false;
+    if (row.op == Op::atan) {
+      if (peek() != '/') return fail("Slash missing after first atan argument");
+      ++pos_;
+      if (peek() != '[') return fail("Left bracket missing after slash with atan");
+      if (!expression()) return false;
+    }
+    out_->ops.push_back({row.op, static_cast<std::uint16_t>(place), 0, 0});
+    return true;
+  }
+  return fail("Unknown word where unary operation could be");
+}
+
+}  // namespace kerf::interp

@@ -1,0 +1,31 @@
+// BenchEnvironment: files and tools for an interpreter without a machine (rs274, tests).
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "interp/environment.hpp"
+#include "rtapi/base/result.hpp"
+
+namespace kerf::interp {
+
+/// Subs are searched as NAME.ngc (as written, then NAME without suffix) in the given directories; there are no
+/// M-code programs and no HAL.
+class BenchEnvironment final : public Environment {
+ public:
+  void add_directory(std::string directory) { directories_.push_back(std::move(directory)); }
+  /// Reads a tool table in the documented form "T1 P1 X0 Z1 D.25 I0 J0 Q0 ;comment"; lengths times unit_mm are mm.
+  [[nodiscard]] rtapi::Status load_tools(const std::string& path, double unit_mm);
+  void set_tool(const Tool& tool) { tools_[tool.number] = tool; }
+
+  [[nodiscard]] std::optional<Tool> find_tool(int number) override;
+  [[nodiscard]] std::optional<Tool> find_pocket(int pocket) override;
+  [[nodiscard]] std::string find_sub(std::string_view name) override;
+
+ private:
+  std::vector<std::string> directories_;
+  std::map<int, Tool> tools_;
+};
+
+}  // namespace kerf::interp

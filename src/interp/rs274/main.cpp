@@ -1,0 +1,221 @@
+// rs274: interprets a G-code file and prints the canonical calls. Options as the peer's (rs274 -x lists them).
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <string>
+
+#include "interp/interpreter.hpp"
+#include "interp/parameters.hpp"
+#include "interp/rs274/bench_environment.hpp"
+#include "interp/text_canon.hpp"
+
+namespace {
+
+using namespace kerf::
+    interp;  // NOLINT(google-build-using-namespace): the whole program is about it
+
+enum class OnError { go_on, mdi, stop };
+
+struct Options {
+  std::string tools, parameters, input, output;
+  OnError on_error{OnError::stop};
+  bool block_delete{false}, stack{false}, batch{false};
+};
+
+constexpr const char* kUsage =
+    "Usage: rs274 [-p interp.so] [-t tool.tbl] [-v var-file.var] [-n 0|1|2]\n"
+    "          [-b] [-s] [-g] [input file [output file]]\n"
+    "\n"
+    "    -p: accepted for old scripts and ignored\n"
+    "    -t: Specify the .tbl (tool table) file to use\n"
+    "    -v: Specify the .var (parameter) file to use\n"
+    "    -n: Specify the continue mode:\n"
+    "           0: continue\n"
+    "           1: enter MDI mode\n"
+    "           2: stop (default)\n"
+    "    -b: Toggle the 'block delete' flag (default: OFF)\n"
+    "    -s: Toggle the 'print stack' flag (default: OFF)\n"
+    "    -g: Toggle the 'go (batch mode)' flag (default: OFF)\n"
+    "    -i: specify the INI file (default: no INI file)\n"
+    "    -T: call task_init()\n"
+    "    -l: specify the log_level (default: -1)\n";
+
+std::optional<Options> read_options(int argc, char** argv) {
+  Options o;
+  opterr = 0;
+  for (int c = 0; (c = getopt(argc, argv, "p:t:v:n:bsgi:Tl:")) != -1;) {
+    switch (c) {
+      case 't': o.tools = optarg; break;
+      case 'v': o.parameters = optarg; break;
+      case 'n':
+        o.on_error = std::strcmp(optarg, "0") == 0   ? OnError::go_on
+                     : std::strcmp(optarg, "1") == 0 ? OnError::mdi
+                                                     : OnError::stop;
+        break;
+      case 'b': o.block_delete = !o.block_delete; break;
+      case 's': o.stack = !o.stack; break;
+      case 'g': o.batch = !o.batch; break;
+      case 'p':
+      case 'i':
+      case 'T':
+      case 'l': break;
+      default:
+        std::fprintf(stderr, "rs274: invalid option -- '%c'\n%s", optopt, kUsage);
+        return std::nullopt;
+    }
+  }
+  if (optind < argc) o.input = argv[optind];
+  if (optind + 1 < argc) o.output = argv[optind + 1];
+  return o;
+}
+
+class Session {
+ public:
+  Session(const Options& options, std::FILE* out)
+      : options_(options), out_(out), canon_(out), interp_(env_, canon_, settings()) {}
+
+  int run() {
+    env_.add_directory("");
+    const std::size_t slash = options_.input.rfind('/');
+    if (slash != std::string::npos) env_.add_directory(options_.input.substr(0, slash));
+    if (!options_.tools.empty()) {
+      if (const auto s = env_.load_tools(options_.tools, kInch); !s.ok())
+        return problem(s.error().message());
+    }
+    if (!options_.parameters.empty()) {
+      if (const auto s = ParameterFile(options_.parameters).load(interp_.parameters()); !s.ok())
+        return problem(s.error().message());
+    }
+    interp_.set_block_delete(options_.block_delete);
+    std::fputs("executing\n", stderr);
+    interp_.init();
+    if (options_.input.empty()) return finish(mdi());
+    if (const auto s = interp_.open(options_.input); !s.ok()) {
+      std::fflush(out_);
+      return problem(std::string(s.error().what.view()));
+    }
+    return finish(program());
+  }
+
+ private:
+  static constexpr double kInch = 25.4;
+
+  // Without an INI the machine counts in inches and programs start in mm, as the peer's does.
+  static Settings settings() {
+    Settings s;
+    s.machine_unit_mm = kInch;
+    s.start_units = Units::mm;
+    return s;
+  }
+
+  static int problem(const std::string& text) {
+    std::fprintf(stderr, "%s\n", text.c_str());
+    return 1;
+  }
+
+  int finish(int result) {
+    canon_.on_reset();
+    canon_.on_reset();
+    if (!options_.parameters.empty()) {
+      if (const auto s = ParameterFile(options_.parameters).save(interp_.parameters()); !s.ok())
+        return problem(s.error().message());
+    }
+    return result;
+  }
+
+  void show_error() {
+    std::fflush(out_);
+    const InterpError& e = interp_.error();
+    std::fprintf(stderr, "%s\n%s\n", e.text.c_str(), e.source.c_str());
+    if (e.line > 0) {
+      std::fprintf(stderr, "%s:%d", e.file.empty() ? "MDI" : e.file.c_str(), e.line);
+      if (e.column > 0) std::fprintf(stderr, ":%d", e.column);
+      std::fprintf(stderr, ": %s\n", e.help.empty() ? "this line has no effect" : e.help.c_str());
+    }
+    if (options_.stack) std::fprintf(stderr, "call level %d\n", e.call_level);
+  }
+
+  /// There is no machine: whatever was asked for has happened.
+  void synchronize() {
+    ExternalState state;
+    if (interp_.sync_reason() == SyncReason::probe) {
+      CanonFrame frame = interp_.modal().frame;
+      state.probe = ExternalState::Probe{frame.to_machine(interp_.modal().position), true};
+    }
+    interp_.synchronize(state);
+  }
+
+  int program() {
+    for (;;) {
+      switch (interp_.execute_next()) {
+        case Outcome::ok: break;
+        case Outcome::needs_sync: synchronize(); break;
+        case Outcome::program_end:
+        case Outcome::idle: return 0;
+        case Outcome::error:
+          show_error();
+          if (interp_.error().source.empty()) return 1;  // no line to go on behind
+          if (options_.on_error == OnError::stop) return 1;
+          if (options_.on_error == OnError::mdi) {
+            std::fputs("starting MDI\n", stderr);
+            mdi();
+            std::fputs("continue program? y/n =>", stderr);
+            const int answer = std::getchar();
+            if (answer != 'y' && answer != 'Y') return 1;
+          }
+          break;
+      }
+    }
+  }
+
+  int mdi() {
+    char line[4096];
+    const bool terminal = isatty(STDIN_FILENO) != 0;
+    for (;;) {
+      if (terminal) std::fputs("READ => ", stderr);
+      if (std::fgets(line, sizeof line, stdin) == nullptr) return 0;
+      line[std::strcspn(line, "\r\n")] = '\0';
+      if (std::strcmp(line, "quit") == 0) return 0;
+      Outcome o = interp_.execute_mdi(line);
+      while (o == Outcome::ok || o == Outcome::needs_sync) {
+        if (o == Outcome::needs_sync) synchronize();
+        o = interp_.execute_next();
+        if (!interp_.mdi_active()) break;
+      }
+      if (o == Outcome::error) show_error();
+      std::fflush(out_);
+    }
+  }
+
+  const Options& options_;
+  std::FILE* out_;
+  BenchEnvironment env_;
+  TextCanon canon_;
+  Interpreter interp_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto options = read_options(argc, argv);
+  if (!options) return 1;
+  std::FILE* out = stdout;
+  if (!options->output.empty()) {
+    out = std::fopen(options->output.c_str(), "we");
+    if (out == nullptr) {
+      std::fprintf(stderr, "Unable to open file <%s>\n", options->output.c_str());
+      return 1;
+    }
+  }
+  int result = 0;
+  {
+    Session session(*options, out);
+    result = session.run();
+  }
+  if (std::fflush(out) != 0) result = 1;
+  if (out != stdout && std::fclose(out) != 0) result = 1;
+  return result;
+}

@@ -1,0 +1,92 @@
+// TextCanon: prints canonical calls one a line, in the format of the peer's rs274.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+#include "interp/canon.hpp"
+#include "interp/modal.hpp"
+
+namespace kerf::interp {
+
+/// Lengths are printed in the program's units (G20: inches). Calls that the format does not have print nothing.
+class TextCanon final : public Canon {
+ public:
+  /// `out` stays open; the caller flushes it.
+  explicit TextCanon(std::FILE* out) : out_(out) {}
+
+  void next_block(const SourceLine& source) override { sequence_ = source.sequence; }
+  void use_length_units(Units units) override;
+  void select_plane(Plane plane) override;
+  void set_g5x_offset(int system, const Pose& offset) override;
+  void set_g92_offset(const Pose& offset) override;
+  void set_xy_rotation(double degrees) override;
+  void use_tool_length_offset(const Pose& offset) override;
+  void set_feed_rate(double linear_mm_min, double angular_deg_min) override;
+  void set_feed_mode(int spindle, FeedMode mode) override;
+  void set_feed_reference() override;
+  void set_motion_control_mode(PathMode mode, double tolerance_mm) override;
+  void set_naivecam_tolerance(double tolerance_mm) override;
+  void start_speed_feed_sync(int spindle, double mm_per_revolution, bool velocity_mode) override;
+  void stop_speed_feed_sync() override;
+  void straight_traverse(const Pose& end) override;
+  void straight_feed(const Pose& end) override;
+  void arc_feed(const Arc& arc) override;
+  void straight_probe(const Pose& end, ProbeKind kind) override;
+  void turn_probe_on() override;
+  void turn_probe_off() override;
+  void rigid_tap(const Pose& end, double return_scale) override;
+  void dwell(double seconds) override;
+  void set_spindle_speed(int spindle, double speed) override;
+  void set_spindle_mode(int spindle, double css_max_rpm) override;
+  void start_spindle(int spindle, SpindleDirection direction) override;
+  void stop_spindle(int spindle) override;
+  void orient_spindle(int spindle, double angle_deg, int mode) override;
+  void wait_orient_complete(int spindle, double timeout_s) override;
+  void select_tool(int number) override;
+  void start_change() override {}
+  void change_tool() override;
+  void change_tool_number(int number) override;
+  void set_tool_table_entry(const Tool& tool) override;
+  void reload_tooldata() override;
+  void set_mist(bool on) override;
+  void set_flood(bool on) override;
+  void set_motion_output_bit(int index, bool on) override;
+  void set_motion_output_value(int index, double value) override;
+  void set_aux_output_bit(int index, bool on) override;
+  void set_aux_output_value(int index, double value) override;
+  void wait_input(int, bool, WaitMode, double) override {}
+  void enable_feed_override(bool on) override;
+  void enable_speed_override(int spindle, bool on) override;
+  void enable_adaptive_feed(bool on) override;
+  void enable_feed_hold(bool on) override;
+  void program_stop() override;
+  void optional_program_stop() override;
+  void pallet_shuttle() override;
+  void program_end() override;
+  void finish() override;
+  void on_reset() override;
+  void user_mcode(int number, std::string_view path, double p, double q) override;
+  void comment(std::string_view text) override;
+  void message(std::string_view text) override;
+  void print(std::string_view text) override;
+  void log_open(std::string_view path, bool append) override;
+  void log(std::string_view text) override;
+  void log_close() override;
+
+ private:
+  void line(const char* format, ...) __attribute__((format(printf, 2, 3)));
+  void pose(const char* name, const Pose& p, const char* before = "");
+  void text(const char* name, std::string_view s);
+  [[nodiscard]] double length(double mm) const { return mm / unit_mm_; }
+
+  std::FILE* out_;
+  double unit_mm_{1};
+  std::int32_t sequence_{-1};
+  std::uint32_t counter_{0};
+  std::array<bool, kMaxSpindles> css_{};
+};
+
+}  // namespace kerf::interp
