@@ -1,0 +1,255 @@
+// Power, safety and the order of things in a cycle.
+#include "motion/core/controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf::motion {
+
+Controller::Controller(const Kinematics& kinematics, SpanRing& spans, FaultRing& planner_faults,
+                       std::int32_t joints, std::int32_t spindles) noexcept
+    : kinematics_(kinematics),
+      spans_(spans),
+      planner_faults_(planner_faults),
+      joints_(
+          static_cast<std::size_t>(std::clamp(joints, 0, static_cast<std::int32_t>(kMaxJoints)))),
+      spindle_count_(static_cast<std::size_t>(
+          std::clamp(spindles, 0, static_cast<std::int32_t>(kMaxSpindles)))),
+      executor_(spans, spindles_, outputs_) {}
+
+void Controller::configure(const MachineConfig& config) noexcept {
+  config_ = config;
+  configured_ = true;
+  executor_.configure(config.max_feed_override);
+  spindles_.configure(config, static_cast<std::int32_t>(spindle_count_));
+  for (std::size_t j = 0; j < joints_; ++j)
+    joint_[j].mover.set_acc(std::max(config.joint[j].max_acc, 1e-6));
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    AxisConfig& limit = axis_limit_[i] = config.axis[i];
+    for (std::size_t j = 0; j < joints_; ++j) {
+      if (kinematics_.axis_of_joint(static_cast<std::int32_t>(j)) != static_cast<std::int32_t>(i))
+        continue;
+      const JointConfig& c = config.joint[j];
+      limit.max_vel = std::min(limit.max_vel, c.max_vel);
+      limit.max_acc = std::min(limit.max_acc, c.max_acc);
+      limit.min_limit = std::max(limit.min_limit, c.min_limit);
+      limit.max_limit = std::min(limit.max_limit, c.max_limit);
+    }
+    axis_[i].set_acc(std::max(limit.max_acc, 1e-6));
+  }
+}
+
+bool Controller::at_rest() const noexcept {
+  if (!executor_.at_rest()) return false;
+  for (std::size_t j = 0; j < joints_; ++j) {
+    if (joint_[j].mover.active()) return false;
+  }
+  for (const AxisMover& axis : axis_) {
+    if (axis.active()) return false;
+  }
+  return true;
+}
+
+void Controller::step(const Inputs& in, const Orders& orders, double dt,
+                      std::int64_t now_ns) noexcept {
+  faults_.clear();
+  while (const FaultRecord* record = planner_faults_.front()) {
+    if (!faults_.push_back(*record)) break;
+    planner_faults_.pop();
+  }
+  read_feedback(in);
+  watch_heartbeat(orders, dt);
+  switch_power(in, orders);
+  take_requests(orders);
+  stop_everything(orders);
+  switch_mode(orders);
+  watch_jog_stop(in);
+  take_homing(in, orders);
+  take_jogs(in, orders);
+  move(in, orders, dt);
+  double factors[kMaxSpindles];
+  for (std::size_t n = 0; n < kMaxSpindles; ++n)
+    factors[n] =
+        executor_.enables().spindle[n] ? std::max(orders.values->spindle_override[n], 0.0) : 1.0;
+  spindles_.step(in.spindle, factors, pose_.x - executor_.tool_offset().x, faults_);
+  for (FaultRecord& record : faults_) {
+    record.number = ++fault_number_;
+    record.time_ns = now_ns;
+  }
+  fill_status(in, orders, dt, now_ns);
+  note_changes();
+}
+
+void Controller::read_feedback(const Inputs& in) noexcept {
+  for (std::size_t j = 0; j < joints_; ++j) {
+    Joint& joint = joint_[j];
+    const JointInputs& source = in.joint[j];
+    joint.motor_pos_fb = source.motor_pos_fb;
+    joint.pos_fb = source.motor_pos_fb - joint.motor_offset;
+    joint.home_switch = source.home_switch;
+    joint.neg_limit = source.neg_limit;
+    joint.pos_limit = source.pos_limit;
+    joint.amp_fault = source.amp_fault;
+  }
+}
+
+void Controller::watch_heartbeat(const Orders& orders, double dt) noexcept {
+  if (!enabled_ || orders.heartbeat != heartbeat_) {
+    heartbeat_ = orders.heartbeat;
+    heartbeat_age_s_ = 0;
+    return;
+  }
+  heartbeat_age_s_ += dt;
+  if (closing_down_ || heartbeat_age_s_ <= config_.heartbeat_timeout_s) return;
+  raise(faults_, Fault::heartbeat_lost, -1, heartbeat_age_s_, config_.heartbeat_timeout_s,
+        status_.current);
+  closing_down_ = true;
+}
+
+void Controller::switch_power(const Inputs& in, const Orders& orders) noexcept {
+  if (!orders.enable) {
+    armed_ = true;
+    if (enabled_) disable();
+    return;
+  }
+  if (enabled_) {
+    if (machine_fault(in, orders) || (closing_down_ && at_rest())) disable();
+    return;
+  }
+  if (!armed_ || !configured_) return;
+  armed_ = false;  // whatever comes of it, the next try needs a new request
+  if (may_enable(in, orders)) enable();
+}
+
+bool Controller::may_enable(const Inputs& in, const Orders& orders) noexcept {
+  return !machine_fault(in, orders);
+}
+
+bool Controller::machine_fault(const Inputs& in, const Orders& orders) noexcept {
+  if (!in.enable) {
+    raise(faults_, Fault::enable_lost, -1, 0, 0, status_.current);
+    return true;
+  }
+  if (in.misc_error) {
+    raise(faults_, Fault::amp_fault, -1, 0, 0, status_.current);
+    return true;
+  }
+  for (std::size_t n = 0; n < spindle_count_; ++n) {
+    if (!in.spindle[n].amp_fault) continue;
+    raise(faults_, Fault::spindle_fault, static_cast<std::int32_t>(n), 0, 0, status_.current);
+    return true;
+  }
+  bool any = false;
+  for (std::size_t j = 0; j < joints_; ++j) any = joint_fault(j, orders) || any;
+  return any;
+}
+
+bool Controller::joint_fault(std::size_t j, const Orders& orders) noexcept {
+  Joint& joint = joint_[j];
+  const JointConfig& c = config_.joint[j];
+  const auto index = static_cast<std::int32_t>(j);
+  joint.faulted = joint.amp_fault;
+  if (joint.amp_fault) {
+    raise(faults_, Fault::amp_fault, index, 0, 0, status_.current);
+    return joint.error = true;
+  }
+  if (!joint.ignore_limits && !orders.values->override_limits &&
+      (joint.neg_limit || joint.pos_limit)) {
+    raise(faults_, joint.neg_limit ? Fault::joint_hard_limit_min : Fault::joint_hard_limit_max,
+          index, joint.pos_fb, 0, status_.current);
+    return joint.error = true;
+  }
+  if (!enabled_) return false;
+  // Manual, FERROR: the limit grows with the speed, from MIN_FERROR to FERROR at the joint's full speed.
+  joint.ferror = joint.pos_cmd - joint.pos_fb;
+  joint.ferror_high = std::max(joint.ferror_high, std::abs(joint.ferror));
+  joint.ferror_limit =
+      c.min_ferror < c.ferror
+          ? std::max(c.min_ferror, c.ferror * std::min(std::abs(joint.vel_cmd) / c.max_vel, 1.0))
+          : c.ferror;
+  if (std::abs(joint.ferror) <= joint.ferror_limit) return false;
+  raise(faults_, Fault::following_error, index, joint.ferror, joint.ferror_limit, status_.current);
+  joint.ferrored = true;
+  return joint.error = true;
+}
+
+void Controller::settle() noexcept {
+  JointVector q{};
+  for (std::size_t j = 0; j < joints_; ++j) {
+    joint_[j].mover.place(joint_[j].pos_cmd);
+    q[j] = joint_[j].pos_cmd;
+  }
+  (void)kinematics_.forward(q, pose_);
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) axis_[i].place(pose_[i]);
+  executor_.place(pose_);
+}
+
+void Controller::enable() noexcept {
+  enabled_ = true;
+  closing_down_ = false;
+  heartbeat_age_s_ = 0;
+  for (std::size_t j = 0; j < joints_; ++j) {
+    Joint& joint = joint_[j];
+    joint.pos_cmd = joint.pos_fb;
+    joint.error = joint.ferrored = joint.faulted = false;
+    joint.ferror = joint.ferror_high = 0;
+  }
+  settle();
+  guard_.reset(joints_, joint_);
+}
+
+void Controller::disable() noexcept {
+  enabled_ = false;
+  closing_down_ = false;
+  homing_.stop(joints_, joint_);
+  spindles_.stop_all();
+  executor_.void_epoch(std::max(acked_epoch_, std::uint32_t{1}));
+  for (std::size_t j = 0; j < joints_; ++j) {
+    joint_[j].mover.place(joint_[j].pos_cmd);
+    if (config_.joint[j].volatile_home) joint_[j].homed = false;
+  }
+  for (AxisMover& axis : axis_) axis.place(axis.position());
+}
+
+void Controller::take_requests(const Orders& orders) noexcept {
+  const Intent& want = *orders.values;
+  for (std::size_t n = 0; n < spindle_count_; ++n) {
+    if (want.spindle_stop_seq[n] == spindle_stop_seen_[n]) continue;
+    spindle_stop_seen_[n] = want.spindle_stop_seq[n];
+    spindles_.stop(static_cast<std::int32_t>(n));
+  }
+  if (want.digital_out_set_seq != outputs_seen_) {
+    outputs_seen_ = want.digital_out_set_seq;
+    outputs_.digital = (outputs_.digital | want.digital_out_on) & ~want.digital_out_off;
+  }
+  if (want.unhome_seq != unhome_seen_) {
+    unhome_seen_ = want.unhome_seq;
+    take_unhome(want.unhome_joint);
+  }
+}
+
+/// Abort: stop where we are, then forget all that is older, then say so.
+void Controller::stop_everything(const Orders& orders) noexcept {
+  const bool abort = orders.abort_epoch != acked_epoch_;
+  if (!abort && !closing_down_) return;
+  homing_.stop(joints_, joint_);
+  for (std::size_t j = 0; j < joints_; ++j) joint_[j].mover.stop();
+  for (AxisMover& axis : axis_) axis.stop();
+  if (!abort || !at_rest()) return;
+  executor_.drop_before(orders.abort_epoch);
+  spindles_.abort_orient();
+  acked_epoch_ = orders.abort_epoch;
+}
+
+ServoView Controller::view() const noexcept {
+  ServoView v;
+  v.acked_epoch = acked_epoch_;
+  v.void_epoch = executor_.voided();
+  v.executed_seq = executor_.executed_seq();
+  v.place = executor_.place_number();
+  v.pose = executor_.pose();
+  v.takes_moves = enabled_ && mode_ == MotionMode::coordinated;
+  return v;
+}
+
+}  // namespace kerf::motion

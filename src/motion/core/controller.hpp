@@ -1,0 +1,117 @@
+// Controller: everything that happens in one servo cycle, from feedback to commanded positions. Pure arithmetic, @rt.
+//
+// The shell (motmod, or a test) fills Inputs and Orders, calls step(), then copies status(), spindle and digital outputs to
+// where they belong, publishes faults() and wakes whom changed() and view() concern.
+#pragma once
+
+#include <cstdint>
+
+#include "motion/api/config.hpp"
+#include "motion/api/kinematics.hpp"
+#include "motion/core/executor.hpp"
+#include "motion/core/guard.hpp"
+#include "motion/core/homing.hpp"
+#include "motion/core/io.hpp"
+#include "motion/core/joint.hpp"
+#include "motion/core/spindles.hpp"
+
+namespace kerf::motion {
+
+class Controller {
+ public:
+  Controller(const Kinematics& kinematics, SpanRing& spans, FaultRing& planner_faults,
+             std::int32_t joints, std::int32_t spindles) noexcept;
+
+  /// New limits; only at_rest(), since moves under way were planned with the old ones.
+  void configure(const MachineConfig& config) noexcept;
+  [[nodiscard]] bool at_rest() const noexcept;
+
+  void step(const Inputs& in, const Orders& orders, double dt, std::int64_t now_ns) noexcept;
+
+  [[nodiscard]] const MotionStatus& status() const noexcept { return status_; }
+  /// For the shell, which adds what only it knows (inputs of M66).
+  [[nodiscard]] MotionStatus& status() noexcept { return status_; }
+  [[nodiscard]] const FaultList& faults() const noexcept { return faults_; }
+  [[nodiscard]] const OutputBank& outputs() const noexcept { return outputs_; }
+  [[nodiscard]] const Spindles& spindles() const noexcept { return spindles_; }
+  [[nodiscard]] const Executor& executor() const noexcept { return executor_; }
+  [[nodiscard]] const Joint& joint(std::size_t j) const noexcept { return joint_[j]; }
+  [[nodiscard]] const AxisMover& axis(std::size_t i) const noexcept { return axis_[i]; }
+  [[nodiscard]] std::size_t joints() const noexcept { return joints_; }
+  [[nodiscard]] const MachineConfig& config() const noexcept { return config_; }
+  /// For the planner.
+  [[nodiscard]] ServoView view() const noexcept;
+  /// True when this cycle changed something that task waits for.
+  [[nodiscard]] bool changed() const noexcept { return changed_; }
+
+ private:
+  // controller.cpp: power and safety
+  void read_feedback(const Inputs& in) noexcept;
+  void switch_power(const Inputs& in, const Orders& orders) noexcept;
+  [[nodiscard]] bool may_enable(const Inputs& in, const Orders& orders) noexcept;
+  void enable() noexcept;
+  void disable() noexcept;
+  void watch_heartbeat(const Orders& orders, double dt) noexcept;
+  [[nodiscard]] bool machine_fault(const Inputs& in, const Orders& orders) noexcept;
+  [[nodiscard]] bool joint_fault(std::size_t j, const Orders& orders) noexcept;
+  void stop_everything(const Orders& orders) noexcept;
+  void settle() noexcept;
+  void take_requests(const Orders& orders) noexcept;
+
+  // controller_motion.cpp: modes and what moves in them
+  [[nodiscard]] bool all_homed() const noexcept;
+  [[nodiscard]] bool may_leave_free() const noexcept;
+  void switch_mode(const Orders& orders) noexcept;
+  void enter(MotionMode mode) noexcept;
+  void take_jogs(const Inputs& in, const Orders& orders) noexcept;
+  void take_jog(const JogIntent& jog, std::uint32_t& seen, bool allowed, AxisMover& mover,
+                std::int32_t index, double speed_limit, double low, double high) noexcept;
+  void take_homing(const Inputs& in, const Orders& orders) noexcept;
+  void take_unhome(std::int32_t which) noexcept;
+  void watch_jog_stop(const Inputs& in) noexcept;
+  void move(const Inputs& in, const Orders& orders, double dt) noexcept;
+  void move_joints() noexcept;
+  [[nodiscard]] bool jogging() const noexcept;
+
+  // controller_status.cpp
+  void fill_status(const Inputs& in, const Orders& orders, double dt, std::int64_t now_ns) noexcept;
+  void fill_joint(std::size_t j) noexcept;
+  void note_changes() noexcept;
+
+  const Kinematics& kinematics_;
+  SpanRing& spans_;
+  FaultRing& planner_faults_;
+  std::size_t joints_, spindle_count_;
+  MachineConfig config_{};
+  OutputBank outputs_;
+  Spindles spindles_;
+  Executor executor_;
+  Homing homing_;
+  Guard guard_;
+  Joint joint_[kMaxJoints];
+  AxisMover axis_[rtapi::kAxes];
+  AxisConfig axis_limit_[rtapi::kAxes];  ///< of the axis and of the joints that it moves alone
+
+  bool configured_{false}, enabled_{false}, armed_{true}, closing_down_{false};
+  bool jog_stop_before_{false}, jog_dead_before_{false};
+  MotionMode mode_{MotionMode::free}, refused_mode_{MotionMode::free};
+  Pose pose_, pose_fb_;
+  std::uint32_t acked_epoch_{0};
+  std::uint64_t heartbeat_{0};
+  double heartbeat_age_s_{0};
+  std::uint32_t joint_jog_seen_[kMaxJoints]{}, axis_jog_seen_[rtapi::kAxes]{};
+  std::uint32_t home_seen_{0}, unhome_seen_{0}, spindle_stop_seen_[kMaxSpindles]{};
+  std::uint64_t outputs_seen_{0};
+
+  FaultList faults_;
+  std::uint64_t fault_number_{0};
+  MotionStatus status_;
+  struct Digest {
+    std::uint64_t executed{0}, faults{0};
+    std::uint32_t acked{0}, flags{0}, homed{0};
+    friend bool operator==(const Digest&, const Digest&) = default;
+  } digest_;
+  bool changed_{false};
+};
+
+}  // namespace kerf::motion

@@ -1,0 +1,221 @@
+// Modes, and what moves in each of them.
+#include <algorithm>
+#include <cmath>
+
+#include "motion/core/controller.hpp"
+
+namespace kerf::motion {
+namespace {
+/// A continuous jog without limits goes this far at most (mm, degrees).
+constexpr double kEndlessJog = 1e6;
+constexpr double kAtLimit = 1e-9;
+}  // namespace
+
+bool Controller::all_homed() const noexcept {
+  for (std::size_t j = 0; j < joints_; ++j) {
+    if (!joint_[j].homed) return false;
+  }
+  return true;
+}
+
+bool Controller::may_leave_free() const noexcept {
+  return all_homed() || (config_.no_force_homing && kinematics_.type() == KinematicsType::identity);
+}
+
+bool Controller::jogging() const noexcept {
+  if (mode_ == MotionMode::free && !homing_.active()) {
+    for (std::size_t j = 0; j < joints_; ++j) {
+      if (joint_[j].mover.active()) return true;
+    }
+  }
+  for (const AxisMover& axis : axis_) {
+    if (axis.active()) return true;
+  }
+  return false;
+}
+
+void Controller::switch_mode(const Orders& orders) noexcept {
+  MotionMode want = orders.values->mode;
+  if (mode_ != MotionMode::free && !may_leave_free()) want = MotionMode::free;
+  if (want == mode_) {
+    refused_mode_ = MotionMode::free;
+    return;
+  }
+  if (!at_rest() || homing_.active() || executor_.moving_item()) return;
+  if (mode_ == MotionMode::coordinated && !(executor_.idle() && orders.path_ring_empty)) return;
+  if (want != MotionMode::free && !may_leave_free()) {
+    // Once a request: the mode stays as it is until somebody wants another.
+    if (refused_mode_ != want) raise(faults_, Fault::not_homed);
+    refused_mode_ = want;
+    return;
+  }
+  enter(want);
+}
+
+void Controller::enter(MotionMode mode) noexcept {
+  mode_ = mode;
+  refused_mode_ = MotionMode::free;
+  settle();
+}
+
+void Controller::take_unhome(std::int32_t which) noexcept {
+  if (!at_rest() || homing_.active()) {
+    raise(faults_, Fault::home_busy, which);
+    return;
+  }
+  for (std::size_t j = 0; j < joints_; ++j) {
+    const bool meant = which == -1 || which == static_cast<std::int32_t>(j) ||
+                       (which == -2 && config_.joint[j].volatile_home);
+    if (meant) joint_[j].homed = false;
+  }
+}
+
+void Controller::take_homing(const Inputs& in, const Orders& orders) noexcept {
+  const Intent& want = *orders.values;
+  if (want.home_seq == home_seen_) return;
+  home_seen_ = want.home_seq;
+  const auto refuse = [&](HomeFailure why) {
+    raise(faults_, Fault::home_failed, want.home_joint, static_cast<double>(why));
+  };
+  if (!enabled_ || closing_down_) return refuse(HomeFailure::not_enabled);
+  if (homing_.active() || !at_rest()) {
+    raise(faults_, Fault::home_busy, want.home_joint);
+    return;
+  }
+  if (mode_ != MotionMode::free) return refuse(HomeFailure::wrong_mode);
+  if (in.homing_inhibit) return refuse(HomeFailure::inhibited);
+  homing_.start(want.home_joint, joints_, joint_, config_, faults_);
+}
+
+void Controller::watch_jog_stop(const Inputs& in) noexcept {
+  const bool soft = in.jog_stop && !jog_stop_before_,
+             dead = in.jog_stop_immediate && !jog_dead_before_;
+  jog_stop_before_ = in.jog_stop;
+  jog_dead_before_ = in.jog_stop_immediate;
+  if (homing_.active() || (!soft && !dead)) return;
+  for (std::size_t j = 0; j < joints_; ++j)
+    dead ? joint_[j].mover.stop_dead() : joint_[j].mover.stop();
+  for (AxisMover& axis : axis_) dead ? axis.stop_dead() : axis.stop();
+  // Asked for by the pin, so no news to the guard.
+  if (dead) guard_.follow(joints_, joint_);
+}
+
+void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
+  const Intent& want = *orders.values;
+  const bool ready = enabled_ && !closing_down_ && orders.abort_epoch == acked_epoch_ &&
+                     !in.jog_inhibit && !homing_.active();
+  for (std::size_t j = 0; j < joints_; ++j) {
+    if (want.joint_jog[j].seq == joint_jog_seen_[j]) continue;
+    const JointConfig& c = config_.joint[j];
+    double low = c.min_limit, high = c.max_limit;
+    const double here = joint_[j].mover.position();
+    if (!joint_[j].homed) {
+      // Nobody knows where the limits are: one whole travel either way.
+      const double range = std::min(high - low, kEndlessJog);
+      low = here - range;
+      high = here + range;
+    }
+    if (want.override_limits) {
+      if (joint_[j].neg_limit) low = here;
+      if (joint_[j].pos_limit) high = here;
+    }
+    take_jog(want.joint_jog[j], joint_jog_seen_[j], ready && mode_ == MotionMode::free,
+             joint_[j].mover, static_cast<std::int32_t>(j), c.max_vel, low, high);
+  }
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    if (want.axis_jog[i].seq == axis_jog_seen_[i]) continue;
+    const bool exists = (kinematics_.axis_mask() >> i & 1U) != 0;
+    const AxisConfig& c = axis_limit_[i];
+    take_jog(want.axis_jog[i], axis_jog_seen_[i], ready && exists && mode_ == MotionMode::teleop,
+             axis_[i], static_cast<std::int32_t>(i), c.max_vel, c.min_limit, c.max_limit);
+  }
+}
+
+void Controller::take_jog(const JogIntent& jog, std::uint32_t& seen, bool allowed, AxisMover& mover,
+                          std::int32_t index, double speed_limit, double low,
+                          double high) noexcept {
+  seen = jog.seq;
+  using Kind = JogIntent::Kind;
+  if (jog.kind == Kind::none) {
+    if (!homing_.active()) mover.stop();
+    return;
+  }
+  if (!allowed || !std::isfinite(jog.vel) || !std::isfinite(jog.target)) {
+    raise(faults_, Fault::jog_while_not_ready, index);
+    return;
+  }
+  const double here = mover.position();
+  double target = jog.target;
+  if (jog.kind == Kind::continuous)
+    target = jog.vel > 0 ? here + kEndlessJog : jog.vel < 0 ? here - kEndlessJog : here;
+  if (jog.kind == Kind::incremental) target = (mover.active() ? mover.target() : here) + jog.target;
+  const bool up = target > here, down = target < here;
+  if ((up && here >= high - kAtLimit) || (down && here <= low + kAtLimit)) {
+    raise(faults_, Fault::jog_beyond_limit, index, here, up ? high : low);
+    return;
+  }
+  // From outside the limits only the way back is open.
+  if (up) target = std::min(target, high);
+  if (down) target = std::max(target, low);
+  mover.go_to(target, std::min(std::abs(jog.vel), speed_limit));
+}
+
+void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcept {
+  const Intent& want = *orders.values;
+  JointVector feedback{};
+  for (std::size_t j = 0; j < joints_; ++j) feedback[j] = joint_[j].pos_fb;
+  pose_fb_ = pose_;
+  (void)kinematics_.forward(feedback, pose_fb_);
+  if (!enabled_) {
+    for (std::size_t j = 0; j < joints_; ++j) joint_[j].pos_cmd = joint_[j].pos_fb;
+    pose_ = pose_fb_;
+    guard_.follow(joints_, joint_);
+    return;
+  }
+  homing_.step(joints_, joint_, config_, faults_);
+  PathInputs path;
+  path.stand = orders.hold || closing_down_ || orders.abort_epoch != acked_epoch_;
+  path.may_move = mode_ == MotionMode::coordinated;
+  path.probe = in.probe;
+  path.feed_hold = in.feed_hold;
+  path.feed_inhibit = in.feed_inhibit;
+  path.feed_override = want.feed_override;
+  path.rapid_override = want.rapid_override;
+  path.adaptive_feed = in.adaptive_feed;
+  path.max_vel_mm_s = want.max_vel_mm_s;
+  path.pose_fb = pose_fb_;
+  executor_.step(path, dt, faults_);
+  if (mode_ == MotionMode::free) {
+    JointVector q{};
+    for (std::size_t j = 0; j < joints_; ++j) {
+      joint_[j].mover.step(dt);
+      q[j] = joint_[j].pos_cmd = joint_[j].mover.position();
+    }
+    (void)kinematics_.forward(q, pose_);
+  } else {
+    if (mode_ == MotionMode::coordinated) {
+      pose_ = executor_.pose();
+    } else {
+      for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+        if (!axis_[i].active()) continue;
+        axis_[i].step(dt);
+        pose_[i] = axis_[i].position();
+      }
+    }
+    move_joints();
+  }
+  guard_.check(joints_, joint_, config_, dt, status_.current, faults_);
+}
+
+void Controller::move_joints() noexcept {
+  JointVector q{};
+  for (std::size_t j = 0; j < joints_; ++j) q[j] = joint_[j].pos_cmd;
+  if (!kinematics_.inverse(pose_, q)) {
+    raise(faults_, Fault::no_inverse, -1, 0, 0, status_.current);
+    disable();
+    return;
+  }
+  for (std::size_t j = 0; j < joints_; ++j) joint_[j].pos_cmd = q[j];
+}
+
+}  // namespace kerf::motion

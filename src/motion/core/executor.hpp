@@ -1,0 +1,106 @@
+// Executor: runs spans in the servo cycle. O(1) a cycle, pure arithmetic, @rt.
+#pragma once
+
+#include <cstdint>
+
+#include "motion/core/io.hpp"
+#include "motion/core/profile.hpp"
+#include "motion/core/span.hpp"
+#include "motion/core/spindles.hpp"
+
+namespace kerf::motion {
+
+/// What bears on the path in this cycle.
+struct PathInputs {
+  bool stand{false};    ///< brake on the path and stay: hold, abort, lost heartbeat
+  bool may_move{true};  ///< coordinated mode; else moves wait and only events are carried out
+  bool probe{false}, feed_hold{false}, feed_inhibit{false};
+  double feed_override{1}, rapid_override{1}, adaptive_feed{1};
+  double max_vel_mm_s{1e99};
+  Pose pose_fb;  ///< what a probe contact latches
+};
+
+class Executor {
+ public:
+  Executor(SpanRing& spans, Spindles& spindles, OutputBank& outputs) noexcept
+      : spans_(spans), spindles_(spindles), outputs_(outputs) {}
+
+  /// Overrides are bounded by it ([DISPLAY]MAX_FEED_OVERRIDE, never below 1).
+  void configure(double max_feed_override) noexcept {
+    max_override_ = max_feed_override > 1 ? max_feed_override : 1;
+  }
+  /// Puts the machine at `pose`, at rest, outside any span.
+  void place(const Pose& pose) noexcept;
+  /// One cycle of `dt` seconds.
+  void step(const PathInputs& in, double dt, FaultList& faults) noexcept;
+
+  /// At rest: forgets the span in execution and all spans of epochs before `epoch`.
+  void drop_before(std::uint32_t epoch) noexcept;
+  /// Forgets everything of `epoch` and older, wherever it is, until a newer epoch comes.
+  void void_epoch(std::uint32_t epoch) noexcept;
+
+  [[nodiscard]] const Pose& pose() const noexcept { return pose_; }
+  [[nodiscard]] double speed() const noexcept { return run_.speed; }
+  [[nodiscard]] bool at_rest() const noexcept { return run_.speed == 0; }
+  /// Nothing in execution and nothing that waits.
+  [[nodiscard]] bool idle() const noexcept { return !started_ && spans_.empty(); }
+  [[nodiscard]] bool moving_item() const noexcept { return started_ && kind_ != MotionKind::none; }
+  [[nodiscard]] std::uint64_t executed_seq() const noexcept { return executed_seq_; }
+  [[nodiscard]] std::uint32_t voided() const noexcept { return void_epoch_; }
+  [[nodiscard]] std::uint64_t place_number() const noexcept { return place_number_; }
+  [[nodiscard]] const OverrideEnable& enables() const noexcept { return enables_; }
+  [[nodiscard]] const Pose& tool_offset() const noexcept { return tool_offset_; }
+  /// Fills in what the path knows of MotionStatus.
+  void fill(MotionStatus& status) const noexcept;
+  /// The curve in execution, or nullptr.
+  [[nodiscard]] const MoveSpan* move() const noexcept;
+  /// Signed and unsigned feed in force, for the feed pins: programmed speed times overrides; 0 while held.
+  [[nodiscard]] double commanded_feed() const noexcept { return commanded_feed_; }
+
+ private:
+  enum class Outcome { done, busy, blocked };
+  Outcome begin(const Span& span, const PathInputs& in, FaultList& faults) noexcept;
+  Outcome begin_move(const Span& span, const MoveSpan& move, const PathInputs& in,
+                     FaultList& faults) noexcept;
+  Outcome begin_spindle(const SpindleChange& change) noexcept;
+  void output(const OutputChange& change) noexcept;
+  void fire_synchronised() noexcept;
+  [[nodiscard]] double wanted_speed(const MoveSpan& move, const PathInputs& in) noexcept;
+  void watch_probe(const Span& span, const MoveSpan& move, const PathInputs& in,
+                   FaultList& faults) noexcept;
+  /// Gives the time used.
+  double run_move(const Span& span, const MoveSpan& move, const PathInputs& in, double dt,
+                  FaultList& faults) noexcept;
+  void finish(const Span& span) noexcept;
+  void fail_path(const Span& span) noexcept;
+  [[nodiscard]] const Span* next() noexcept;
+  void blocked(PathWait why, std::int32_t index = -1) noexcept;
+
+  SpanRing& spans_;
+  Spindles& spindles_;
+  OutputBank& outputs_;
+  double max_override_{1};
+
+  Pose pose_;
+  ProfileState run_;
+  bool started_{false};  ///< the span at the ring's front is in execution
+  bool ending_{false};   ///< it ends where it comes to rest: probe contact
+  bool failing_{false};  ///< the same, and the path behind it is void
+  bool probe_before_{false};
+  double dwell_left_{0}, distance_{0};
+  MotionKind kind_{MotionKind::none};
+  PathWait waiting_{PathWait::none};
+  std::int32_t waiting_index_{-1};
+  std::uint32_t min_epoch_{0}, void_epoch_{0};
+  std::uint64_t executed_seq_{0}, current_seq_{0}, place_number_{1};
+  SourceTag current_;
+  OverrideEnable enables_;
+  Pose tool_offset_, probed_;
+  bool probe_tripped_{false};
+  double requested_{0}, commanded_feed_{0};
+
+  std::uint64_t sync_digital_mask_{0}, sync_digital_{0}, sync_analog_mask_{0};
+  double sync_analog_[kMaxAnalog]{};
+};
+
+}  // namespace kerf::motion

@@ -1,0 +1,247 @@
+#include "motion/core/planner/ceilings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf::motion {
+namespace {
+
+/// Rounding of unit conversion must not refuse a move to the limit itself (mm, degrees).
+constexpr double kLimitTolerance = 1e-6;
+/// Share of the straight-line acceleration that a curve keeps for speeding up when the feed cannot be had whole.
+constexpr double kTangentialShare = 0.6;
+constexpr double kSampleAngle = 0.07;  ///< rad between samples of an arc
+constexpr int kMostSamples = 4096;
+constexpr int kGeneralSamples = 65;  ///< of any curve under kinematics that mix axes
+constexpr double kGeneralShare =
+    0.95;  ///< of the limits used there, since differences between samples are not bounded
+
+/// One limited quantity: a joint or an axis.
+struct Row {
+  double rate{0};  ///< |q'|
+  double curl{0};  ///< |q''|
+  double max_vel{0}, max_acc{0};
+};
+constexpr std::size_t kRows = kMaxJoints + rtapi::kAxes;
+
+bool is_trivial(const Kinematics& k, const MachineConfig& config) noexcept {
+  for (std::int32_t j = 0; j < joints_of(k.joints(), config); ++j) {
+    if (k.axis_of_joint(j) < 0) return false;
+  }
+  return true;
+}
+
+/// Evaluates the rows at one place of a curve.
+class Sampler {
+ public:
+  Sampler(const Curve& curve, const Kinematics& kinematics, const MachineConfig& config) noexcept
+      : curve_(curve),
+        kinematics_(kinematics),
+        config_(config),
+        trivial_(is_trivial(kinematics, config)) {
+    plan_samples();
+  }
+
+  [[nodiscard]] int samples() const noexcept { return samples_; }
+  [[nodiscard]] double place(int i) const noexcept {
+    return samples_ == 1 ? 0.0 : sampled_length_ * i / (samples_ - 1);
+  }
+  /// Share of each limit that may be used, so that the limit also holds between samples.
+  [[nodiscard]] double share() const noexcept { return share_; }
+
+  /// False: no joint position here.
+  [[nodiscard]] bool rows_at(double s, Row* rows, std::size_t& count) const noexcept {
+    Pose d1, d2;
+    derivatives_at(curve_, s, d1, d2);
+    count = 0;
+    if (!joint_rows(s, d1, d2, rows, count)) return false;
+    for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+      if ((axes_of(kinematics_.axis_mask(), config_) >> i & 1U) == 0) continue;
+      const AxisConfig& a = config_.axis[i];
+      rows[count++] = {std::abs(d1[i]), std::abs(d2[i]), a.max_vel, a.max_acc};
+    }
+    return true;
+  }
+
+ private:
+  void plan_samples() noexcept {
+    sampled_length_ = curve_.length;
+    if (!trivial_) {
+      samples_ = kGeneralSamples;
+      share_ = kGeneralShare;
+      if (curve_.shape == Curve::Shape::arc)
+        samples_ = std::max(
+            samples_,
+            static_cast<int>(std::min(curve_.angle / kSampleAngle, kMostSamples - 2.0)) + 2);
+      return;
+    }
+    if (curve_.shape != Curve::Shape::arc) return;
+    double angle = curve_.angle;
+    if (curve_.growth == 0 && angle > 6.4) {  // one turn is like the other
+      sampled_length_ *= 6.4 / angle;
+      angle = 6.4;
+    }
+    samples_ = static_cast<int>(std::min(angle / kSampleAngle, kMostSamples - 2.0)) + 2;
+    // A sinusoid passes the larger of two neighbouring samples by 1/cos(half the step) at most.
+    share_ = std::cos(0.5 * angle / (samples_ - 1));
+    if (curve_.growth != 0) share_ *= 0.999;
+  }
+
+  bool joint_rows(double s, const Pose& d1, const Pose& d2, Row* rows,
+                  std::size_t& count) const noexcept {
+    const auto n = static_cast<std::size_t>(joints_of(kinematics_.joints(), config_));
+    if (trivial_) {
+      for (std::size_t j = 0; j < n; ++j) {
+        const auto axis =
+            static_cast<std::size_t>(kinematics_.axis_of_joint(static_cast<std::int32_t>(j)));
+        const JointConfig& c = config_.joint[j];
+        rows[count++] = {std::abs(d1[axis]), std::abs(d2[axis]), c.max_vel, c.max_acc};
+      }
+      return true;
+    }
+    const double h = curve_.length * 1e-3;
+    const double mid = std::clamp(s, h, curve_.length - h);
+    JointVector before{}, at{}, after{};
+    if (!kinematics_.inverse(point_at(curve_, mid - h), before)) return false;
+    at = before;
+    if (!kinematics_.inverse(point_at(curve_, mid), at)) return false;
+    after = at;
+    if (!kinematics_.inverse(point_at(curve_, mid + h), after)) return false;
+    for (std::size_t j = 0; j < n; ++j) {
+      const JointConfig& c = config_.joint[j];
+      rows[count++] = {std::abs(after[j] - before[j]) / (2 * h),
+                       std::abs(after[j] - 2 * at[j] + before[j]) / (h * h), c.max_vel, c.max_acc};
+    }
+    return true;
+  }
+
+  const Curve& curve_;
+  const Kinematics& kinematics_;
+  const MachineConfig& config_;
+  bool trivial_;
+  int samples_{1};
+  double sampled_length_{0};
+  double share_{1};
+};
+
+/// Calls f(row) for every row of every sample. False: no solution somewhere.
+template <class F>
+bool for_each_row(const Sampler& sampler, F&& f) noexcept {
+  Row rows[kRows];
+  for (int i = 0; i < sampler.samples(); ++i) {
+    std::size_t n = 0;
+    if (!sampler.rows_at(sampler.place(i), rows, n)) return false;
+    for (std::size_t r = 0; r < n; ++r) f(rows[r]);
+  }
+  return true;
+}
+
+/// The end of an interval that passes a limit, seen from where the move starts.
+bool beyond_max(double high, double start, double limit) noexcept {
+  return high > limit + kLimitTolerance && high > start + kLimitTolerance;
+}
+bool beyond_min(double low, double start, double limit) noexcept {
+  return low < limit - kLimitTolerance && low < start - kLimitTolerance;
+}
+
+bool check_range(double low, double high, double start, double end, double min_limit,
+                 double max_limit, Fault below, Fault above, std::size_t index,
+                 FaultRecord& out) noexcept {
+  const bool over =
+      beyond_max(high, start, max_limit) || (end > max_limit + kLimitTolerance && end >= start);
+  const bool under =
+      beyond_min(low, start, min_limit) || (end < min_limit - kLimitTolerance && end <= start);
+  if (!over && !under) return true;
+  out.fault = over ? above : below;
+  out.index = static_cast<std::int32_t>(index);
+  out.value = over ? high : low;
+  out.limit = over ? max_limit : min_limit;
+  return false;
+}
+
+}  // namespace
+
+bool ceilings_of(const Curve& curve, const Kinematics& kinematics, const MachineConfig& config,
+                 double wanted_speed, Ceilings& out) noexcept {
+  const Sampler sampler(curve, kinematics, config);
+  double speed =
+      curve.metric == FeedMetric::abc ? config.traj_max_ang_vel_deg_s : config.traj_max_vel_mm_s;
+  double straight_acc = curve.metric == FeedMetric::abc ? 1e99 : config.traj_max_acc_mm_s2;
+  double largest_curl = 0;
+  const bool solved = for_each_row(sampler, [&](const Row& r) {
+    if (r.rate > 0) {
+      speed = std::min(speed, sampler.share() * r.max_vel / r.rate);
+      straight_acc = std::min(straight_acc, sampler.share() * r.max_acc / r.rate);
+    }
+    largest_curl = std::max(largest_curl, r.curl);
+  });
+  if (!solved) return false;
+  out = {speed, straight_acc};
+  if (largest_curl <= 0) return true;
+  const double feed = std::min(speed, wanted_speed), x = feed * feed;
+  double left = straight_acc;
+  (void)for_each_row(sampler, [&](const Row& r) {
+    if (r.rate > 0)
+      left = std::min(left, (sampler.share() * r.max_acc - x * r.curl) / r.rate);
+    else if (x * r.curl > r.max_acc * sampler.share())
+      left = 0;
+  });
+  if (left >= kTangentialShare * straight_acc) {
+    out = {feed, left};
+    return true;
+  }
+  out.acc = kTangentialShare * straight_acc;
+  double most = speed * speed;
+  (void)for_each_row(sampler, [&](const Row& r) {
+    if (r.curl > 0)
+      most = std::min(most, (sampler.share() * r.max_acc - out.acc * r.rate) / r.curl);
+  });
+  out.speed = std::sqrt(std::max(most, 0.0));
+  return true;
+}
+
+bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
+                        const MachineConfig& config, FaultRecord& out) noexcept {
+  Pose low, high;
+  extent_of(curve, low, high);
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    if ((axes_of(kinematics.axis_mask(), config) >> i & 1U) == 0 || low[i] == high[i]) continue;
+    const AxisConfig& a = config.axis[i];
+    if (!check_range(low[i], high[i], curve.start[i], curve.end[i], a.min_limit, a.max_limit,
+                     Fault::axis_soft_limit_min, Fault::axis_soft_limit_max, i, out))
+      return false;
+  }
+  const auto n = static_cast<std::size_t>(joints_of(kinematics.joints(), config));
+  if (is_trivial(kinematics, config)) {
+    for (std::size_t j = 0; j < n; ++j) {
+      const auto i =
+          static_cast<std::size_t>(kinematics.axis_of_joint(static_cast<std::int32_t>(j)));
+      const JointConfig& c = config.joint[j];
+      if (low[i] == high[i]) continue;
+      if (!check_range(low[i], high[i], curve.start[i], curve.end[i], c.min_limit, c.max_limit,
+                       Fault::joint_soft_limit_min, Fault::joint_soft_limit_max, j, out))
+        return false;
+    }
+    return true;
+  }
+  JointVector first{}, at{};
+  if (!kinematics.inverse(curve.start, first)) return out.fault = Fault::no_inverse, false;
+  at = first;
+  for (int k = 1; k < kGeneralSamples; ++k) {
+    const double s = curve.length * k / (kGeneralSamples - 1);
+    if (!kinematics.inverse(point_at(curve, s), at)) {
+      out.fault = Fault::no_inverse;
+      out.value = s;
+      return false;
+    }
+    for (std::size_t j = 0; j < n; ++j) {
+      const JointConfig& c = config.joint[j];
+      if (!check_range(at[j], at[j], first[j], at[j], c.min_limit, c.max_limit,
+                       Fault::joint_soft_limit_min, Fault::joint_soft_limit_max, j, out))
+        return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace kerf::motion

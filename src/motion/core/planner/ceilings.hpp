@@ -1,0 +1,42 @@
+// Ceilings: the speed and the acceleration along a curve that keep every joint and axis within its limits.
+#pragma once
+
+#include <cstdint>
+
+#include "motion/api/config.hpp"
+#include "motion/api/kinematics.hpp"
+#include "motion/api/status.hpp"
+#include "motion/core/geometry.hpp"
+
+namespace kerf::motion {
+
+/// The axes that this machine has: of the kinematics, as far as the INI names them.
+[[nodiscard]] constexpr std::uint32_t axes_of(std::uint32_t kinematics_mask,
+                                              const MachineConfig& config) noexcept {
+  return config.axis_mask != 0 ? kinematics_mask & config.axis_mask : kinematics_mask;
+}
+/// The joints that count: of the kinematics, as far as the machine has them.
+[[nodiscard]] constexpr std::int32_t joints_of(std::int32_t kinematics_joints,
+                                               const MachineConfig& config) noexcept {
+  return config.joints > 0 && config.joints < kinematics_joints ? config.joints : kinematics_joints;
+}
+
+struct Ceilings {
+  double speed{0};  ///< along the curve
+  double acc{0};    ///< along the curve, at any speed up to `speed`
+};
+
+/// `wanted_speed`: the highest speed anybody may ask for (feed at the largest override). On a curve the acceleration
+/// limit of each joint is shared between curvature and speeding up: q' a + q'' v^2. When the whole of `wanted_speed` leaves
+/// at least 0.6 of the straight-line acceleration, that is what remains for a; else a takes 0.6 (of which on a circle 0.8
+/// remains for the curvature). False: kinematics without a solution on the curve.
+[[nodiscard]] bool ceilings_of(const Curve& curve, const Kinematics& kinematics,
+                               const MachineConfig& config, double wanted_speed,
+                               Ceilings& out) noexcept;
+
+/// True when the whole curve stays within axis and joint limits. Else the fault, with index, value and limit.
+/// A curve may begin outside as long as it only leads inside.
+[[nodiscard]] bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
+                                      const MachineConfig& config, FaultRecord& out) noexcept;
+
+}  // namespace kerf::motion

@@ -1,0 +1,135 @@
+#include "motion/core/spindles.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf::motion {
+
+void Spindles::configure(const MachineConfig& config, std::int32_t count) noexcept {
+  count_ = std::clamp(count, 0, static_cast<std::int32_t>(kMaxSpindles));
+  for (std::size_t i = 0; i < kMaxSpindles; ++i) config_[i] = config.spindle[i];
+}
+
+void Spindles::apply(const SpindleChange& change) noexcept {
+  if (change.spindle < 0 || change.spindle >= count_) return;
+  State& s = state_[change.spindle];
+  SpindleOutputs& out = out_[change.spindle];
+  using Action = SpindleChange::Action;
+  if (change.action == Action::orient) {
+    s.direction = 0;
+    s.wait = false;
+    s.orient_state = kOrientRunning;
+    s.orient_fault = 0;
+    out.orient = true;
+    out.locked = false;
+    out.orient_angle_deg = change.orient_angle_deg;
+    out.orient_mode = change.orient_mode;
+    return;
+  }
+  s.speed_rpm = change.speed_rpm;
+  s.css_factor = change.css_factor;
+  s.css_max_rpm = change.css_max_rpm;
+  s.age = 0;
+  if (change.action != Action::set_speed) {
+    s.direction = change.action == Action::forward ? 1 : change.action == Action::reverse ? -1 : 0;
+    s.orient_state = kOrientNone;
+    out.orient = out.locked = false;
+  }
+  s.wait = change.wait_at_speed;
+}
+
+void Spindles::stop(std::int32_t n) noexcept {
+  if (n < 0 || n >= count_) return;
+  state_[n].direction = 0;
+  state_[n].wait = false;
+  state_[n].orient_state = kOrientNone;
+  out_[n].orient = out_[n].locked = false;
+}
+
+void Spindles::stop_all() noexcept {
+  for (std::int32_t n = 0; n < count_; ++n) stop(n);
+}
+
+void Spindles::abort_orient() noexcept {
+  for (std::int32_t n = 0; n < count_; ++n) {
+    if (state_[n].orient_state != kOrientRunning) continue;
+    state_[n].orient_state = kOrientNone;
+    out_[n].orient = false;
+  }
+}
+
+double Spindles::limited(std::size_t n, double rpm) const noexcept {
+  const SpindleConfig& c = config_[n];
+  if (rpm > 0)
+    return std::clamp(rpm, std::min(c.min_forward_rpm, c.max_forward_rpm), c.max_forward_rpm);
+  if (rpm < 0) {
+    const double most = std::abs(c.max_reverse_rpm),
+                 least = std::min(std::abs(c.min_reverse_rpm), most);
+    return -std::clamp(-rpm, least, most);
+  }
+  return 0;
+}
+
+void Spindles::step(const SpindleInputs* in, const double* overrides, double x_mm,
+                    FaultList& faults) noexcept {
+  for (std::size_t n = 0; n < static_cast<std::size_t>(count_); ++n) {
+    State& s = state_[n];
+    SpindleOutputs& out = out_[n];
+    if (s.age < kSettleCycles) ++s.age;
+    if (s.orient_state == kOrientRunning) {
+      if (in[n].orient_fault != 0) {
+        s.orient_state = kOrientFault;
+        s.orient_fault = in[n].orient_fault;
+        out.orient = false;
+        raise(faults, Fault::orient_fault, static_cast<std::int32_t>(n), in[n].orient_fault);
+      } else if (in[n].is_oriented) {
+        s.orient_state = kOrientDone;
+        out.orient = false;
+        out.locked = true;
+      }
+    }
+    double rpm = s.speed_rpm;
+    if (s.css_factor > 0) {
+      const double radius = std::abs(x_mm);
+      rpm = s.css_factor < s.css_max_rpm * radius ? s.css_factor / radius : s.css_max_rpm;
+    }
+    rpm *= s.direction;
+    out.command_rps = rpm / 60.0;
+    out.speed_rpm = in[n].inhibit ? 0.0 : limited(n, rpm * overrides[n]);
+    out.on = s.direction != 0;
+    out.forward = s.direction > 0;
+    out.reverse = s.direction < 0;
+    out.brake = s.direction == 0 && s.orient_state != kOrientRunning;
+    if (s.wait && s.age >= kSettleCycles && in[n].at_speed) s.wait = false;
+  }
+}
+
+std::int32_t Spindles::not_at_speed() const noexcept {
+  for (std::int32_t n = 0; n < count_; ++n) {
+    if (state_[n].wait && state_[n].direction != 0 && state_[n].speed_rpm > 0) return n;
+  }
+  return -1;
+}
+
+std::int32_t Spindles::orienting() const noexcept {
+  for (std::int32_t n = 0; n < count_; ++n) {
+    if (state_[n].orient_state == kOrientRunning) return n;
+  }
+  return -1;
+}
+
+void Spindles::fill(std::size_t n, const SpindleInputs& in, SpindleStatus& status) const noexcept {
+  const State& s = state_[n];
+  status.speed_rpm = s.speed_rpm * s.direction;
+  status.revs = in.revs;
+  status.speed_in_rps = in.speed_in_rps;
+  status.direction = s.direction;
+  status.orient_state = s.orient_state;
+  status.orient_fault = s.orient_fault;
+  status.on = s.direction != 0;
+  status.at_speed = in.at_speed;
+  status.brake = out_[n].brake;
+  status.locked = out_[n].locked;
+}
+
+}  // namespace kerf::motion

@@ -1,0 +1,63 @@
+// Spindles: M3 M4 M5 S M19 carried out, one state machine a spindle. Pure arithmetic, @rt.
+#pragma once
+
+#include <cstdint>
+
+#include "motion/api/config.hpp"
+#include "motion/core/io.hpp"
+
+namespace kerf::motion {
+
+/// What the pins of a spindle show.
+struct SpindleOutputs {
+  double speed_rpm{0};    ///< signed, after override, limits and inhibit
+  double command_rps{0};  ///< signed, as programmed
+  double orient_angle_deg{0};
+  std::int32_t orient_mode{0};
+  bool on{false}, forward{false}, reverse{false}, brake{true}, orient{false}, locked{false};
+};
+
+class Spindles {
+ public:
+  void configure(const MachineConfig& config, std::int32_t count) noexcept;
+  void apply(const SpindleChange& change) noexcept;
+  void stop(std::int32_t n) noexcept;
+  void stop_all() noexcept;
+  /// Ends orientations in progress; a spindle that turns goes on.
+  void abort_orient() noexcept;
+  /// One cycle. `x_mm`: the radius for constant surface speed. `overrides`: one factor a spindle, already 1 where disabled.
+  void step(const SpindleInputs* in, const double* overrides, double x_mm,
+            FaultList& faults) noexcept;
+
+  /// The spindle whose at-speed pin a feed move must wait for, or -1.
+  [[nodiscard]] std::int32_t not_at_speed() const noexcept;
+  /// The spindle that is being oriented, or -1.
+  [[nodiscard]] std::int32_t orienting() const noexcept;
+  /// True once after an orientation failed.
+  [[nodiscard]] bool orient_failed(std::int32_t n) const noexcept {
+    return at(n).orient_state == kOrientFault;
+  }
+  [[nodiscard]] const SpindleOutputs& outputs(std::size_t n) const noexcept { return out_[n]; }
+  void fill(std::size_t n, const SpindleInputs& in, SpindleStatus& status) const noexcept;
+
+ private:
+  static constexpr std::int32_t kOrientNone = 0, kOrientRunning = 1, kOrientDone = 2,
+                                kOrientFault = 3;
+  /// Cycles after a change before at-speed is believed: the drive has to see the new speed first.
+  static constexpr std::int32_t kSettleCycles = 3;
+
+  struct State {
+    double speed_rpm{0}, css_factor{0}, css_max_rpm{0};
+    std::int32_t direction{0}, orient_state{kOrientNone}, orient_fault{0}, age{0};
+    bool wait{false};  ///< the next feed move waits for at-speed
+  };
+  [[nodiscard]] const State& at(std::int32_t n) const noexcept { return state_[n]; }
+  [[nodiscard]] double limited(std::size_t n, double rpm) const noexcept;
+
+  State state_[kMaxSpindles];
+  SpindleOutputs out_[kMaxSpindles];
+  SpindleConfig config_[kMaxSpindles];
+  std::int32_t count_{1};
+};
+
+}  // namespace kerf::motion

@@ -1,0 +1,205 @@
+#include "motion/motmod/motmod.hpp"
+
+#include <algorithm>
+#include <new>
+
+namespace kerf::motion {
+namespace {
+
+template <class T, class... A>
+T* make_part(hal::Builder& b, A&&... args) noexcept {
+  void* memory = b.allocate(sizeof(T), alignof(T));
+  return memory == nullptr ? nullptr : new (memory) T(static_cast<A&&>(args)...);
+}
+
+hal::Name prefixed(std::string_view prefix, std::string_view name) noexcept {
+  hal::Name out(prefix);
+  out.append(name);
+  return out;
+}
+
+/// Pins of one direction: first those with names, then numbered ones up to `count`.
+template <class Pin, std::size_t N>
+void add_pins(hal::Builder& b, hal::PinArray<Pin, N>& pins, std::string_view names,
+              std::string_view name_prefix, std::string_view pattern, std::size_t count,
+              std::string_view doc) noexcept {
+  std::size_t n = 0;
+  for (std::string_view name = take_name(names); !name.empty() && n < count;
+       name = take_name(names), ++n)
+    pins.add(hal::make_pin<Pin>(b, prefixed(name_prefix, name), doc));
+  for (std::size_t number = 0; n < count; ++n, ++number)
+    pins.add(hal::make_pin<Pin>(b, hal::numbered(pattern, number), doc));
+}
+
+}  // namespace
+
+void IoPins::create(hal::Builder& b, const MotmodArgs& a) noexcept {
+  const auto dio = static_cast<std::size_t>(a.dio), aio = static_cast<std::size_t>(a.aio);
+  add_pins(b, digital_in_, a.names_din, "motion.din-", "motion.digital-in-##", dio,
+           "Input for M66 P");
+  add_pins(b, digital_out_, a.names_dout, "motion.dout-", "motion.digital-out-##", dio,
+           "Output of M62-M65 P");
+  add_pins(b, analog_in_, a.names_ain, "motion.ain-", "motion.analog-in-##", aio,
+           "Input for M66 E");
+  add_pins(b, analog_out_, a.names_aout, "motion.aout-", "motion.analog-out-##", aio,
+           "Output of M67 and M68 E");
+  const std::size_t errors =
+      std::max(count_names(a.names_misc), static_cast<std::size_t>(a.misc_errors));
+  add_pins(b, error_, a.names_misc, "motion.err-", "motion.misc-error-##", errors,
+           "True: machine off");
+}
+
+std::uint64_t IoPins::digital_in() const noexcept {
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < digital_in_.size(); ++i)
+    bits |= digital_in_[i].get() ? std::uint64_t{1} << i : 0U;
+  return bits;
+}
+
+void IoPins::read_analog(double* values) const noexcept {
+  for (std::size_t i = 0; i < analog_in_.size(); ++i) values[i] = analog_in_[i].get();
+}
+
+bool IoPins::any_error() const noexcept {
+  for (std::size_t i = 0; i < error_.size(); ++i) {
+    if (error_[i].get()) return true;
+  }
+  return false;
+}
+
+void IoPins::write(const OutputBank& bank) noexcept {
+  if (bank.digital != written_.digital) {
+    for (std::size_t i = 0; i < digital_out_.size(); ++i)
+      digital_out_[i] = (bank.digital >> i & 1U) != 0;
+    written_.digital = bank.digital;
+  }
+  for (std::size_t i = 0; i < analog_out_.size(); ++i) {
+    if (bank.analog[i] == written_.analog[i]) continue;
+    analog_out_[i] = written_.analog[i] = bank.analog[i];
+  }
+}
+
+Motmod::Motmod(hal::Builder& b) noexcept
+    : Component(b),
+      args_(read_args(b)),
+      clock_(b.clock()),
+      pins_(b),
+      joint_(hal::make_array<JointPins>(b, static_cast<std::size_t>(args_.joints))),
+      axis_(hal::make_array<AxisPins>(b, rtapi::kAxes)),
+      spindle_(hal::make_array<SpindlePins>(b, static_cast<std::size_t>(args_.spindles))) {
+  std::fill(std::begin(joint_scale_), std::end(joint_scale_), 1.0);
+  orders_.values = &intent_;
+  pins_.add_debug_params();
+  io_.create(b, args_);
+  create_unlock_pins(b);
+  create_parts(b);
+  handler_ = function_named<&Motmod::command_handler>(
+      "motion-command-handler", "Reads what task wants; first in servo-thread");
+  function_ = function_named<&Motmod::motion_controller>(
+      "motion-controller", "Runs the motion controller for one cycle");
+  if (args_.base_period_ns > 0) b.add_thread("base-thread", args_.base_period_ns);
+  b.add_thread("servo-thread", args_.servo_period_ns);
+}
+
+void Motmod::create_unlock_pins(hal::Builder& b) noexcept {
+  for (std::size_t j = 0; j < joint_.size(); ++j) {
+    if ((args_.unlock_mask >> j & 1U) != 0) {
+      (void)hal::make_pin<Out<Bit>>(b, detail::pin_name("joint.#.", j, "unlock"),
+                                    "Unlock the indexer");
+      (void)hal::make_pin<In<Bit>>(b, detail::pin_name("joint.#.", j, "is-unlocked"),
+                                   "The indexer is unlocked");
+    }
+    if (j + static_cast<std::size_t>(args_.extra_joints) >= joint_.size())
+      (void)hal::make_pin<In<double>>(b, detail::pin_name("joint.#.", j, "posthome-cmd"),
+                                      "Position after homing, of an extra joint");
+  }
+}
+
+void Motmod::create_parts(hal::Builder& b) noexcept {
+  const auto* kinematics = static_cast<const Kinematics*>(b.find_service(kKinematicsService));
+  if (kinematics == nullptr) {
+    b.fail(
+        "motmod: no kinematics are loaded; load a kinematics module first, for example: loadrt "
+        "trivkins coordinates=xyz");
+    return;
+  }
+  if (args_.extra_joints > 0 && kinematics->type() != KinematicsType::both) {
+    b.fail("MOTION: nonzero num_extrajoints requires KINEMATICS_BOTH");
+    return;
+  }
+  axis_mask_ = kinematics->axis_mask();
+  std::byte* block = b.shared_block(kMotionBlock, sizeof(MotionShared), kMotionAbi);
+  link_ = make_part<PlannerLink>(b);
+  if (block == nullptr || link_ == nullptr) return;
+  shared_ = new (block) MotionShared();
+  planner_ = make_part<PlannerParticipant>(b, *kinematics, *shared_, *link_);
+  controller_ = make_part<Controller>(b, *kinematics, link_->spans, link_->faults, args_.joints,
+                                      args_.spindles);
+  if (planner_ == nullptr || controller_ == nullptr) {
+    controller_ = nullptr;
+    return;
+  }
+  planner_->planner().set_counts(args_.dio, args_.aio, args_.spindles);
+  controller_->status().digital_count = args_.dio;
+  controller_->status().analog_count = args_.aio;
+  b.add_participant(*planner_);
+}
+
+void Motmod::command_handler(const hal::Period&) noexcept {
+  if (controller_ == nullptr) return;
+  const IntentCell& cell = shared_->intent;
+  const std::uint64_t config_version = shared_->config.version();
+  if (config_version != config_version_ && controller_->at_rest()) {
+    // A writer in the middle of a write is asked again in the next cycle.
+    MachineConfig config;
+    if (shared_->config.read(config, 2)) {
+      controller_->configure(config);
+      config_version_ = config_version;
+      scale_ = config.linear_units_per_mm > 0 ? config.linear_units_per_mm : 1.0;
+      for (std::size_t j = 0; j < kMaxJoints; ++j)
+        joint_scale_[j] = config.joint[j].rotary ? 1.0 : scale_;
+      if (config.axis_mask != 0) axis_mask_ = config.axis_mask;
+      link_->cell.notify();
+    }
+  }
+  const std::uint64_t version = cell.values.version();
+  if (version != intent_version_ && cell.values.read(intent_, 2)) intent_version_ = version;
+  orders_.abort_epoch = cell.abort_epoch.get();
+  orders_.enable = cell.enable.get() != 0;
+  orders_.hold = cell.hold.get() != 0;
+  orders_.heartbeat = cell.heartbeat.get();
+  orders_.path_ring_empty = shared_->path.empty();
+}
+
+void Motmod::motion_controller(const hal::Period& period) noexcept {
+  if (controller_ == nullptr) return;
+  read_inputs();
+  MotionStatus& status = controller_->status();
+  status.digital_in = io_.digital_in();
+  io_.read_analog(status.analog_in);
+  controller_->step(inputs_, orders_, period.seconds(), clock_.now());
+  for (std::size_t j = 0; j < joint_.size(); ++j) write_joint(j);
+  write_axes();
+  for (std::size_t n = 0; n < spindle_.size(); ++n) write_spindle(n);
+  write_motion(period);
+  io_.write(controller_->outputs());
+  for (std::size_t i = 0; i < io_.analog_count(); ++i)
+    status.analog_out[i] = controller_->outputs().analog[i];
+  publish();
+}
+
+void Motmod::publish() noexcept {
+  FaultLog& log = shared_->faults;
+  for (const FaultRecord& record : controller_->faults()) {
+    log.slot[record.number % FaultLog::kSlots].write(record);
+    log.newest.publish(record.number);
+  }
+  shared_->status.write(controller_->status());
+  tell_planner(*link_, controller_->view(), last_view_);
+  if (controller_->changed()) shared_->status_cell.notify();
+}
+
+}  // namespace kerf::motion
+
+using Motmod = kerf::motion::Motmod;
+KERF_HAL_MODULE(Motmod)

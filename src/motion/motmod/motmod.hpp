@@ -1,0 +1,89 @@
+// motmod: the motion controller's HAL shell. It copies pins to plain values, lets Controller run one cycle, and copies back.
+#pragma once
+
+#include "hal/component.hpp"
+#include "motion/core/controller.hpp"
+#include "motion/motmod/args.hpp"
+#include "motion/motmod/pins.hpp"
+#include "motion/motmod/planner_participant.hpp"
+#include "rtapi/clock/clock.hpp"
+
+namespace kerf::motion {
+
+/// Numbered inputs and outputs and those with names of their own, in one row.
+class IoPins {
+ public:
+  void create(hal::Builder& b, const MotmodArgs& args) noexcept;
+  [[nodiscard]] std::uint64_t digital_in() const noexcept;
+  void read_analog(double* values) const noexcept;
+  [[nodiscard]] bool any_error() const noexcept;
+  /// Writes what changed.
+  void write(const OutputBank& bank) noexcept;
+  [[nodiscard]] std::size_t digital_count() const noexcept { return digital_in_.size(); }
+  [[nodiscard]] std::size_t analog_count() const noexcept { return analog_in_.size(); }
+
+ private:
+  hal::PinArray<In<Bit>, kMaxDigital> digital_in_;
+  hal::PinArray<Out<Bit>, kMaxDigital> digital_out_;
+  hal::PinArray<In<double>, kMaxAnalog> analog_in_;
+  hal::PinArray<Out<double>, kMaxAnalog> analog_out_;
+  hal::PinArray<In<Bit>, 64> error_;
+  OutputBank written_{};
+};
+
+class Motmod final : public hal::Component<Motmod> {
+ public:
+  static constexpr hal::Info kInfo{
+      .name = "motmod",
+      .summary = "Motion controller: planner, homing, jogging, spindles and synchronised outputs",
+      .license = "MIT",
+      .notes =
+          "Load a kinematics module first. Add motion-command-handler and motion-controller, in "
+          "this order, to servo-thread.",
+      .singleton = true};
+
+  explicit Motmod(hal::Builder& b) noexcept;
+
+  void command_handler(const hal::Period& period) noexcept;
+  void motion_controller(const hal::Period& period) noexcept;
+
+ private:
+  void create_parts(hal::Builder& b) noexcept;
+  void create_unlock_pins(hal::Builder& b) noexcept;
+  void read_inputs() noexcept;
+  void write_joint(std::size_t j) noexcept;
+  void write_axes() noexcept;
+  void write_spindle(std::size_t n) noexcept;
+  void write_motion(const hal::Period& period) noexcept;
+  void write_move(const MotionStatus& s) noexcept;
+  void publish() noexcept;
+  /// Machine units in 1 mm, for a joint or an axis; 1 for rotary ones.
+  [[nodiscard]] double joint_scale(std::size_t j) const noexcept { return joint_scale_[j]; }
+
+  MotmodArgs args_;
+  const rtapi::Clock& clock_;
+  MotionPins pins_;
+  hal::Array<JointPins> joint_;
+  hal::Array<AxisPins> axis_;
+  hal::Array<SpindlePins> spindle_;
+  IoPins io_;
+  MotionShared* shared_{nullptr};
+  PlannerLink* link_{nullptr};
+  Controller* controller_{nullptr};
+  PlannerParticipant* planner_{nullptr};
+  std::uint32_t axis_mask_{0};
+
+  Inputs inputs_;
+  Orders orders_;
+  Intent intent_;
+  ServoView last_view_;
+  std::uint64_t intent_version_{0}, config_version_{0};
+  double scale_{1};  ///< machine units in 1 mm
+  double joint_scale_[kMaxJoints];
+  bool coord_error_{false};
+  std::uint32_t last_ack_{0};
+  hal::Function handler_;
+  hal::Function function_;
+};
+
+}  // namespace kerf::motion

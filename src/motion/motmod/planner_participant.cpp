@@ -1,0 +1,42 @@
+#include "motion/motmod/planner_participant.hpp"
+
+namespace kerf::motion {
+
+void PlannerParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
+  next.watch(shared_.path_cell);
+  next.watch(link_.cell);
+  const std::uint64_t version = shared_.config.version();
+  if (version != config_version_) {
+    MachineConfig config;
+    if (shared_.config.read(config)) {
+      planner_.configure(config);
+      config_version_ = version;
+    }
+  }
+  // Until the machine is described and the servo has said where it stands, items wait.
+  ServoView view;
+  if (config_version_ == 0 || link_.view.version() == 0 || !link_.view.read(view)) {
+    link_.waits.set(static_cast<std::uint32_t>(Planner::Waits::servo));
+    return;
+  }
+  const Planner::Waits waits = planner_.run(shared_.path, view, shared_.intent.abort_epoch.get());
+  if (waits == Planner::Waits::turn) next.wake_at(now);
+  link_.seen.set(view.executed_seq);
+  link_.waits.set(static_cast<std::uint32_t>(waits));
+}
+
+void tell_planner(PlannerLink& link, const ServoView& view, ServoView& last) noexcept {
+  link.view.write(view);
+  // What the planner waits for is looked at in every cycle, so nothing is lost when it begins to wait just now.
+  const auto waits = static_cast<Planner::Waits>(link.waits.get());
+  bool wake = view.acked_epoch != last.acked_epoch || view.void_epoch != last.void_epoch ||
+              view.place != last.place || view.takes_moves != last.takes_moves;
+  if (waits == Planner::Waits::room) wake = wake || link.spans.size() <= SpanRing::capacity() / 2;
+  if (waits == Planner::Waits::servo) wake = wake || view.executed_seq != link.seen.get();
+  last = view;
+  if (!wake) return;
+  link.waits.set(static_cast<std::uint32_t>(Planner::Waits::items));
+  link.cell.notify();
+}
+
+}  // namespace kerf::motion

@@ -1,0 +1,40 @@
+// PlannerParticipant: gives the planner its turns, beside the realtime threads.
+#pragma once
+
+#include <cstdint>
+
+#include "motion/core/planner/planner.hpp"
+#include "rtapi/clock/clock.hpp"
+
+namespace kerf::motion {
+
+/// What planner and servo share besides the spans; private memory of the realtime host.
+struct PlannerLink {
+  SpanRing spans;
+  FaultRing faults;
+  rtapi::SeqCell<ServoView> view;       ///< servo -> planner
+  rtapi::Cell cell;                     ///< notified by servo when the planner should look
+  rtapi::Word<std::uint32_t> waits{0};  ///< Planner::Waits of its last turn
+  rtapi::Word<std::uint64_t> seen{0};  ///< executed_seq that the planner knew when it began to wait
+};
+
+class PlannerParticipant final : public rtapi::Participant {
+ public:
+  PlannerParticipant(const Kinematics& kinematics, MotionShared& shared, PlannerLink& link) noexcept
+      : planner_(kinematics, link.spans, link.faults), shared_(shared), link_(link) {}
+  [[nodiscard]] const char* name() const noexcept override { return "planner"; }
+  [[nodiscard]] rtapi::Role role() const noexcept override { return rtapi::Role::planner; }
+  void step(rtapi::Nanos now, rtapi::WaitSpec& next) override;
+  [[nodiscard]] Planner& planner() noexcept { return planner_; }
+
+ private:
+  Planner planner_;
+  MotionShared& shared_;
+  PlannerLink& link_;
+  std::uint64_t config_version_{0};
+};
+
+/// Servo side, once a cycle: publishes `view` and wakes the planner if it waits for what happened.
+void tell_planner(PlannerLink& link, const ServoView& view, ServoView& last) noexcept;
+
+}  // namespace kerf::motion
