@@ -20,7 +20,7 @@ std::string_view next_field(std::string_view& list) noexcept {
 
 void complain(hal::Builder& b, std::string_view what, std::string_view about,
               std::string_view expected = {}) noexcept {
-  rtapi::FixedString<240> text("sampler: ");
+  rtapi::FixedString<240> text;
   text.append(what);
   text.append(about);
   text.append(expected);

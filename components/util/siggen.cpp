@@ -40,7 +40,7 @@ class SiggenChannel {
     hal::Name name = prefix_;
     name.append(".");
     name.append(suffix);
-    if (name.truncated()) b_->fail("siggen: a channel's name is too long");
+    if (name.truncated()) b_->fail("a channel's name is too long");
     return name;
   }
   template <class Pin>
@@ -97,9 +97,9 @@ class Siggen final : public hal::Component<Siggen> {
     const std::int64_t channels = int_arg("num_chan", 1, "Number of channels, instead of names=");
     if (b.failed()) return;
     if (channels < 1 || channels > kMaxChannels) {
-      b.fail("siggen: num_chan= must be from 1 to 16");
+      b.fail("num_chan= must be from 1 to 16");
     } else if (channels != 1 && b.prefix().view() != "siggen.0") {
-      b.fail("siggen: give num_chan= or names=, not both");
+      b.fail("num_chan= goes with neither count= nor names=");
     } else {
       channels_ = hal::make_array<SiggenChannel>(b, static_cast<std::size_t>(channels));
     }

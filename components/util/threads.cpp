@@ -57,7 +57,7 @@ class Threads final : public hal::Component<Threads> {
   }
 
   void complain(std::string_view key, std::string_view what, std::string_view name) noexcept {
-    rtapi::FixedString<160> text("threads: ");
+    rtapi::FixedString<160> text;
     text.append(key);
     text.append(what);
     text.append(name);

@@ -150,14 +150,14 @@ TEST(Sampler, RefusesBadParametersByName) {
     const char *cfg, *depth, *message;
   };
   constexpr Case kCases[] = {
-      {"", "10", "sampler: cfg= is missing"},
-      {"bb", "", "sampler: depth= is missing"},
-      {"bx", "10", "sampler: unknown type letter in cfg=bx; the letters are b f s u l k"},
-      {"b,b", "10", "sampler: cfg= and depth= have lists of different lengths"},
-      {"b", "10,10", "sampler: cfg= and depth= have lists of different lengths"},
-      {"b", "0", "sampler: depth= must be a number from 1 to 10000000, not 0"},
-      {"b", "ten", "sampler: depth= must be a number from 1 to 10000000, not ten"},
-      {"ffffffffffffffffffffff", "10", "sampler: more than 21 pins in cfg=ffffffffffffffffffffff"},
+      {"", "10", "cfg= is missing"},
+      {"bb", "", "depth= is missing"},
+      {"bx", "10", "unknown type letter in cfg=bx; the letters are b f s u l k"},
+      {"b,b", "10", "cfg= and depth= have lists of different lengths"},
+      {"b", "10,10", "cfg= and depth= have lists of different lengths"},
+      {"b", "0", "depth= must be a number from 1 to 10000000, not 0"},
+      {"b", "ten", "depth= must be a number from 1 to 10000000, not ten"},
+      {"ffffffffffffffffffffff", "10", "more than 21 pins in cfg=ffffffffffffffffffffff"},
   };
   for (const Case& c : kCases) {
     hal::TestBuilder hal;

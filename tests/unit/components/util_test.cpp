@@ -40,10 +40,10 @@ TEST(Threads, RefusesWhatMakesNoThread) {
   };
   const Case cases[] = {
       {{{"name1", "a"}, {"period1", "2000000"}, {"name2", "b"}, {"period2", "1000000"}},
-       "threads: period2 is shorter than the one before it, thread b"},
-      {{{"name2", "b"}}, "threads: period2 must be above zero, thread b"},
-      {{{"name1", "a"}, {"period1", "-5"}}, "threads: period1 must be above zero, thread a"},
-      {{{"period3", "5000000"}}, "threads: name3 is missing for period3"},
+       "period2 is shorter than the one before it, thread b"},
+      {{{"name2", "b"}}, "period2 must be above zero, thread b"},
+      {{{"name1", "a"}, {"period1", "-5"}}, "period1 must be above zero, thread a"},
+      {{{"period3", "5000000"}}, "name3 is missing for period3"},
   };
   for (const Case& c : cases) {
     hal::TestBuilder hal;
@@ -145,12 +145,12 @@ TEST(Siggen, RefusesBadNumbersOfChannels) {
     hal::TestBuilder hal;
     hal.set_arg("num_chan", count);
     EXPECT_FALSE(hal.create(module("siggen"), "siggen.0"));
-    EXPECT_EQ(hal.error(), "siggen: num_chan= must be from 1 to 16");
+    EXPECT_EQ(hal.error(), "num_chan= must be from 1 to 16");
   }
   hal::TestBuilder both;
   both.set_arg("num_chan", "2");
   EXPECT_FALSE(both.create(module("siggen"), "left"));
-  EXPECT_EQ(both.error(), "siggen: give num_chan= or names=, not both");
+  EXPECT_EQ(both.error(), "num_chan= goes with neither count= nor names=");
 }
 
 }  // namespace
