@@ -9,6 +9,7 @@ namespace kerf::interp {
 
 namespace {
 constexpr int kRowSlots = 24;
+constexpr int kCancelMotion = 800;
 
 bool near_integer(double v, double& rounded) {
   rounded = std::nearbyint(v);
@@ -272,10 +273,17 @@ bool Core::add_code(Block& b, char letter, double value) {
              : fail(0, "See the list of M-codes in the manual", "Unknown m code used: M%d", code);
   }
   for (int i = 0; i < b.row_count; ++i) {
-    const CodeRow* other = b.rows[static_cast<std::size_t>(i)];
-    if (other->letter == letter && other->group == r->group)
-      return fail(0, "Write them on separate lines", "Two %c codes used from same modal group",
-                  letter);
+    const auto n = static_cast<std::size_t>(i);
+    const CodeRow* other = b.rows[n];
+    if (other->letter != letter || other->group != r->group) continue;
+    // G80 beside another motion code means nothing more than that code.
+    const bool first_cancels = g && b.codes[n] == kCancelMotion;
+    if (first_cancels != (g && code == kCancelMotion)) {
+      if (first_cancels) b.rows[n] = r, b.codes[n] = static_cast<std::int16_t>(code);
+      return true;
+    }
+    return fail(0, "Write them on separate lines", "Two %c codes used from same modal group",
+                letter);
   }
   if (b.row_count == kRowSlots)
     return fail(0, "Write them on separate lines", "Too many codes on one line");
@@ -302,7 +310,7 @@ bool Core::choose_motion(Block& b) {
                 "Cannot use two g codes that both use axis values");
   if (b.has_axes() && !b.axis_by_other) {
     if (b.motion == nullptr) {
-      b.motion = state.motion == 800 ? nullptr : row('g', state.motion);
+      b.motion = state.motion == kCancelMotion ? nullptr : row('g', state.motion);
       b.motion_code = state.motion;
       b.motion_is_modal = true;
     }
@@ -321,6 +329,7 @@ bool Core::check_letters(const Block& b) {
   LetterMask used = letters("fstn") | kAxisMask;
   for (int i = 0; i < b.row_count; ++i) used |= b.rows[static_cast<std::size_t>(i)]->words;
   if (b.motion != nullptr) used |= b.motion->words;
+  if (b.has('s')) used |= letters("$");
   LetterMask left = b.mask & ~used;
   for (std::size_t i = 0; left != 0; ++i, left >>= 1) {
     if ((left & 1U) == 0) continue;
@@ -469,10 +478,9 @@ bool Core::tool_word(const Block& b) {
 bool Core::check_axes(const Block& b) {
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     if (b.has_axis(i) && (settings.axis_mask >> i & 1U) == 0) {
-      const char axis = rtapi::kAxisLetters[i];
-      return fail(kLetterNames[static_cast<std::size_t>(kAxisLetter[i])],
-                  "[TRAJ]COORDINATES lists the axes of this machine", "%c word with no %c axis",
-                  axis, axis);
+      const char axis = kLetterNames[static_cast<std::size_t>(kAxisLetter[i])];
+      return fail(axis, "[TRAJ]COORDINATES lists the axes of this machine",
+                  "Bad character '%c' used", axis);
     }
   }
   return true;
@@ -484,7 +492,7 @@ bool Core::target(const Block& b, Pose& end) {
   if (polar) {
     if (b.has('x') || b.has('y'))
       return fail(b.has('x') ? 'x' : 'y', "Use either",
-                  "Cannot specify polar coordinate with X or Y words");
+                  "Cannot specify both polar coordinate and %c word", b.has('x') ? 'X' : 'Y');
     if (state.plane_code != 170)
       return fail(b.has('@') ? '@' : '^', "", "Cannot use polar coordinate except in G17 plane");
     double radius = std::hypot(state.position.x, state.position.y);

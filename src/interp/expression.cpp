@@ -158,7 +158,9 @@ bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
         stack[n++] = truth(exists);
         continue;
       }
-      case Op::exists_numbered: stack[n - 1] = 0; continue;  // as the peer: only names exist
+      case Op::exists_numbered:  // as the peer: every number that can be written exists
+        stack[n - 1] = truth(stack[n - 1] >= 1 && stack[n - 1] < kParameterCount);
+        continue;
       case Op::atan:
         stack[n - 2] = std::atan2(stack[n - 2], stack[n - 1]) * kDegrees;
         --n;
@@ -170,7 +172,7 @@ bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
       if ((op->op == Op::divide || op->op == Op::modulo) && c == 0)
         return fail_at(op->at, "", "Attempt to divide by zero");
       if (op->op == Op::power && a < 0 && c != std::floor(c))
-        return fail_at(op->at, "", "Attempt to raise negative to non-integer power");
+        return fail_at(op->at, "", "Attempt to raise negative to non integer power");
       stack[--n - 1] = binary(op->op, a, c);
       continue;
     }

@@ -124,6 +124,11 @@ bool arc(Core& c, const Block& b, int code) {
   if (center && b.has('r')) return c.fail('r', "Use either", "Mixed radius ijk format for arc");
   if (b.has(p.unused))
     return c.fail(p.unused, "", "%c word given for arc in %s plane", upper(p.unused), p.name);
+  if (!check_feed(c, b, "arc", "Cannot make arc with zero feed rate")) return false;
+  const std::size_t a1 = std::min(p.e1, p.e2), a2 = std::max(p.e1, p.e2);
+  if (!center && !b.has_axis(a1) && !b.has_axis(a2))
+    return c.fail('r', "Write the end point", "%c and %c words missing for arc in %s plane",
+                  rtapi::kAxisLetters[a1], static_cast<char>(rtapi::kAxisLetters[a2] + 32), p.name);
   const bool ccw = code == 30;
   int turns = 1;
   Pose end;
@@ -132,10 +137,8 @@ bool arc(Core& c, const Block& b, int code) {
   const Pose& s = c.state.position;
   Flat f{s[p.e1], s[p.e2], end[p.e1], end[p.e2], 0, 0};
   if (!(center ? center_form(c, b, p, f) : radius_form(c, b, ccw, f))) return false;
-  const double length = c.state.feed_mode == ProgramFeedMode::inverse_time
-                            ? arc_length(f, end[p.e3] - s[p.e3], turns)
-                            : 0;
-  if (!prepare_feed(c, b, length, 0, "arc", "Cannot make arc with zero feed rate")) return false;
+  if (c.state.feed_mode == ProgramFeedMode::inverse_time)
+    inverse_time_feed(c, b, arc_length(f, end[p.e3] - s[p.e3], turns), 0);
   Arc a;
   a.end = end;
   a.center[p.e1] = f.c1;

@@ -68,14 +68,14 @@ void peck_short(const Hole& h) {
 void bore(const Hole& h) {
   h.feed(h.bottom);
   h.feed(h.r);
-  if (h.clear != h.r) h.traverse(h.clear);
+  h.traverse(h.clear);
 }
 
 void bore_dwell(const Hole& h) {
   h.feed(h.bottom);
   h.c.out.call<&Canon::dwell>(h.dwell);
   h.feed(h.r);
-  if (h.clear != h.r) h.traverse(h.clear);
+  h.traverse(h.clear);
 }
 
 struct CycleRow {
@@ -116,9 +116,10 @@ bool read_words(Core& c, const Block& b, const CycleRow& row, const PlaneRow& p)
 }
 
 bool check_modes(Core& c, const Block& b) {
-  if (c.state.feed_mode == ProgramFeedMode::inverse_time || c.state.feed == 0)
-    return c.fail(0, c.state.feed == 0 ? "Write F with a feed, here or before" : "Write G94 before",
-                  "Cannot feed with zero feed rate");
+  if (c.state.feed == 0)
+    return c.fail(0, "Write F with a feed, here or before", "Cannot feed with zero feed rate");
+  if (c.state.feed_mode == ProgramFeedMode::inverse_time)
+    return c.fail(0, "Write G94 before", "Cannot use inverse time feed with canned cycles");
   if (c.state.cutter_comp != 400)
     return c.fail(0, "Write G40 before", "Cannot use canned cycles with cutter compensation on");
   for (const std::size_t rotary : {3U, 4U, 5U, 6U, 7U, 8U}) {
@@ -183,18 +184,21 @@ bool cycle(Core& c, const Block& b, int code) {
   if (level != r) hole.traverse(r);
   row->make(hole);
   c.state.motion = code;
-  if (--c.repeats.left == 0 && c.state.path != PathMode::exact_path) announce_path_mode(c);
+  if (--c.repeats.left == 0 && c.state.path != PathMode::exact_path) {
+    announce_path_mode(c);
+    if (c.state.path == PathMode::exact_stop)
+      c.out.call<&Canon::set_naivecam_tolerance>(c.state.naivecam_tolerance_mm);
+  }
   return true;
 }
 
-constexpr LetterMask kWords = letters("rlpq");
 constexpr CodeRow kRows[] = {
-    {'g', 730, 730, 1, kOrderMotion, cycle, kWords, AxisUse::required},
-    {'g', 810, 810, 1, kOrderMotion, cycle, kWords, AxisUse::required},
-    {'g', 820, 820, 1, kOrderMotion, cycle, kWords, AxisUse::required},
-    {'g', 830, 830, 1, kOrderMotion, cycle, kWords, AxisUse::required},
-    {'g', 850, 850, 1, kOrderMotion, cycle, kWords, AxisUse::required},
-    {'g', 890, 890, 1, kOrderMotion, cycle, kWords, AxisUse::required},
+    {'g', 730, 730, 1, kOrderMotion, cycle, letters("rlq"), AxisUse::required},
+    {'g', 810, 810, 1, kOrderMotion, cycle, letters("rl"), AxisUse::required},
+    {'g', 820, 820, 1, kOrderMotion, cycle, letters("rlp"), AxisUse::required},
+    {'g', 830, 830, 1, kOrderMotion, cycle, letters("rlq"), AxisUse::required},
+    {'g', 850, 850, 1, kOrderMotion, cycle, letters("rl"), AxisUse::required},
+    {'g', 890, 890, 1, kOrderMotion, cycle, letters("rlp"), AxisUse::required},
 };
 
 }  // namespace

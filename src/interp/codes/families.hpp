@@ -19,9 +19,10 @@ mode_codes();  ///< planes, units, distance, feed mode, path, retract
 [[nodiscard]] std::span<const CodeRow> io_codes();       ///< M7-M9 M48-M53 M62-M68
 [[nodiscard]] std::span<const CodeRow> program_codes();  ///< M0-M2 M30 M60 M70-M73 M100-M199
 
-/// Sets the feed of one move in G93, refuses a missing feed. `linear_mm` and `angular_deg` are lengths of the move.
-[[nodiscard]] bool prepare_feed(Core& c, const Block& b, double linear_mm, double angular_deg,
-                                const char* what, const char* zero_feed);
+/// Refuses a missing feed. `what`: "g1", "arc"; `zero_feed`: the message for F0.
+[[nodiscard]] bool check_feed(Core& c, const Block& b, const char* what, const char* zero_feed);
+/// In G93: the feed of this move, from its length in mm, else in degrees.
+void inverse_time_feed(Core& c, const Block& b, double linear_mm, double angular_deg);
 /// Length by which a feed counts: XYZ, else UVW in mm; only rotary axes: degrees.
 void feed_length(const Pose& from, const Pose& to, double& linear_mm, double& angular_deg);
 /// The calls that bring the path mode of the state back (after cycles).

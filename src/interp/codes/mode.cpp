@@ -28,14 +28,18 @@ bool units(Core& c, const Block&, int code) {
 }
 
 bool distance(Core& c, const Block&, int code) {
-  c.state.distance = code == 900 ? DistanceMode::absolute : DistanceMode::incremental;
+  const auto wanted = code == 900 ? DistanceMode::absolute : DistanceMode::incremental;
+  if (c.state.distance == wanted) return true;
+  c.state.distance = wanted;
   c.comment(code == 900 ? "interpreter: distance mode changed to absolute"
                         : "interpreter: distance mode changed to incremental");
   return true;
 }
 
 bool arc_distance(Core& c, const Block&, int code) {
-  c.state.arc_distance = code == 901 ? DistanceMode::absolute : DistanceMode::incremental;
+  const auto wanted = code == 901 ? DistanceMode::absolute : DistanceMode::incremental;
+  if (c.state.arc_distance == wanted) return true;
+  c.state.arc_distance = wanted;
   c.comment(code == 901 ? "interpreter: IJK distance mode changed to absolute"
                         : "interpreter: IJK distance mode changed to incremental");
   return true;

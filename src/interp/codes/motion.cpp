@@ -12,26 +12,28 @@ void feed_length(const Pose& from, const Pose& to, double& linear_mm, double& an
   angular_deg = linear_mm < 1e-9 ? std::hypot(d.a, d.b, d.c) : 0;
 }
 
-bool prepare_feed(Core& c, const Block& b, double linear_mm, double angular_deg, const char* what,
-                  const char* zero_feed) {
-  if (c.state.feed_mode == ProgramFeedMode::inverse_time) {
+bool check_feed(Core& c, const Block& b, const char* what, const char* zero_feed) {
+  const ModalState& s = c.state;
+  if (s.feed_mode == ProgramFeedMode::inverse_time) {
     if (!b.has('f'))
-      return c.fail(0,
-                    "G93 needs an F on each line that moves; F is 1 over the minutes of the move",
+      return c.fail(0, "G93 needs an F on each line that moves: 1 over the minutes of the move",
                     "F word missing with inverse time %s move", what);
-    if (b['f'] == 0) return c.fail('f', "Write F greater than 0", "%s", zero_feed);
-    const double rate = b['f'];
-    const bool turning = linear_mm < 1e-9;
-    c.out.call<&Canon::set_feed_rate>(turning ? c.mm(angular_deg * rate) : linear_mm * rate,
-                                      angular_deg * rate);
-    return true;
+    return b['f'] != 0 || c.fail('f', "Write F greater than 0", "%s", zero_feed);
   }
-  if (c.state.feed == 0) return c.fail(0, "Write F with a feed, here or before", "%s", zero_feed);
-  if (c.state.feed_mode == ProgramFeedMode::per_revolution &&
-      c.state.speed_rpm[static_cast<std::size_t>(c.state.feed_spindle)] == 0)
+  if (s.feed == 0) return c.fail(0, "Write F with a feed, here or before", "%s", zero_feed);
+  if (s.feed_mode == ProgramFeedMode::per_revolution &&
+      s.speed_rpm[static_cast<std::size_t>(s.feed_spindle)] == 0)
     return c.fail(0, "Set a spindle speed first",
                   "Cannot feed with zero spindle speed in feed per rev mode");
   return true;
+}
+
+void inverse_time_feed(Core& c, const Block& b, double linear_mm, double angular_deg) {
+  if (c.state.feed_mode != ProgramFeedMode::inverse_time) return;
+  const double rate = b['f'];
+  const bool turning = linear_mm < 1e-9;
+  c.out.call<&Canon::set_feed_rate>(turning ? c.mm(angular_deg * rate) : linear_mm * rate,
+                                    angular_deg * rate);
 }
 
 namespace {
@@ -44,11 +46,12 @@ bool straight(Core& c, const Block& b, int code) {
   if (code == 0) {
     c.out.call<&Canon::straight_traverse>(end);
   } else {
-    double linear = 0, angular = 0;
-    if (c.state.feed_mode == ProgramFeedMode::inverse_time)
+    if (!check_feed(c, b, "g1", "Cannot do g1 with zero feed rate")) return false;
+    if (c.state.feed_mode == ProgramFeedMode::inverse_time) {
+      double linear = 0, angular = 0;
       feed_length(c.state.position, end, linear, angular);
-    if (!prepare_feed(c, b, linear, angular, "g1", "Cannot do g1 with zero feed rate"))
-      return false;
+      inverse_time_feed(c, b, linear, angular);
+    }
     c.out.call<&Canon::straight_feed>(end);
   }
   c.state.position = end;

@@ -82,6 +82,7 @@ bool g10_l2(Core& c, const Block& b) {
 // The named axes shall read the given values where the machine stands, seen from that system.
 bool g10_l20(Core& c, const Block& b) {
   int system = 0;
+  if (b.has('r')) return c.fail('r', "Use G10 L2 for the rotation", "R not allowed in G10 L20");
   if (!g10_system_word(c, b, 20, system)) return false;
   CanonFrame f = frame_of(c, system);
   const Pose machine = c.machine_position();

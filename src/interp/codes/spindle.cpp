@@ -48,6 +48,7 @@ bool orient(Core& c, const Block& b, int) {
   if (b.has('q') && b['q'] <= 0)
     return c.fail('q', "Q is the longest wait in seconds",
                   "Q word must be greater than 0 with M19");
+  if (!b.has('r')) return true;  // nothing to turn to
   for (int i = first; i <= last; ++i) {
     const auto n = static_cast<std::size_t>(i);
     c.state.orienting[n] = true;

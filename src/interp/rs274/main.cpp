@@ -108,6 +108,7 @@ class Session {
     Settings s;
     s.machine_unit_mm = kInch;
     s.start_units = Units::mm;
+    s.axis_mask = 0x3F;  // XYZABC: what a line of the output has
     return s;
   }
 
