@@ -44,8 +44,7 @@ SlotRef UserComponent::add(const char* command, std::string_view suffix, Type ty
                                std::string(dir_name(dir)), exact_text(type, raw)});
     if (made.ok()) {
       const std::uint64_t link = std::strtoull(made->c_str(), nullptr, 10);
-      auto& segment = session_.segment();
-      return {segment.base(), segment.at<const std::atomic<std::uint64_t>>(link)};
+      return slot_at(session_.segment(), link);
     }
     status_ = rtapi::Failure{made.error()};
   }

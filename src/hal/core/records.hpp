@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "hal/component.hpp"
 #include "hal/core/types.hpp"
 #include "rtapi/shm/segment.hpp"
 #include "rtapi/sync/cell.hpp"
@@ -123,6 +124,11 @@ struct Root {
 /// A link made of plain memory, for handles that must work though the item could not be made.
 inline const std::atomic<std::uint64_t>* slot_link(std::uint64_t* words) noexcept {
   return reinterpret_cast<const std::atomic<std::uint64_t>*>(words);
+}
+
+/// The handle of an item whose link stands at `link`.
+inline SlotRef slot_at(const rtapi::Segment& segment, Offset link) noexcept {
+  return {segment.base(), segment.at<const std::atomic<std::uint64_t>>(link)};
 }
 
 /// Bucket of a name. FNV-1a; pins and parameters of one name are different objects.

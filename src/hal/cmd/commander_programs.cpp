@@ -1,0 +1,189 @@
+// Commander: programs, and waiting for them.
+#include <signal.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+
+#include "hal/cmd/commander.hpp"
+#include "hal/cmd/processes.hpp"
+
+namespace kerf::hal {
+
+using rtapi::Errc;
+using rtapi::fail;
+using rtapi::Status;
+
+namespace {
+
+std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
+
+std::string base_name(const std::string& path) {
+  const auto slash = path.rfind('/');
+  return slash == std::string::npos ? path : path.substr(slash + 1);
+}
+
+struct LoadUsrOptions {
+  bool wait_ready{false};
+  bool wait_exit{false};
+  bool ignore_status{false};
+  std::string component;
+  std::size_t program{0};  ///< index of the program's word
+};
+
+rtapi::Result<LoadUsrOptions> parse_options(std::span<const std::string> w) {
+  LoadUsrOptions o;
+  std::size_t i = 1;
+  for (; i < w.size() && !w[i].empty() && w[i][0] == '-'; ++i) {
+    if (w[i] == "-W") {
+      o.wait_ready = true;
+    } else if (w[i] == "-Wn") {
+      o.wait_ready = true;
+      if (++i >= w.size()) return fail(Errc::bad_argument, "loadusr -Wn needs a component's name");
+      o.component = w[i];
+    } else if (w[i] == "-w") {
+      o.wait_exit = true;
+    } else if (w[i] == "-i" || w[i] == "-wi" || w[i] == "-iw") {
+      o.ignore_status = true;
+      if (w[i].size() > 2) o.wait_exit = true;
+    } else {
+      return fail(Errc::bad_argument,
+                  "loadusr: unknown option " + quoted(w[i]) + "; known are -W, -Wn NAME, -w, -i");
+    }
+  }
+  if (i >= w.size()) return fail(Errc::bad_argument, "loadusr needs a program");
+  o.program = i;
+  if (o.component.empty()) o.component = base_name(w[i]);
+  return o;
+}
+
+}  // namespace
+
+Status Commander::load_user(Words w) {
+  KERF_TRY(const LoadUsrOptions o, parse_options(w));
+  if (session_.local()) {
+    return fail(Errc::busy,
+                "loadusr: programs cannot be started here, HAL runs within this process");
+  }
+  if ((o.wait_ready || o.wait_exit) && clock_ == nullptr)
+    return fail(Errc::busy, "loadusr: no clock to wait on");
+  const Words program = w.subspan(o.program);
+  KERF_TRY(const pid_t pid, start_program(program, session_.segment()));
+  say("Program " + quoted(program[0]) + " started");
+  if (o.wait_exit) return wait_exit(pid, program[0], o.ignore_status);
+  if (o.wait_ready) return wait_ready(pid, o.component, program[0]);
+  return {};
+}
+
+Status Commander::wait_ready(pid_t pid, const std::string& component, const std::string& program) {
+  const int pidfd = open_pidfd(pid);
+  Status result;
+  while (true) {
+    rtapi::WaitSpec spec;
+    // Time stands: the machine is not to move on while its parts are being started.
+    spec.holds_time = true;
+    if (const auto* changed = view_.changed(); changed != nullptr) spec.watch(*changed);
+    if (pidfd >= 0) spec.watch_fd(pidfd);
+    const auto found = view_.find_component(component);
+    if (found && found->ready) {
+      say("Component " + quoted(component) + " ready");
+      break;
+    }
+    if (const int status = child_status(pid); status >= 0) {
+      result = fail(Errc::dead, program + " exited without becoming ready (status " +
+                                    std::to_string(status) + ", waiting for component " +
+                                    quoted(component) + ")");
+      break;
+    }
+    if (clock_->stopped()) {
+      result = fail(Errc::cancelled, "stopped while waiting for component " + quoted(component));
+      break;
+    }
+    clock_->wait(spec);
+  }
+  if (pidfd >= 0) ::close(pidfd);
+  return result;
+}
+
+Status Commander::wait_exit(pid_t pid, const std::string& program, bool ignore_status) {
+  const int pidfd = open_pidfd(pid);
+  int status = -1;
+  while ((status = child_status(pid)) < 0 && !clock_->stopped()) {
+    rtapi::WaitSpec spec;
+    if (pidfd >= 0)
+      spec.watch_fd(pidfd);
+    else
+      spec.wake_at(clock_->now() + 10 * rtapi::kMillisecond);
+    clock_->wait(spec);
+  }
+  if (pidfd >= 0) ::close(pidfd);
+  if (status < 0) {
+    ::kill(-pid, SIGTERM);
+    return fail(Errc::cancelled, "stopped while " + quoted(program) + " was running");
+  }
+  if (status != 0 && !ignore_status) {
+    return fail(Errc::dead,
+                "program " + quoted(program) + " failed, returned " + std::to_string(status));
+  }
+  say("Program " + quoted(program) + " finished");
+  return {};
+}
+
+Status Commander::wait_user(Words w) {
+  if (!view_.find_component(w[1])) return {};
+  if (clock_ == nullptr) return fail(Errc::busy, "waitusr: no clock to wait on");
+  while (true) {
+    rtapi::WaitSpec spec;
+    if (const auto* changed = view_.changed(); changed != nullptr) spec.watch(*changed);
+    if (!view_.find_component(w[1])) break;
+    if (clock_->stopped())
+      return fail(Errc::cancelled, "stopped while waiting for " + quoted(w[1]));
+    clock_->wait(spec);
+  }
+  say("Component " + quoted(w[1]) + " finished");
+  return {};
+}
+
+Status Commander::unload_user(Words w) {
+  for (const auto& c : view_.components()) {
+    if (c.type != ComponentKind::user || c.pid <= 1 || c.pid == ::getpid()) continue;
+    if (w[1] != "all" && w[1] != c.name) continue;
+    // Other halcmds end by themselves.
+    if (w[1] == "all" && c.name.rfind("halcmd", 0) == 0) continue;
+    if (::kill(static_cast<pid_t>(c.pid), SIGTERM) != 0 && errno != ESRCH) {
+      return fail(Errc::permission, "component " + quoted(c.name) + ": " + std::strerror(errno));
+    }
+  }
+  return {};
+}
+
+Status Commander::unload(Words w) {
+  const auto found = view_.find_component(w[1]);
+  if (w[1] == "all") {
+    KERF_CHECK(unload_user(w));
+  } else if (found && found->type == ComponentKind::user) {
+    KERF_CHECK(unload_user(w));
+    return clock_ != nullptr ? wait_user(w) : Status{};
+  }
+  const std::string words[] = {"unloadrt", w[1]};
+  return unload_realtime(words);
+}
+
+Status Commander::sleep(Words w) {
+  char* end = nullptr;
+  const double s = std::strtod(w[1].c_str(), &end);
+  if (end == w[1].c_str() || *end != '\0' || !(s >= 0)) {
+    return fail(Errc::bad_argument, "sleep: " + quoted(w[1]) + " is not a number of seconds");
+  }
+  if (clock_ == nullptr) return fail(Errc::busy, "sleep: no clock to wait on");
+  const rtapi::Nanos until = clock_->now() + rtapi::seconds(s);
+  while (clock_->now() < until && !clock_->stopped()) {
+    rtapi::WaitSpec spec;
+    spec.wake_at(until);
+    clock_->wait(spec);
+  }
+  return {};
+}
+
+}  // namespace kerf::hal

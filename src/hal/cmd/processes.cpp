@@ -1,0 +1,78 @@
+#include "hal/cmd/processes.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <vector>
+
+#include "rtapi/shm/segment.hpp"
+
+namespace kerf::hal {
+
+using rtapi::Errc;
+using rtapi::fail;
+using rtapi::Result;
+
+Result<pid_t> start_program(std::span<const std::string> argv, const rtapi::Segment& segment) {
+  std::vector<char*> args;
+  std::vector<std::string> copy(argv.begin(), argv.end());
+  for (auto& word : copy) args.push_back(word.data());
+  args.push_back(nullptr);
+  const std::string instance = segment.instance();
+  const std::string run_id(segment.header().run_id.view());
+  int report[2];
+  // The pipe closes by exec; what comes through it is the errno of a failed one.
+  if (::pipe2(report, O_CLOEXEC) != 0)
+    return fail(Errc::system, std::string("pipe: ") + std::strerror(errno));
+  const pid_t pid = ::fork();
+  if (pid < 0) {
+    const int why = errno;
+    ::close(report[0]);
+    ::close(report[1]);
+    return fail(Errc::system, std::string("fork: ") + std::strerror(why));
+  }
+  if (pid == 0) {
+    ::setpgid(0, 0);
+    sigset_t none;
+    sigemptyset(&none);
+    ::sigprocmask(SIG_SETMASK, &none, nullptr);
+    ::setenv("KERF_INSTANCE", instance.c_str(), 1);
+    if (!run_id.empty()) ::setenv("KERF_RUN_ID", run_id.c_str(), 1);
+    ::execvp(args[0], args.data());
+    const int why = errno;
+    (void)!::write(report[1], &why, sizeof why);
+    ::_exit(127);
+  }
+  ::setpgid(pid, pid);
+  ::close(report[1]);
+  int why = 0;
+  ssize_t n = 0;
+  do {
+    n = ::read(report[0], &why, sizeof why);
+  } while (n < 0 && errno == EINTR);
+  ::close(report[0]);
+  if (n == sizeof why) {
+    ::waitpid(pid, nullptr, 0);
+    return fail(Errc::not_found, "execv(" + copy[0] + "): " + std::strerror(why));
+  }
+  return pid;
+}
+
+int open_pidfd(pid_t pid) { return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)); }
+
+int child_status(pid_t pid) {
+  int status = 0;
+  const pid_t done = ::waitpid(pid, &status, WNOHANG);
+  if (done == 0) return -1;
+  if (done < 0) return errno == ECHILD ? 0 : -1;
+  if (WIFSIGNALED(status)) return 128 + WTERMSIG(status);
+  return WEXITSTATUS(status);
+}
+
+}  // namespace kerf::hal
