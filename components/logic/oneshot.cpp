@@ -1,4 +1,6 @@
 // oneshot: one pulse of a set length at each trigger.
+#include <cmath>
+
 #include "hal/component.hpp"
 
 namespace kerf::components {
@@ -49,7 +51,7 @@ class Oneshot final : public hal::Component<Oneshot> {
   std::int64_t width_ns() const noexcept {
     const double ns = width_s_ * 1e9;
     if (!(ns > 0.0)) return 0;
-    return ns < 9e18 ? static_cast<std::int64_t>(ns + 0.5) : INT64_MAX;
+    return ns < 9e18 ? std::llround(ns) : INT64_MAX;
   }
   hal::Function update_{function<&Oneshot::update>("", "Makes pulses from triggers")};
 };
