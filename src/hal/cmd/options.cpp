@@ -1,0 +1,40 @@
+#include "hal/cmd/options.hpp"
+
+#include <cstdio>
+
+namespace kerf::hal {
+
+bool HalcmdOptions::take(int letter, const char* argument) {
+  switch (letter) {
+    case 'e': echo = true; return true;
+    case 'f': from_file = true; return true;
+    case 'i': ini_path = argument; return true;
+    case 'k': keep_going = true; return true;
+    case 'q': level = Commander::Level::errors; return true;
+    case 'Q': level = Commander::Level::silent; return true;
+    case 'R': return true;  // there is no lock that a dead program could hold
+    case 's': script = true; return true;
+    case 'v': level = Commander::Level::verbose; return true;
+    case 'V': level = Commander::Level::debug; return true;
+    default: return false;
+  }
+}
+
+bool HalcmdOptions::load_ini() {
+  if (ini_path.empty()) return true;
+  auto loaded = ini::IniFile::load(ini_path);
+  for (const auto& d : loaded.diagnostics) std::fprintf(stderr, "%s\n", d.message().c_str());
+  if (!loaded.ok) return false;
+  ini = std::make_unique<ini::IniFile>(std::move(loaded.file));
+  return true;
+}
+
+void HalcmdOptions::apply(Commander& commander) const {
+  commander.set_level(level);
+  commander.set_keep_going(keep_going);
+  commander.set_script_mode(script);
+  commander.set_echo(echo);
+  if (ini) commander.set_ini(ini_lookup(*ini));
+}
+
+}  // namespace kerf::hal

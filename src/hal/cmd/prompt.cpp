@@ -1,0 +1,67 @@
+#include "hal/cmd/prompt.hpp"
+
+#include <editline/readline.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace kerf::hal {
+namespace {
+
+// libedit's callbacks have no argument of ours.
+const Commander* completing = nullptr;
+std::vector<std::string> candidates;
+std::size_t next_candidate = 0;
+
+char* give_candidate(const char* text, int state) {
+  if (state == 0) next_candidate = 0;
+  while (next_candidate < candidates.size()) {
+    const std::string& c = candidates[next_candidate++];
+    if (c.rfind(text, 0) == 0) return ::strdup(c.c_str());
+  }
+  return nullptr;
+}
+
+char** complete(const char* text, int start, int /*end*/) {
+  candidates.clear();
+  if (start == 0) {
+    candidates = Commander::command_names();
+  } else {
+    for (const Kind kind :
+         {Kind::pin, Kind::param, Kind::signal, Kind::function, Kind::thread, Kind::component}) {
+      const auto names = completing->view().names(kind);
+      candidates.insert(candidates.end(), names.begin(), names.end());
+    }
+  }
+  rl_attempted_completion_over = 1;  // no file names
+  return rl_completion_matches(text, give_candidate);
+}
+
+}  // namespace
+
+bool run_interactive(Commander& commander) {
+  if (::isatty(STDIN_FILENO) == 0) return commander.run_file("-");
+  completing = &commander;
+  rl_readline_name = "halcmd";
+  rl_attempted_completion_function = complete;
+  bool good = true;
+  int number = 0;
+  while (!commander.quit_requested()) {
+    char* line = ::readline("halcmd: ");
+    if (line == nullptr) {
+      std::puts("");
+      break;
+    }
+    if (*line != '\0') ::add_history(line);
+    good = commander.run_line(line, "<stdin>", ++number);
+    std::free(line);  // NOLINT(cppcoreguidelines-no-malloc): readline's
+  }
+  completing = nullptr;
+  return good;
+}
+
+}  // namespace kerf::hal

@@ -1,0 +1,264 @@
+// rtapi_app: the realtime process of an instance.
+//
+// Maps the instance's segment (or makes it), runs HAL threads and components, and answers halcmd and the other programs. It ends
+// on SIGTERM and SIGINT, and when its supervisor dies: the descriptor KERF_SUPERVISOR_FD then reaches its end of file.
+#include <fcntl.h>
+#include <getopt.h>
+#include <poll.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include "hal/loader/host.hpp"
+#include "hal/loader/leftovers.hpp"
+#include "hal/loader/module_source.hpp"
+#include "hal/loader/realtime_host.hpp"
+#include "hal/loader/server.hpp"
+#include "rtapi/clock/join_clock.hpp"
+#include "rtapi/host/real_driver.hpp"
+#include "rtapi/log/log.hpp"
+#include "rtapi/shm/process.hpp"
+#include "rtapi/shm/segment.hpp"
+#include "rtapi/thread/cyclic_thread.hpp"
+
+namespace {
+
+using namespace kerf;  // NOLINT(google-build-using-namespace): the program's own file
+
+constexpr rtapi::Nanos kHousekeeping = 100 * rtapi::kMillisecond;
+constexpr int kPatienceMs = 1000;
+
+rtapi::WaitClock* main_clock = nullptr;  // for the signal handler
+
+void on_signal(int /*signal*/) {
+  if (main_clock != nullptr) main_clock->stop();
+}
+
+struct Options {
+  std::string instance;
+  bool make_virtual{false};
+  int cpu{-1};
+  std::size_t segment_bytes{rtapi::Segment::kDefaultBytes};
+};
+
+void print_help() {
+  std::puts(
+      "Usage: rtapi_app [OPTIONS]\n"
+      "\n"
+      "Runs HAL's realtime threads and components for one instance. Started by kerf and halrun.\n"
+      "\n"
+      "  --instance NAME    the instance (default: KERF_INSTANCE, else by user)\n"
+      "  --virtual          a new instance runs on virtual time\n"
+      "  --cpu N            run realtime threads on this CPU (default: KERF_RT_CPUS, else any)\n"
+      "  --segment-mb N     shared memory of a new instance (default 64)\n"
+      "  --help             this text");
+}
+
+/// False: exit with `status`.
+bool parse_options(int argc, char** argv, Options& o, int& status) {
+  static const option kLong[] = {{"instance", required_argument, nullptr, 'n'},
+                                 {"virtual", no_argument, nullptr, 'v'},
+                                 {"cpu", required_argument, nullptr, 'c'},
+                                 {"segment-mb", required_argument, nullptr, 'm'},
+                                 {"help", no_argument, nullptr, 'h'},
+                                 {nullptr, 0, nullptr, 0}};
+  o.instance = rtapi::default_instance();
+  if (const char* cpus = std::getenv("KERF_RT_CPUS"); cpus != nullptr && *cpus != '\0')
+    o.cpu = std::atoi(cpus);
+  int c = 0;
+  while ((c = ::getopt_long(argc, argv, "h", kLong, nullptr)) != -1) {
+    switch (c) {
+      case 'n': o.instance = optarg; break;
+      case 'v': o.make_virtual = true; break;
+      case 'c': o.cpu = std::atoi(optarg); break;
+      case 'm':
+        o.segment_bytes = static_cast<std::size_t>(std::max(1, std::atoi(optarg))) << 20U;
+        break;
+      case 'h':
+        print_help();
+        status = 0;
+        return false;
+      default: status = 1; return false;
+    }
+  }
+  if (!rtapi::valid_instance_name(o.instance)) {
+    rtapi::log_message(rtapi::Level::error, "'%s' is not a name for an instance",
+                       o.instance.c_str());
+    status = 1;
+    return false;
+  }
+  return true;
+}
+
+/// The supervisor's end of a pipe or socket pair.
+class Supervisor {
+ public:
+  Supervisor() {
+    const char* text = std::getenv("KERF_SUPERVISOR_FD");
+    if (text == nullptr || *text == '\0') return;
+    const int fd = std::atoi(text);
+    if (fd > 2 && ::fcntl(fd, F_SETFD, FD_CLOEXEC) == 0) fd_ = fd;
+  }
+  void watch(rtapi::WaitSpec& spec) const {
+    if (fd_ >= 0) spec.watch_fd(fd_);
+  }
+  /// One byte says that requests are answered from now on; a supervisor that gave a pipe hears nothing.
+  void say_ready() const {
+    if (fd_ >= 0) (void)!::write(fd_, "R", 1);
+  }
+  [[nodiscard]] bool dead() const {
+    if (fd_ < 0) return false;
+    pollfd p{fd_, POLLIN, 0};
+    if (::poll(&p, 1, 0) <= 0) return false;
+    char byte = 0;
+    return (p.revents & POLLIN) == 0 || ::read(fd_, &byte, 1) == 0;
+  }
+
+ private:
+  int fd_{-1};
+};
+
+/// What the main thread does: on the real clock requests, on the virtual one also the cycles and the other participants.
+class MainParticipant final : public rtapi::Participant {
+ public:
+  MainParticipant(hal::Host& host, hal::Server& server, Supervisor& supervisor,
+                  rtapi::WaitClock& clock, hal::RealDriver& driver, const rtapi::LogRing& log)
+      : host_(host),
+        server_(server),
+        supervisor_(supervisor),
+        clock_(clock),
+        driver_(driver),
+        cycles_(host, &server),
+        log_(log) {}
+  [[nodiscard]] const char* name() const noexcept override { return "rtapi_app"; }
+  [[nodiscard]] rtapi::Role role() const noexcept override { return rtapi::Role::realtime_host; }
+  [[nodiscard]] bool orphaned() const { return orphaned_; }
+
+  void step(rtapi::Nanos now, rtapi::WaitSpec& next) override {
+    (void)log_.drain();
+    if (supervisor_.dead()) {
+      orphaned_ = true;
+      clock_.stop();
+      return;
+    }
+    supervisor_.watch(next);
+    if (!clock_.is_virtual()) {
+      while (server_.serve()) {
+      }
+      server_.watch(now, next);
+      driver_.report_overruns();
+      next.wake_at(now + kHousekeeping);
+      return;
+    }
+    // The planner comes next in the order of the virtual clock, so it may as well run in this thread.
+    cycles_.step(now, next);
+    for (auto* participant : host_.participants()) {
+      rtapi::WaitSpec own;
+      participant->step(now, own);
+      next.wake_at(own.until);
+      for (const auto& cell : own.cells) (void)next.cells.push_back(cell);
+      for (const int fd : own.fds) next.watch_fd(fd);
+      next.holds_time = next.holds_time || own.holds_time;
+    }
+  }
+
+ private:
+  hal::Host& host_;
+  hal::Server& server_;
+  Supervisor& supervisor_;
+  rtapi::WaitClock& clock_;
+  hal::RealDriver& driver_;
+  hal::RealtimeHost cycles_;
+  rtapi::LogReader log_;
+  bool orphaned_{false};
+};
+
+int fail(const rtapi::Error& error) {
+  rtapi::log_error(error);
+  return 1;
+}
+
+rtapi::Result<std::unique_ptr<rtapi::Segment>> open_segment(const Options& o, bool& made) {
+  auto found = rtapi::Segment::attach(o.instance);
+  if (found.ok()) {
+    const auto& header = (*found)->header();
+    // A segment whose maker is dead is a leftover: create() below removes it.
+    if (rtapi::process_lives(header.owner_pid.get(), header.owner_start)) return found;
+  }
+  KERF_TRY(auto segment, rtapi::Segment::create(o.instance, o.segment_bytes));
+  made = true;
+  KERF_CHECK(rtapi::make_clock(
+      *segment, o.make_virtual ? rtapi::ClockMode::virtual_time : rtapi::ClockMode::real));
+  return segment;
+}
+
+rtapi::Result<rtapi::LogRing*> open_log(rtapi::Segment& segment) {
+  auto found = segment.find<rtapi::LogRing>(rtapi::LogRing::kBlock);
+  if (found.ok()) return found;
+  return segment.make<rtapi::LogRing>(rtapi::LogRing::kBlock);
+}
+
+int run(const Options& o, Supervisor& supervisor, rtapi::Segment& segment, bool& orphaned) {
+  auto log = open_log(segment);
+  if (!log.ok()) return fail(log.error());
+  const bool is_virtual = rtapi::clock_mode(segment) == rtapi::ClockMode::virtual_time;
+  if (!is_virtual) {
+    const auto rights = rtapi::acquire_realtime_rights();
+    if (!rights.text.empty()) rtapi::log_message(rtapi::Level::warning, "%s", rights.text.c_str());
+  }
+  auto clock = rtapi::join_clock(segment, rtapi::Role::realtime_host, "rtapi_app");
+  if (!clock.ok()) return fail(clock.error());
+  main_clock = clock->get();
+  hal::DlopenSource modules;
+  hal::RealDriver driver(segment, **clock, o.cpu);
+  auto host = hal::Host::create(segment, **clock, modules, is_virtual ? nullptr : &driver);
+  if (!host.ok()) return fail(host.error());
+  auto server = hal::Server::open(**host, segment, o.instance);
+  if (!server.ok()) return fail(server.error());
+  MainParticipant participant(**host, **server, supervisor, **clock, driver, **log);
+  supervisor.say_ready();
+  rtapi::run_participant(**clock, participant);
+  orphaned = participant.orphaned();
+  (*host)->unload_all();
+  server->reset();
+  host->reset();
+  main_clock = nullptr;
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  rtapi::set_program_name("rtapi_app");
+  Options options;
+  int status = 0;
+  if (!parse_options(argc, argv, options, status)) return status;
+  // Set for whatever libraries of components look at it.
+  ::setenv("KERF_INSTANCE", options.instance.c_str(), 1);
+  Supervisor supervisor;
+  bool made = false;
+  auto segment = open_segment(options, made);
+  if (!segment.ok()) return fail(segment.error());
+
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  ::sigaction(SIGTERM, &action, nullptr);
+  ::sigaction(SIGINT, &action, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);
+
+  bool orphaned = false;
+  status = run(options, supervisor, **segment, orphaned);
+  // A living launcher tears down its own children; without one it is done here.
+  if (made || orphaned) {
+    const std::string run_id((*segment)->header().run_id.view());
+    (void)hal::end_processes_of_run(run_id, kPatienceMs);
+    segment->reset();
+    (void)rtapi::Segment::remove(options.instance);
+  }
+  return status;
+}
