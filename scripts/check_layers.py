@@ -25,7 +25,8 @@ ALLOWED = {
     "interp": ["rtapi/base"],
     "io": ["rtapi", *HAL_CLIENT, "ini"],
     "task": ["rtapi", "ini", "interp", "io", "motion/api", *HAL_CLIENT],
-    "launcher": ["rtapi", "ini", *HAL_CLIENT, "task/api", "motion/api"],
+    "launcher": ["rtapi", "ini", *HAL_CLIENT, "hal/cmd",  # it carries out the HAL files
+                  "task/api", "motion/api"],
     "gateway": ["rtapi", "ini", *HAL_CLIENT, "task/api", "motion/api"],
     "python": ["rtapi", "ini", *HAL_CLIENT, "task/api", "motion/api"],
     "components": ["hal/component.hpp", "hal/stream.hpp", "hal/core/types.hpp", "rtapi/base"],
