@@ -210,6 +210,7 @@ Executor::Outcome Executor::begin_move(const Span& span, const MoveSpan& move, c
   }
   if (point) {
     pose_ = move.curve.end;
+    if (move.probe) ++place_number_;
     finish(span);
     return Outcome::done;
   }

@@ -56,10 +56,10 @@ Planner::Take Planner::bad_item(const PathItem& item, double value) noexcept {
 
 bool Planner::may_move(const ServoView& view) noexcept {
   if (!view.takes_moves || spans_.size() == SpanRing::capacity()) return false;
-  if (probe_seq_ != 0) {
-    if (view.executed_seq < probe_seq_) return false;
-    probe_seq_ = 0;
-    placed_ = false;
+  if (probing_) {
+    // Wherever the probe move ends, the place changes.
+    if (view.place == place_) return false;
+    probing_ = false;
   }
   if (!placed_ || view.place != place_) {
     end_ = view.pose;
@@ -145,7 +145,7 @@ Planner::Take Planner::take_move(const PathItem& item, Span& span, Curve& curve,
   const Take result = push(span);
   if (result == Take::done) {
     end_ = curve.end;
-    if (probe != nullptr) probe_seq_ = item.seq;
+    if (probe != nullptr) probing_ = true;
   }
   return result;
 }

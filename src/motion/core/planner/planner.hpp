@@ -57,11 +57,11 @@ class Planner {
   std::int32_t digital_{static_cast<std::int32_t>(kMaxDigital)},
       analog_{static_cast<std::int32_t>(kMaxAnalog)};
   std::int32_t spindles_{static_cast<std::int32_t>(kMaxSpindles)};
-  Pose end_;                    ///< where the path taken so far leads
-  std::uint64_t place_{0};      ///< ServoView::place for which end_ is true
-  std::uint64_t probe_seq_{0};  ///< moves behind it wait until it has ended, wherever that is
+  Pose end_;                ///< where the path taken so far leads
+  std::uint64_t place_{0};  ///< ServoView::place for which end_ is true
   std::uint32_t refused_epoch_{0};
   bool placed_{false}, refusing_{false};
+  bool probing_{false};  ///< moves behind a probe move wait until it has ended, wherever that is
 };
 
 }  // namespace kerf::motion

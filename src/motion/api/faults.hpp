@@ -1,0 +1,247 @@
+// Names and texts of faults, for readers: realtime code keeps numbers only. @nonrt
+#pragma once
+
+#include <cstdio>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "motion/api/config.hpp"
+#include "motion/api/status.hpp"
+
+namespace kerf::motion {
+
+/// All faults that exist, in the order of their numbers.
+inline constexpr Fault kFaults[] = {Fault::internal,
+                                    Fault::joint_soft_limit_min,
+                                    Fault::joint_soft_limit_max,
+                                    Fault::axis_soft_limit_min,
+                                    Fault::axis_soft_limit_max,
+                                    Fault::joint_hard_limit_min,
+                                    Fault::joint_hard_limit_max,
+                                    Fault::following_error,
+                                    Fault::amp_fault,
+                                    Fault::enable_lost,
+                                    Fault::heartbeat_lost,
+                                    Fault::not_homed,
+                                    Fault::home_failed,
+                                    Fault::home_no_switch,
+                                    Fault::home_busy,
+                                    Fault::jog_while_not_ready,
+                                    Fault::jog_beyond_limit,
+                                    Fault::no_inverse,
+                                    Fault::bad_item,
+                                    Fault::limit_velocity,
+                                    Fault::limit_acceleration,
+                                    Fault::limit_jerk,
+                                    Fault::limit_continuity,
+                                    Fault::probe_no_contact,
+                                    Fault::probe_already_tripped,
+                                    Fault::probe_unexpected,
+                                    Fault::orient_fault,
+                                    Fault::spindle_fault,
+                                    Fault::path_starved_internal};
+
+/// The name of the fault's page, docs/troubleshooting/NAME.md; a fault missing here does not compile.
+inline const char* fault_name(Fault fault) {
+  switch (fault) {
+    case Fault::none: return "none";
+    case Fault::internal: return "internal";
+    case Fault::joint_soft_limit_min: return "joint-soft-limit-min";
+    case Fault::joint_soft_limit_max: return "joint-soft-limit-max";
+    case Fault::axis_soft_limit_min: return "axis-soft-limit-min";
+    case Fault::axis_soft_limit_max: return "axis-soft-limit-max";
+    case Fault::joint_hard_limit_min: return "joint-hard-limit-min";
+    case Fault::joint_hard_limit_max: return "joint-hard-limit-max";
+    case Fault::following_error: return "following-error";
+    case Fault::amp_fault: return "amp-fault";
+    case Fault::enable_lost: return "enable-lost";
+    case Fault::heartbeat_lost: return "heartbeat-lost";
+    case Fault::not_homed: return "not-homed";
+    case Fault::home_failed: return "home-failed";
+    case Fault::home_no_switch: return "home-no-switch";
+    case Fault::home_busy: return "home-busy";
+    case Fault::jog_while_not_ready: return "jog-while-not-ready";
+    case Fault::jog_beyond_limit: return "jog-beyond-limit";
+    case Fault::no_inverse: return "no-inverse";
+    case Fault::bad_item: return "bad-item";
+    case Fault::limit_velocity: return "limit-velocity";
+    case Fault::limit_acceleration: return "limit-acceleration";
+    case Fault::limit_jerk: return "limit-jerk";
+    case Fault::limit_continuity: return "limit-continuity";
+    case Fault::probe_no_contact: return "probe-no-contact";
+    case Fault::probe_already_tripped: return "probe-already-tripped";
+    case Fault::probe_unexpected: return "probe-unexpected";
+    case Fault::orient_fault: return "orient-fault";
+    case Fault::spindle_fault: return "spindle-fault";
+    case Fault::path_starved_internal: return "path-starved-internal";
+  }
+  return "unknown";
+}
+
+/// Why homing failed: FaultRecord::value of Fault::home_failed. `HOMING_STATE` numbers are of joint.N.home-state.
+inline const char* home_failure_text(double value) {
+  switch (static_cast<int>(value)) {
+    case 1: return "the machine is off; switch it on first";
+    case 2: return "homing needs joint mode; leave teleop and coordinated mode first";
+    case 3: return "the pin motion.homing-inhibit forbids it";
+    case 4:
+      return "HOME_SEARCH_VEL is set but HOME_LATCH_VEL is 0; set both, or neither for homing in "
+             "place";
+    case 5:
+      return "homing to an index pulse is not supported; set HOME_USE_INDEX = NO and give "
+             "HOME_SEARCH_VEL and HOME_LATCH_VEL";
+    case 6:
+      return "HOME_IS_SHARED is set and the switch is closed already; move the joints off their "
+             "switches first";
+    case 7:
+      return "the home switch did not open while the joint backed off; check the switch and its "
+             "wiring";
+    case 8: return "there is no such joint";
+    case 9: return "it was stopped";
+    case 10:
+      return "no joint has a HOME_SEQUENCE, so home all has nothing to do; home joint by joint or "
+             "set HOME_SEQUENCE";
+    default: return "unknown reason";
+  }
+}
+
+namespace detail {
+
+inline std::string number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4f", value);
+  return text;
+}
+inline std::string line_of(const SourceTag& tag) {
+  return tag.line > 0 ? " on line " + std::to_string(tag.line) : std::string();
+}
+inline std::string joint_of(std::int32_t index) {
+  return index >= 0 ? "joint " + std::to_string(index) : std::string("the machine");
+}
+inline std::string axis_of(std::int32_t index) {
+  if (index < 0 || static_cast<std::size_t>(index) >= rtapi::kAxes) return "an axis";
+  return std::string("axis ") + rtapi::kAxisLetters[static_cast<std::size_t>(index)];
+}
+/// A length for people: in machine units, as the INI has it; degrees as they are.
+inline std::string shown(double value, bool rotary, const MachineConfig& config) {
+  const double k = rotary || config.linear_units_per_mm <= 0 ? 1.0 : config.linear_units_per_mm;
+  return number(value * k);
+}
+
+inline std::string soft_limit_text(const FaultRecord& r, const MachineConfig& config) {
+  const bool joint =
+      r.fault == Fault::joint_soft_limit_min || r.fault == Fault::joint_soft_limit_max;
+  const bool high = r.fault == Fault::joint_soft_limit_max || r.fault == Fault::axis_soft_limit_max;
+  const bool rotary = joint ? r.index >= 0 && static_cast<std::size_t>(r.index) < kMaxJoints &&
+                                  config.joint[r.index].rotary
+                            : r.index >= 0 && rtapi::is_rotary(static_cast<std::size_t>(r.index));
+  return "Move" + line_of(r.tag) + " would take " + (joint ? joint_of(r.index) : axis_of(r.index)) +
+         " to " + shown(r.value, rotary, config) + ", " +
+         (high ? "above its MAX_LIMIT of " : "below its MIN_LIMIT of ") +
+         shown(r.limit, rotary, config) +
+         "; nothing was moved. Change the program or the work offset";
+}
+
+inline std::string joint_value(const FaultRecord& r, double value, const MachineConfig& config) {
+  const bool rotary = r.index >= 0 && static_cast<std::size_t>(r.index) < kMaxJoints &&
+                      config.joint[r.index].rotary;
+  return shown(value, rotary, config);
+}
+
+inline std::string oracle_text(const FaultRecord& r, const MachineConfig& config,
+                               const char* what) {
+  return "Internal fault: commanded " + std::string(what) + " of " + joint_of(r.index) +
+         line_of(r.tag) + " was " + joint_value(r, r.value, config) + ", its limit is " +
+         joint_value(r, r.limit, config) + ". Please report it with the program";
+}
+
+}  // namespace detail
+
+/// One message for a person: what happened, where, and what to do. Positions in machine units.
+inline std::string fault_text(const FaultRecord& r, const MachineConfig& config) {
+  using namespace detail;
+  const auto v = [&](double value) { return joint_value(r, value, config); };
+  switch (r.fault) {
+    case Fault::none: return "no fault";
+    case Fault::internal:
+      return "Internal fault of the motion controller, the machine is off. Please report it";
+    case Fault::joint_soft_limit_min:
+    case Fault::joint_soft_limit_max:
+    case Fault::axis_soft_limit_min:
+    case Fault::axis_soft_limit_max: return soft_limit_text(r, config);
+    case Fault::joint_hard_limit_min:
+      return joint_of(r.index) + " is on its negative limit switch at " + v(r.value) +
+             ". Override limits, switch on and jog it off";
+    case Fault::joint_hard_limit_max:
+      return joint_of(r.index) + " is on its positive limit switch at " + v(r.value) +
+             ". Override limits, switch on and jog it off";
+    case Fault::following_error:
+      return joint_of(r.index) + " following error: it is " + v(r.value) +
+             " away from where it should be" + line_of(r.tag) + ", allowed are " + v(r.limit) +
+             ". Check the drive, the load, FERROR and MIN_FERROR";
+    case Fault::amp_fault:
+      if (r.index < 0)
+        return "An input motion.misc-error-NN reports an error; find and clear it at its source";
+      return joint_of(r.index) + " amplifier fault (joint." + std::to_string(r.index) +
+             ".amp-fault-in). Clear it at the drive";
+    case Fault::enable_lost:
+      return "The pin motion.enable is false, so the machine is off. Make it true, then switch on "
+             "again";
+    case Fault::heartbeat_lost:
+      return "Task has not answered for " + number(r.value) + " s (limit " + number(r.limit) +
+             " s), so the machine stopped and is off. Check the load of the computer";
+    case Fault::not_homed:
+      return "Not all joints are homed, which this mode needs. Home the machine, or set "
+             "[TRAJ]NO_FORCE_HOMING = 1";
+    case Fault::home_failed:
+      return "Homing of " + joint_of(r.index) + " failed: " + home_failure_text(r.value);
+    case Fault::home_no_switch:
+      return joint_of(r.index) + " moved " + v(r.value) +
+             " without finding its home switch. Check the switch, HOME_SEARCH_VEL's sign and "
+             "HOME_SEARCH_DIST";
+    case Fault::home_busy:
+      return "Homing request for " + joint_of(r.index) +
+             " refused: the machine moves or is being homed. Wait, then ask again";
+    case Fault::jog_while_not_ready:
+      return "Cannot jog " + std::to_string(r.index) +
+             ": machine off, wrong mode, homing, or the pin motion.jog-inhibit is true";
+    case Fault::jog_beyond_limit:
+      return "Cannot jog " + std::to_string(r.index) + " further: it is at " + v(r.value) +
+             ", the limit is " + v(r.limit) + ". Jog the other way";
+    case Fault::no_inverse:
+      return "Move" + line_of(r.tag) +
+             " leads where the kinematics have no joint positions. Change the program";
+    case Fault::bad_item:
+      return "Move or command" + line_of(r.tag) + " cannot be carried out (value " +
+             number(r.value) +
+             "): a number that is none, an arc without radius, no feed, or an output or spindle "
+             "that does not exist";
+    case Fault::limit_velocity: return oracle_text(r, config, "velocity");
+    case Fault::limit_acceleration: return oracle_text(r, config, "acceleration");
+    case Fault::limit_jerk: return oracle_text(r, config, "jerk");
+    case Fault::limit_continuity: return oracle_text(r, config, "step (as velocity)");
+    case Fault::probe_no_contact:
+      return "Probe move" + line_of(r.tag) +
+             " ended without contact. Check the probe and the start height";
+    case Fault::probe_already_tripped:
+      return "Probe move" + line_of(r.tag) + " not begun: the probe is " +
+             (r.value != 0 ? "closed" : "open") + " already. Move it clear first";
+    case Fault::probe_unexpected:
+      return "Probe tripped" + line_of(r.tag) +
+             " during a move that does not probe; the path was stopped";
+    case Fault::orient_fault:
+      return "Spindle " + std::to_string(r.index) + " could not orient: spindle." +
+             std::to_string(r.index) + ".orient-fault is " +
+             std::to_string(static_cast<int>(r.value)) + ". See the drive's list of faults";
+    case Fault::spindle_fault:
+      return "Spindle " + std::to_string(r.index) + " drive fault (spindle." +
+             std::to_string(r.index) + ".amp-fault-in). Clear it at the drive";
+    case Fault::path_starved_internal:
+      return "Internal fault: a move" + line_of(r.tag) +
+             " does not begin where the machine stands; the path was dropped. Please report it";
+  }
+  return "unknown fault";
+}
+
+}  // namespace kerf::motion

@@ -1,0 +1,335 @@
+// Power, faults, modes and jogging.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "unit/motion/rig.hpp"
+
+namespace kerf::motion {
+namespace {
+
+using test::Rig;
+
+void jog(Rig& rig, int joint, JogIntent::Kind kind, double vel, double target = 0) {
+  JogIntent& j = rig.intent.mode == MotionMode::teleop ? rig.intent.axis_jog[joint]
+                                                       : rig.intent.joint_jog[joint];
+  ++j.seq;
+  j.kind = kind;
+  j.vel = vel;
+  j.target = target;
+}
+
+TEST(Controller, DisabledFollowsTheFeedback) {
+  Rig rig;
+  rig.follow = false;
+  rig.in.joint[0].motor_pos_fb = 7;
+  rig.run(2);
+  EXPECT_FALSE(rig.status().enabled);
+  EXPECT_EQ(rig.status().joint[0].pos_cmd, 7);
+  EXPECT_EQ(rig.status().pos_cmd.x, 7);
+  rig.follow = true;
+  rig.enable();
+  EXPECT_TRUE(rig.status().enabled);
+  EXPECT_EQ(rig.status().joint[0].pos_cmd, 7) << "switching on moves nothing";
+}
+
+TEST(Controller, FaultsSwitchOffAndNeedANewRequest) {
+  const auto off_by = [](Fault fault, auto&& provoke, auto&& mend) {
+    Rig rig;
+    rig.ready();
+    rig.push(SpindleChange{.action = SpindleChange::Action::forward, .speed_rpm = 100});
+    rig.line({.x = 500}, 50);
+    rig.run(100);
+    provoke(rig);
+    rig.run(3);
+    EXPECT_FALSE(rig.status().enabled);
+    EXPECT_TRUE(rig.saw(fault)) << static_cast<int>(fault);
+    EXPECT_FALSE(rig.controller->spindles().outputs(0).on);
+    EXPECT_TRUE(rig.status().path_empty);
+    const std::size_t faults = rig.faults.size();
+    mend(rig);
+    rig.follow = true;
+    rig.run(100);
+    EXPECT_FALSE(rig.status().enabled) << "only a new request switches on";
+    EXPECT_EQ(rig.faults.size(), faults);
+    rig.orders.enable = false;
+    rig.run(2);
+    rig.orders.enable = true;
+    rig.run(2);
+    EXPECT_TRUE(rig.status().enabled);
+    const double x = rig.status().pos_cmd.x;
+    rig.run(500);
+    EXPECT_EQ(rig.status().pos_cmd.x, x) << "what was queued is void";
+  };
+  off_by(
+      Fault::enable_lost, [](Rig& r) { r.in.enable = false; }, [](Rig& r) { r.in.enable = true; });
+  off_by(
+      Fault::amp_fault, [](Rig& r) { r.in.joint[1].amp_fault = true; },
+      [](Rig& r) { r.in.joint[1].amp_fault = false; });
+  off_by(
+      Fault::spindle_fault, [](Rig& r) { r.in.spindle[0].amp_fault = true; },
+      [](Rig& r) { r.in.spindle[0].amp_fault = false; });
+  off_by(
+      Fault::joint_hard_limit_max, [](Rig& r) { r.in.joint[0].pos_limit = true; },
+      [](Rig& r) { r.in.joint[0].pos_limit = false; });
+  off_by(
+      Fault::joint_hard_limit_min, [](Rig& r) { r.in.joint[0].neg_limit = true; },
+      [](Rig& r) { r.in.joint[0].neg_limit = false; });
+  off_by(
+      Fault::following_error,
+      [](Rig& r) {
+        r.follow = false;
+        r.in.joint[2].motor_pos_fb += 2;
+      },
+      [](Rig&) {});
+}
+
+TEST(Controller, FollowingErrorLimitGrowsWithTheSpeed) {
+  Rig rig;
+  rig.config.joint[0].ferror = 10;
+  rig.config.joint[0].min_ferror = 0.5;
+  rig.ready();
+  rig.line({.x = 500}, 50);
+  rig.run(300);
+  EXPECT_NEAR(rig.status().joint[0].ferror_limit, 5, 1e-6);
+  EXPECT_NEAR(rig.status().joint[1].ferror_limit, 0.5, 1e-12);
+  rig.follow = false;
+  rig.run(90);
+  EXPECT_TRUE(rig.status().enabled) << "4.5 mm behind";
+  rig.run(20);
+  EXPECT_TRUE(rig.saw(Fault::following_error));
+}
+
+TEST(Controller, ALostHeartbeatStopsOnThePathThenSwitchesOff) {
+  Rig rig;
+  rig.ready();
+  rig.line({.x = 500, .y = 250}, 100);
+  rig.run(300);
+  rig.heart = false;
+  rig.run(105);
+  EXPECT_TRUE(rig.saw(Fault::heartbeat_lost));
+  EXPECT_TRUE(rig.status().enabled) << "it brakes first";
+  rig.run_until([&] { return !rig.status().enabled; }, 200);
+  EXPECT_NEAR(rig.status().pos_cmd.y, rig.status().pos_cmd.x / 2, 1e-9);
+  EXPECT_FALSE(rig.saw(Fault::limit_acceleration));
+  EXPECT_EQ(rig.faults.size(), 1U);
+}
+
+TEST(Controller, CoordinatedModeNeedsHomedJoints) {
+  Rig rig;
+  rig.enable();
+  rig.intent.mode = MotionMode::coordinated;
+  rig.run(50);
+  EXPECT_EQ(rig.status().mode, MotionMode::free);
+  EXPECT_EQ(rig.faults.size(), 1U) << "said once";
+  EXPECT_TRUE(rig.saw(Fault::not_homed));
+  rig.config.no_force_homing = true;
+  rig.apply_config();
+  rig.run(2);
+  EXPECT_EQ(rig.status().mode, MotionMode::coordinated);
+}
+
+TEST(Controller, ModeChangesWaitForRest) {
+  Rig rig;
+  rig.ready();
+  rig.line({.x = 20}, 50);
+  rig.run(50);
+  rig.intent.mode = MotionMode::teleop;
+  rig.run(50);
+  EXPECT_EQ(rig.status().mode, MotionMode::coordinated);
+  rig.finish();
+  rig.run(2);
+  EXPECT_EQ(rig.status().mode, MotionMode::teleop);
+  EXPECT_EQ(rig.status().pos_cmd.x, 20);
+}
+
+TEST(Controller, UnhomingLeavesTheModesThatNeedIt) {
+  Rig rig;
+  rig.ready();
+  ++rig.intent.unhome_seq;
+  rig.intent.unhome_joint = 1;
+  rig.run(3);
+  EXPECT_EQ(rig.status().mode, MotionMode::free);
+  EXPECT_FALSE(rig.status().joint[1].homed);
+  EXPECT_TRUE(rig.status().joint[0].homed);
+}
+
+TEST(Jog, ContinuousRunsUntilToldToStop) {
+  Rig rig;
+  rig.enable();
+  jog(rig, 1, JogIntent::Kind::continuous, -30);
+  rig.run(200);
+  EXPECT_TRUE(rig.status().jogging);
+  EXPECT_NEAR(rig.status().joint[1].vel_cmd, -30, 1e-6);
+  jog(rig, 1, JogIntent::Kind::none, 0);
+  rig.run(100);
+  EXPECT_FALSE(rig.status().jogging);
+  EXPECT_EQ(rig.status().joint[1].vel_cmd, 0);
+  EXPECT_TRUE(rig.faults.empty());
+}
+
+TEST(Jog, IncrementsAddUpAndTargetsAreExact) {
+  Rig rig;
+  rig.enable();
+  jog(rig, 0, JogIntent::Kind::incremental, 20, 0.1);
+  rig.run(1);
+  jog(rig, 0, JogIntent::Kind::incremental, 20, 0.1);
+  rig.run(200);
+  EXPECT_NEAR(rig.status().joint[0].pos_cmd, 0.2, 1e-12);
+  jog(rig, 0, JogIntent::Kind::absolute, 20, -3.25);
+  rig.run(1000);
+  EXPECT_EQ(rig.status().joint[0].pos_cmd, -3.25);
+  EXPECT_TRUE(rig.faults.empty());
+}
+
+TEST(Jog, SoftLimitsOfHomedJointsAreNeverCrossed) {
+  Rig rig;
+  rig.config.joint[0].min_limit = -2;
+  rig.config.joint[0].max_limit = 12;
+  rig.ready();
+  rig.intent.mode = MotionMode::free;
+  rig.run(2);
+  jog(rig, 0, JogIntent::Kind::continuous, 100);
+  double most = 0;
+  rig.run_until(
+      [&] { return most = std::max(most, rig.status().joint[0].pos_cmd), !rig.status().jogging; },
+      2000);
+  EXPECT_EQ(most, 12);
+  EXPECT_TRUE(rig.status().joint[0].max_soft_limit);
+  jog(rig, 0, JogIntent::Kind::continuous, 5);
+  rig.run(2);
+  EXPECT_TRUE(rig.saw(Fault::jog_beyond_limit));
+  jog(rig, 0, JogIntent::Kind::incremental, 100, -100);
+  rig.run(1000);
+  EXPECT_EQ(rig.status().joint[0].pos_cmd, -2);
+}
+
+TEST(Jog, UnhomedJointsMayGoOneTravelEitherWay) {
+  Rig rig;
+  rig.config.joint[0].min_limit = -2;
+  rig.config.joint[0].max_limit = 3;
+  rig.apply_config();
+  rig.enable();
+  jog(rig, 0, JogIntent::Kind::continuous, 50);
+  rig.run(1000);
+  EXPECT_EQ(rig.status().joint[0].pos_cmd, 5);
+}
+
+TEST(Jog, TeleopMovesAxesWithinTheTighterLimits) {
+  Rig rig({0, 1, 2, 1});  // two joints on Y
+  rig.config.axis[1].max_vel = 40;
+  rig.config.joint[3].max_vel = 25;
+  rig.config.axis[1].max_limit = 6;
+  rig.ready();
+  rig.intent.mode = MotionMode::teleop;
+  rig.run(2);
+  jog(rig, 1, JogIntent::Kind::continuous, 99);
+  rig.run(100);
+  EXPECT_NEAR(rig.status().joint[3].vel_cmd, 25, 1e-6);
+  rig.run(1000);
+  EXPECT_EQ(rig.status().pos_cmd.y, 6);
+  EXPECT_EQ(rig.status().joint[1].pos_cmd, 6);
+  EXPECT_EQ(rig.status().joint[3].pos_cmd, 6);
+  EXPECT_TRUE(rig.faults.empty());
+  rig.intent.mode = MotionMode::coordinated;
+  rig.run(3);
+  rig.line({.x = 1, .y = 6}, 10);
+  EXPECT_GT(rig.finish(1000), 0) << "the path begins where the jog ended";
+}
+
+TEST(Jog, WrongModeInhibitAndOffAreRefused) {
+  Rig rig;
+  jog(rig, 0, JogIntent::Kind::continuous, 10);
+  rig.run(5);
+  EXPECT_EQ(rig.faults.size(), 1U);
+  rig.enable();
+  rig.in.jog_inhibit = true;
+  jog(rig, 0, JogIntent::Kind::continuous, 10);
+  rig.run(5);
+  EXPECT_EQ(rig.faults.size(), 2U);
+  rig.in.jog_inhibit = false;
+  ++rig.intent.axis_jog[0].seq;
+  rig.intent.axis_jog[0].kind = JogIntent::Kind::continuous;
+  rig.intent.axis_jog[0].vel = 1;
+  rig.run(5);
+  EXPECT_EQ(rig.faults.size(), 3U);
+  EXPECT_EQ(rig.status().joint[0].pos_cmd, 0);
+  EXPECT_TRUE(rig.saw(Fault::jog_while_not_ready));
+}
+
+TEST(Jog, AbortAndJogStopPinEndJogs) {
+  Rig rig;
+  rig.enable();
+  jog(rig, 0, JogIntent::Kind::continuous, 50);
+  rig.run(100);
+  rig.abort();
+  rig.run(60);
+  EXPECT_FALSE(rig.status().jogging);
+  EXPECT_EQ(rig.status().acked_epoch, 2U);
+  jog(rig, 0, JogIntent::Kind::continuous, 50);
+  rig.run(100);
+  rig.in.jog_stop = true;
+  rig.run(60);
+  EXPECT_FALSE(rig.status().jogging);
+  jog(rig, 0, JogIntent::Kind::continuous, 50);
+  rig.run(100);
+  rig.in.jog_stop_immediate = true;
+  rig.run(1);
+  EXPECT_FALSE(rig.status().jogging);
+  EXPECT_TRUE(rig.faults.empty());
+}
+
+TEST(Jog, OffAHardLimitOnlyTheWayBackIsOpen) {
+  Rig rig;
+  rig.in.joint[0].pos_limit = true;
+  rig.orders.enable = true;
+  rig.run(3);
+  EXPECT_FALSE(rig.status().enabled);
+  EXPECT_TRUE(rig.saw(Fault::joint_hard_limit_max));
+  rig.intent.override_limits = true;
+  rig.orders.enable = false;
+  rig.run(2);
+  rig.enable();
+  ASSERT_TRUE(rig.status().enabled);
+  jog(rig, 0, JogIntent::Kind::continuous, 10);
+  rig.run(50);
+  EXPECT_EQ(rig.status().joint[0].pos_cmd, 0);
+  EXPECT_TRUE(rig.saw(Fault::jog_beyond_limit));
+  jog(rig, 0, JogIntent::Kind::continuous, -10);
+  rig.run(50);
+  EXPECT_LT(rig.status().joint[0].pos_cmd, -0.1);
+}
+
+TEST(Guard, ReportsTheFirstBreakOnce) {
+  // Limits lowered behind the planner's back, so that the oracle has something to find.
+  Rig rig;
+  rig.ready();
+  rig.line({.x = 500}, 90);
+  rig.run(1);
+  rig.config.joint[0].max_vel = 40;
+  rig.controller->configure(rig.config);
+  rig.run(500);
+  ASSERT_EQ(rig.faults.size(), 1U);
+  EXPECT_EQ(rig.faults[0].fault, Fault::limit_velocity);
+  EXPECT_EQ(rig.faults[0].index, 0);
+  EXPECT_EQ(rig.faults[0].limit, 40);
+  EXPECT_TRUE(rig.status().enabled);
+}
+
+TEST(Controller, TellsTaskOnlyWhatIsNew) {
+  Rig rig;
+  rig.ready();
+  rig.line({.x = 50}, 50);
+  rig.run(50);
+  int changes = 0;
+  for (int i = 0; i < 500; ++i) {
+    rig.cycle();
+    changes += rig.controller->changed() ? 1 : 0;
+  }
+  EXPECT_EQ(changes, 0) << "nothing happens in the middle of a move";
+  rig.finish();
+  EXPECT_TRUE(rig.controller->changed());
+}
+
+}  // namespace
+}  // namespace kerf::motion
