@@ -7,7 +7,7 @@ import tempfile
 import unittest
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
-RS274 = pathlib.Path(os.environ.get("KERF_BUILD_DIR", TOP / "build/dev")) / "bin/rs274"
+RS274 = pathlib.Path(os.environ.get("KERF_BUILD_DIR", TOP / "build/dev")).resolve() / "bin/rs274"
 MILL = TOP / "configs/sim/mill"
 
 
