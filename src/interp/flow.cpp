@@ -40,6 +40,7 @@ Loop* find_loop(Frame& f, const std::string& label) {
 
 /// Leaves `label`'s loop and those inside it; with `keep` only those inside.
 void close_loops(Frame& f, const std::string& label, bool keep) {
+  if (find_loop(f, label) == nullptr) return;
   while (!f.loops.empty()) {
     const bool hit = f.loops.back().label == label;
     if (hit && keep) return;
