@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "task/api/status.hpp"
@@ -25,5 +26,8 @@ inline std::vector<OperatorMessage> read_messages(const MessageLog& log, std::ui
   cursor = newest;
   return out;
 }
+
+/// As a JSON array: [{"number":1,"kind":11,"text":"...","file":"...","line":0,"time_ns":0}, ...]. (protocol.cpp)
+[[nodiscard]] std::string format_messages(const std::vector<OperatorMessage>& messages);
 
 }  // namespace kerf::task

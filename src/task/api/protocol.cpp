@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rtapi/base/suggest.hpp"
+#include "task/api/message_reader.hpp"
 
 namespace kerf::task {
 namespace {
@@ -414,6 +415,18 @@ rtapi::Result<Reply> parse_reply(std::string_view packet) {
     return reply;
   }
   return rtapi::fail(rtapi::Errc::protocol, "task sent an unknown state '" + state + "'");
+}
+
+std::string format_messages(const std::vector<OperatorMessage>& messages) {
+  json out = json::array();
+  for (const auto& m : messages)
+    out.push_back({{"number", m.number},
+                   {"kind", static_cast<int>(m.kind)},
+                   {"text", m.text.view()},
+                   {"file", m.file.view()},
+                   {"line", m.line},
+                   {"time_ns", m.time_ns}});
+  return dump(out);
 }
 
 }  // namespace kerf::task

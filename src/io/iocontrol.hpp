@@ -1,0 +1,60 @@
+// IoControl: the user component iocontrol.0: estop chain, coolant, tool changer (manual: "Tool IO", iocontrol(1)).
+//
+// Handshakes, each ended by an abort:
+//   T n   tool-prep-index, -number, -pocket are set, then tool-prepare; HAL answers tool-prepared; tool-prepare goes off.
+//   M6    tool-change is set; HAL answers tool-changed; tool-change goes off, tool-number is the new tool, tool-from-pocket its
+//         pocket, the tool-prep pins return to 0. The tool that is in the spindle already is not changed.
+// Random changers swap pockets with the spindle (pocket 0) and save the tool table.
+#pragma once
+
+#include <optional>
+
+#include "io/io_link.hpp"
+#include "io/io_pins.hpp"
+#include "io/tool_store.hpp"
+#include "rtapi/clock/clock.hpp"
+
+namespace kerf::io {
+
+class IoControl final : public rtapi::Participant {
+ public:
+  /// All references must outlive it.
+  IoControl(IoLink& link, rtapi::Cell& to_io, IoPins& pins, ToolStore& tools, bool random_changer);
+
+  [[nodiscard]] const char* name() const noexcept override { return "iocontrol"; }
+  [[nodiscard]] rtapi::Role role() const noexcept override { return rtapi::Role::io; }
+  void step(rtapi::Nanos now, rtapi::WaitSpec& next) override;
+
+  [[nodiscard]] const IoOutputs& outputs() const noexcept { return out_; }
+
+ private:
+  /// How often pins are looked at: in a handshake, and else.
+  static constexpr rtapi::Nanos kBusyPeriod = rtapi::kMillisecond;
+  static constexpr rtapi::Nanos kIdlePeriod = 10 * rtapi::kMillisecond;
+  static constexpr rtapi::Nanos kRequestTime = rtapi::kSecond;
+
+  void estop_chain(const IoInputs& in, const IoWishes& wishes, rtapi::Nanos now);
+  void tool_orders(const IoInputs& in, const IoWishes& wishes);
+  /// True when the order has ended.
+  bool carry_out(const ToolOrder& order, const IoInputs& in);
+  bool prepare(const ToolOrder& order, const IoInputs& in);
+  bool change(const IoInputs& in);
+  void set_number(int tool);
+  void put_into_spindle(int tool);
+  void drop_handshake();
+  void read_spindle();
+
+  IoLink& link_;
+  rtapi::Cell& to_io_;
+  IoPins& pins_;
+  ToolStore& tools_;
+  bool random_;
+  IoOutputs out_;
+  IoState state_;
+  std::uint32_t resets_seen_{0};
+  std::uint32_t abort_seen_{0};
+  rtapi::Nanos request_end_{0};
+  bool started_{false};  ///< the order in progress has set its pins
+};
+
+}  // namespace kerf::io

@@ -1,0 +1,252 @@
+#include "task/command/command_participant.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "rtapi/shm/socket.hpp"
+#include "task/command/fault_text.hpp"
+
+namespace kerf::task {
+
+CommandParticipant::CommandParticipant(const Parts& parts) : p_(parts) {
+  (void)p_.motion.status.read(status_);
+  epoch_ = p_.motion.intent.abort_epoch.observe();
+  beats_ = p_.motion.intent.heartbeat.get();
+  motion::Intent old;
+  if (p_.motion.intent.values.version() > 0 && p_.motion.intent.values.read(old))
+    want_ = old;  // sequence numbers go on
+  want_.mode = motion::MotionMode::free;
+  want_.max_vel_mm_s = p_.setup.motion.traj_max_vel_mm_s;
+  faults_seen_ = p_.motion.faults.newest.observe();
+  messages_ = p_.shared.messages.newest.observe();
+  joint_jog_owner_.fill(kNobody);
+  axis_jog_owner_.fill(kNobody);
+  p_.motion.config.write(p_.setup.motion);
+  p_.motion.intent.enable.publish(0);
+  p_.motion.intent.hold.publish(0);
+  write_intent();
+}
+
+CommandParticipant::~CommandParticipant() {
+  p_.shared.ready.publish(0);
+  for (auto& c : clients_) rtapi::close_fd(c->fd);
+  if (listener_ >= 0) rtapi::close_fd(listener_);
+}
+
+void CommandParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
+  next.watch(p_.shared.inbox);
+  next.watch(p_.shared.to_command);
+  next.watch(p_.motion.status_cell);
+  now_ = now;
+  (void)p_.motion.status.read(status_);
+  io_ = p_.io.state();
+  beat();
+  take_faults();
+  take_reports();
+  view_ = p_.exchange.view();
+  update_machine();
+  serve_clients();
+  update_pending();
+  write_status();
+  send_replies();
+  p_.shared.ready.publish(1);
+  next.wake_at(next_beat_);
+  if (listener_ >= 0) next.watch_fd(listener_);
+  for (const auto& c : clients_) next.watch_fd(c->fd);
+}
+
+void CommandParticipant::beat() {
+  if (now_ < next_beat_) return;
+  p_.motion.intent.heartbeat.set(++beats_);
+  next_beat_ = (now_ / kBeat + 1) * kBeat;
+}
+
+void CommandParticipant::take_faults() {
+  const std::uint64_t newest = p_.motion.faults.newest.observe();
+  if (newest > faults_seen_ + motion::FaultLog::kSlots)
+    faults_seen_ = newest - motion::FaultLog::kSlots;
+  bool stop = false;
+  while (faults_seen_ < newest) {
+    ++faults_seen_;
+    motion::FaultRecord fault;
+    if (!p_.motion.faults.slot[faults_seen_ % motion::FaultLog::kSlots].read(fault) ||
+        fault.number != faults_seen_)
+      continue;
+    const bool program = fault.tag.line > 0 && view_.running_program;
+    say(MessageKind::error, fault_text(fault, p_.setup),
+        program ? std::string(view_.file.view()) : std::string(), program ? fault.tag.line : 0);
+    stop = stop || ends_program(fault.fault);
+  }
+  if (stop && !view_.idle) abort_all();
+}
+
+void CommandParticipant::take_reports() {
+  for (Report& report : p_.exchange.take_reports()) {
+    switch (report.kind) {
+      case Report::Kind::begun:
+        if (const auto at = pending_.find(report.ticket); at != pending_.end()) {
+          at->second.begun = true;
+          reply(report.ticket, CommandState::running);
+        }
+        break;
+      case Report::Kind::finished: {
+        const auto at = pending_.find(report.ticket);
+        if (at != pending_.end() &&
+            (at->second.command == CommandId::run || at->second.command == CommandId::step))
+          ++programs_ended_;
+        if (at != pending_.end() && at->second.command == CommandId::open &&
+            report.state == CommandState::error)
+          say(MessageKind::error, report.text);
+        reply(report.ticket, report.state, report.text);
+        break;
+      }
+      case Report::Kind::message: say(report.message, report.text, report.file, report.line); break;
+      case Report::Kind::failed: {
+        say(MessageKind::error, report.text, report.file, report.line);
+        const auto at = pending_.find(report.ticket);
+        if (at != pending_.end() && at->second.command != CommandId::mdi) ++programs_ended_;
+        abort_all();
+        reply(report.ticket, CommandState::error, report.text);
+        break;
+      }
+      case Report::Kind::program_end: break;
+    }
+  }
+}
+
+bool CommandParticipant::idle() const {
+  for (const auto& [ticket, pending] : pending_)
+    if (pending.order) return false;
+  return view_.idle && view_.settled_epoch == epoch_ && at_rest();
+}
+
+void CommandParticipant::update_pending() {
+  std::vector<Ticket> tickets;
+  for (const auto& [ticket, pending] : pending_)
+    if (!pending.order) tickets.push_back(ticket);
+  for (const Ticket ticket : tickets) {
+    const Pending pending = pending_.at(ticket);
+    switch (pending.command) {
+      case CommandId::abort:
+      case CommandId::state:
+        // estop and off are done at rest; reset and on are ended by update_machine().
+        if (pending.deadline == rtapi::kForever && view_.settled_epoch == epoch_ &&
+            status_.acked_epoch == epoch_)
+          reply(ticket, CommandState::done);
+        break;
+      case CommandId::wait:
+        if (idle()) reply(ticket, CommandState::done);
+        break;
+      case CommandId::mode:
+      case CommandId::teleop:
+        if (status_.mode == want_.mode)
+          reply(ticket, CommandState::done);
+        else if (now_ >= pending.deadline)
+          reply(ticket, CommandState::error, "motion did not change its mode");
+        break;
+      case CommandId::home: {
+        if (pending.epoch != epoch_) {
+          reply(ticket, CommandState::aborted, "aborted");
+          break;
+        }
+        if (status_.cycle < pending.from_cycle + 3 || status_.homing_active) break;
+        const bool homed =
+            pending.joint < 0 ? status_.all_homed : status_.joint[pending.joint].homed;
+        reply(ticket, homed ? CommandState::done : CommandState::error,
+              homed ? std::string() : "homing did not succeed; see the operator messages");
+        break;
+      }
+      case CommandId::unhome:
+        if (status_.cycle >= pending.from_cycle + 3) reply(ticket, CommandState::done);
+        break;
+      default: break;
+    }
+  }
+}
+
+void CommandParticipant::say(MessageKind kind, const std::string& text, const std::string& file,
+                             std::int32_t line) {
+  OperatorMessage message;
+  message.number = ++messages_;
+  message.time_ns = now_;
+  message.kind = kind;
+  message.line = line;
+  message.file = rtapi::FixedString<160>(file);
+  const bool placed = file.empty() || text.rfind(file, 0) == 0;
+  message.text = rtapi::FixedString<700>(
+      placed ? text : file + (line > 0 ? ":" + std::to_string(line) : std::string()) + ": " + text);
+  if (kind == MessageKind::error) ++error_messages_;
+  p_.shared.messages.slot[message.number % MessageLog::kSlots].write(message);
+  p_.shared.messages.newest.publish(message.number);
+}
+
+void CommandParticipant::write_status() {
+  TaskStatus& s = shown_;
+  s.pid = p_.pid;
+  s.task_state = state_;
+  s.mode = mode_;
+  s.interp_state = view_.interp_state;
+  s.exec_state = view_.exec_state;
+  s.file = view_.file;
+  s.source = view_.source;
+  s.command = view_.command;
+  s.current_line = view_.current_line;
+  s.read_line = view_.read_line;
+  s.call_level = view_.call_level;
+  s.program_lines = view_.program_lines;
+  s.progress = view_.progress;
+  s.program_open = view_.program_open;
+  s.programs_ended = programs_ended_;
+  s.queued_mdi = 0;
+  for (const auto& [ticket, pending] : pending_)
+    if (pending.command == CommandId::mdi && pending.order && !pending.begun) ++s.queued_mdi;
+  s.paused = p_.exchange.paused.get() != 0 || view_.stopped;
+  s.single_step = p_.exchange.stepping.get() != 0 ? 1 : 0;
+  s.optional_stop = p_.exchange.optional_stop.get() != 0;
+  s.block_delete = p_.exchange.block_delete.get() != 0;
+  s.idle = idle();
+  s.override_limits = want_.override_limits;
+  std::copy(std::begin(view_.g_codes), std::end(view_.g_codes), std::begin(s.g_codes));
+  std::copy(std::begin(view_.m_codes), std::end(view_.m_codes), std::begin(s.m_codes));
+  std::copy(std::begin(view_.settings), std::end(view_.settings), std::begin(s.settings));
+  s.g5x_index = view_.g5x_index;
+  s.program_units = view_.program_units;
+  s.g5x_offset = view_.g5x_offset;
+  s.g92_offset = view_.g92_offset;
+  s.tool_offset = view_.tool_offset;
+  s.rotation_deg = view_.rotation_deg;
+  s.tool_in_spindle = io_.tool_in_spindle;
+  s.tool_from_pocket = io_.pocket_in_spindle;
+  s.tool_prepped = io_.prepared_tool;
+  s.pocket_prepped = io_.prepared_index;
+  s.flood = io_.flood;
+  s.mist = io_.mist;
+  s.emc_enable_in = io_.emc_enable_in;
+  s.feed_override = want_.feed_override;
+  s.rapid_override = want_.rapid_override;
+  std::copy(std::begin(want_.spindle_override), std::end(want_.spindle_override),
+            std::begin(s.spindle_override));
+  s.max_vel_mm_s = want_.max_vel_mm_s;
+  s.waiting_for = view_.waiting_for;
+  s.messages = messages_;
+  s.errors = error_messages_;
+  s.commands = counters_;
+  s.abort_epoch = epoch_;
+  s.clients = static_cast<std::int32_t>(clients_.size());
+  if (s.version != 0 && std::memcmp(&s, &written_, sizeof s) == 0) return;
+  ++s.version;
+  s.time_ns = now_;
+  written_ = s;
+  p_.shared.status.write(s);
+  p_.shared.status_cell.notify();
+}
+
+void CommandParticipant::shut_down() {
+  abort_all();
+  p_.motion.intent.enable.publish(0);
+  p_.io.set_estop(true);
+  for (auto& c : clients_)
+    for (auto& packet : c->outbox) (void)rtapi::send_packet(c->fd, packet);
+}
+
+}  // namespace kerf::task

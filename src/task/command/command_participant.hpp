@@ -1,0 +1,167 @@
+// CommandParticipant: the command thread of task: machine state, intents, heartbeat, clients. It never blocks and never
+// touches a disk; whatever may, is an order to the interpreter thread.
+#pragma once
+
+#include <array>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/io_link.hpp"
+#include "motion/api/shared.hpp"
+#include "rtapi/clock/clock.hpp"
+#include "task/api/protocol.hpp"
+#include "task/api/status.hpp"
+#include "task/exchange.hpp"
+#include "task/machine_config.hpp"
+
+namespace kerf::task {
+
+class CommandParticipant final : public rtapi::Participant {
+ public:
+  struct Parts {
+    motion::MotionShared& motion;
+    TaskShared& shared;
+    Exchange& exchange;
+    io::IoLink& io;
+    const MachineSetup& setup;
+    std::int64_t pid{0};
+  };
+  explicit CommandParticipant(const Parts& parts);
+  ~CommandParticipant() override;
+
+  /// Opens the socket for clients; without it only submit() gives commands.
+  rtapi::Status listen(const std::string& address);
+
+  [[nodiscard]] const char* name() const noexcept override { return "command"; }
+  [[nodiscard]] rtapi::Role role() const noexcept override { return rtapi::Role::task_command; }
+  void step(rtapi::Nanos now, rtapi::WaitSpec& next) override;
+
+  /// A command of this process itself, taken in the next step. Words as in request_from_words(). Gives its id.
+  std::uint64_t submit(const std::vector<std::string>& words);
+  /// The same as JSON, which must carry its id.
+  void submit_json(std::string json);
+  /// The newest reply to a submitted command.
+  [[nodiscard]] std::optional<Reply> outcome(std::uint64_t id) const;
+
+  /// Stops everything and takes the drives' enable away; before the process ends.
+  void shut_down();
+
+ private:
+  static constexpr int kLocal = 0;    ///< client number of submit()
+  static constexpr int kNobody = -1;  ///< commands of task itself
+  static constexpr rtapi::Nanos kBeat = 20 * rtapi::kMillisecond;
+  static constexpr rtapi::Nanos kStateTime = rtapi::kSecond;
+
+  struct ClientLink {
+    int number{0};
+    int fd{-1};
+    std::deque<std::string> outbox;
+    bool dead{false};
+  };
+  struct Pending {
+    int client{kNobody};
+    std::uint64_t id{0};
+    CommandId command{CommandId::help};
+    rtapi::Nanos deadline{rtapi::kForever};
+    std::uint64_t from_cycle{0};  ///< motion's cycle when it was asked
+    std::uint64_t fault_mark{0};
+    int joint{-1};
+    std::uint32_t epoch{0};
+    bool order{false};  ///< the interpreter thread carries it out
+    bool begun{false};
+  };
+
+  // clients.cpp
+  void serve_clients();
+  void take_packet(int client, const std::string& packet);
+  void send_replies();
+  void client_gone(ClientLink& client);
+  void reply(Ticket ticket, CommandState state, const std::string& text = {});
+  void reply_to(int client, const Reply& reply);
+  Ticket open_ticket(int client, const Request& request);
+
+  // command_participant.cpp
+  void beat();
+  void take_faults();
+  void take_reports();
+  void update_pending();
+  void write_status();
+  void say(MessageKind kind, const std::string& text, const std::string& file = {},
+           std::int32_t line = 0);
+  void write_intent() { p_.motion.intent.values.write(want_); }
+  [[nodiscard]] bool idle() const;
+  [[nodiscard]] bool at_rest() const {
+    return status_.path_empty && !status_.jogging && !status_.homing_active &&
+           status_.acked_epoch == epoch_;
+  }
+
+  // machine.cpp
+  void update_machine();
+  void abort_all();
+  void stop_jogs(int client);
+  void go_estop(const char* why);
+  void go_off();
+  void set_mode(TaskMode mode);
+  bool refuse_unless_on(Ticket ticket, const char* what);
+  void do_state(Ticket ticket, const Request& request);
+  void do_mode(Ticket ticket, const Request& request);
+  void do_home(Ticket ticket, const Request& request);
+  void do_unhome(Ticket ticket, const Request& request);
+  void do_jog(Ticket ticket, const Request& request, int client);
+  void do_jog_stop(Ticket ticket, const Request& request);
+  void do_teleop(Ticket ticket, const Request& request);
+  motion::JogIntent* find_jog(const std::string& what, bool& axis, std::size_t& index,
+                              std::string& why);
+
+  // program.cpp
+  void execute(Ticket ticket, const Request& request, int client);
+  void do_program(Ticket ticket, const Request& request);
+  void do_mdi(Ticket ticket, const std::string& text, bool needs_home);
+  void do_step(Ticket ticket);
+  void do_override(Ticket ticket, const Request& request);
+  void do_spindle(Ticket ticket, const Request& request);
+  void do_switch(Ticket ticket, const Request& request);
+  void do_digital_out(Ticket ticket, const Request& request);
+  void post(Order::Kind kind, Ticket ticket, const std::string& text);
+  bool refuse_unless_homed(Ticket ticket, const char* text);
+  Ticket internal_ticket(CommandId command);
+
+  Parts p_;
+  motion::Intent want_;
+  motion::MotionStatus status_;
+  InterpreterView view_;
+  io::IoState io_;
+  TaskStatus shown_;
+  TaskStatus written_;
+  rtapi::Nanos now_{0};
+  rtapi::Nanos next_beat_{0};
+  std::uint64_t beats_{0};
+  std::uint32_t epoch_{1};
+  std::uint64_t faults_seen_{0};
+  std::uint64_t messages_{0}, error_messages_{0};
+  TaskState state_{TaskState::estop};
+  TaskMode mode_{TaskMode::manual};
+  bool enabling_{false};          ///< drives asked for, not there yet
+  bool resetting_{false};         ///< estop reset asked for
+  bool stepping_release_{false};  ///< a step runs to the end of the block that was held
+  std::uint64_t step_tag_{0};
+  CommandCounters counters_;
+  std::uint64_t programs_ended_{0};
+  int listener_{-1};
+  int last_client_{kLocal};
+  std::vector<std::unique_ptr<ClientLink>> clients_;
+  std::deque<std::string> local_in_;
+  std::map<std::uint64_t, Reply> local_out_;
+  std::uint64_t last_local_id_{0};
+  Ticket last_ticket_{0};
+  std::map<Ticket, Pending> pending_;
+  std::array<int, motion::kMaxJoints> joint_jog_owner_{};
+  std::array<int, rtapi::kAxes> axis_jog_owner_{};
+  bool replied_{false};
+};
+
+}  // namespace kerf::task

@@ -1,0 +1,297 @@
+// Machine state, modes, homing and jogging.
+#include <cmath>
+#include <cstdlib>
+
+#include "task/command/command_participant.hpp"
+
+namespace kerf::task {
+
+using motion::JogIntent;
+using motion::MotionMode;
+
+void CommandParticipant::update_machine() {
+  p_.exchange.task_state.set(static_cast<std::uint32_t>(state_));
+  p_.exchange.mode.set(static_cast<std::uint32_t>(mode_));
+  const auto end_state_tickets = [this](CommandState how, const std::string& text) {
+    std::vector<Ticket> ended;
+    for (const auto& [ticket, pending] : pending_)
+      if (pending.command == CommandId::state && pending.deadline != rtapi::kForever)
+        ended.push_back(ticket);
+    for (const Ticket ticket : ended) reply(ticket, how, text);
+  };
+  const auto late = [this] {
+    for (const auto& [ticket, pending] : pending_)
+      if (pending.command == CommandId::state && now_ < pending.deadline &&
+          pending.deadline != rtapi::kForever)
+        return false;
+    return true;
+  };
+  if (resetting_) {
+    if (io_.emc_enable_in && io_.user_enable) {
+      resetting_ = false;
+      state_ = TaskState::estop_reset;
+      end_state_tickets(CommandState::done, {});
+    } else if (late()) {
+      resetting_ = false;
+      p_.io.set_estop(true);
+      const std::string why = "estop stays: iocontrol.0.emc-enable-in is FALSE";
+      say(MessageKind::error, why);
+      end_state_tickets(CommandState::error, why);
+    }
+  } else if (state_ != TaskState::estop && !io_.emc_enable_in) {
+    go_estop("external estop: iocontrol.0.emc-enable-in is FALSE");
+  }
+  if (enabling_) {
+    if (status_.enabled) {
+      enabling_ = false;
+      state_ = TaskState::on;
+      end_state_tickets(CommandState::done, {});
+    } else if (late()) {
+      go_off();
+      const std::string why = "the machine did not turn on; motion.enable or an amplifier says no";
+      say(MessageKind::error, why);
+      end_state_tickets(CommandState::error, why);
+    }
+  } else if (state_ == TaskState::on && !status_.enabled) {
+    go_off();
+  }
+  if (stepping_release_ && (status_.current.id != step_tag_ || status_.path_empty)) {
+    stepping_release_ = false;
+    if (!status_.path_empty) {
+      p_.motion.intent.hold.publish(1);
+      p_.exchange.paused.set(1);
+    }
+  }
+}
+
+void CommandParticipant::abort_all() {
+  p_.motion.intent.abort_epoch.publish(++epoch_);
+  for (auto& seq : want_.spindle_stop_seq) ++seq;
+  stop_jogs(kNobody);
+  write_intent();
+  p_.motion.intent.hold.publish(0);
+  p_.exchange.paused.set(0);
+  p_.exchange.stepping.set(0);
+  stepping_release_ = false;
+  p_.io.abort(epoch_);
+  p_.exchange.wake_interpreter();
+}
+
+void CommandParticipant::go_estop(const char* why) {
+  abort_all();
+  p_.motion.intent.enable.publish(0);
+  p_.io.set_estop(true);
+  enabling_ = resetting_ = false;
+  if (state_ != TaskState::estop && why != nullptr) say(MessageKind::error, why);
+  state_ = TaskState::estop;
+}
+
+void CommandParticipant::go_off() {
+  abort_all();
+  p_.motion.intent.enable.publish(0);
+  enabling_ = false;
+  if (state_ != TaskState::estop) state_ = TaskState::estop_reset;
+}
+
+void CommandParticipant::do_state(Ticket ticket, const Request& request) {
+  const std::string& wanted = request.text("state");
+  Pending& pending = pending_[ticket];
+  if (wanted == "estop") {
+    go_estop(nullptr);
+  } else if (wanted == "off") {
+    go_off();
+  } else if (wanted == "estop-reset") {
+    if (state_ == TaskState::on) go_off();
+    if (state_ != TaskState::estop) return reply(ticket, CommandState::done);
+    resetting_ = true;
+    pending.deadline = now_ + kStateTime;
+    p_.io.request_reset();
+  } else {
+    if (state_ == TaskState::on) return reply(ticket, CommandState::done);
+    if (state_ == TaskState::estop)
+      return reply(ticket, CommandState::error,
+                   "the machine is in estop: needs state estop-reset first");
+    // A fresh epoch: what was queued while the drives were off is void.
+    abort_all();
+    enabling_ = true;
+    pending.deadline = now_ + kStateTime;
+    p_.motion.intent.enable.publish(1);
+  }
+  pending.epoch = epoch_;
+}
+
+void CommandParticipant::set_mode(TaskMode mode) {
+  mode_ = mode;
+  const MotionMode motion_mode = mode != TaskMode::manual ? MotionMode::coordinated
+                                 : status_.all_homed      ? MotionMode::teleop
+                                                          : MotionMode::free;
+  if (motion_mode != MotionMode::free) stop_jogs(kNobody);
+  want_.mode = motion_mode;
+  write_intent();
+}
+
+void CommandParticipant::do_mode(Ticket ticket, const Request& request) {
+  const std::string& name = request.text("mode");
+  const TaskMode mode = name == "manual" ? TaskMode::manual
+                        : name == "auto" ? TaskMode::automatic
+                                         : TaskMode::mdi;
+  if (mode == mode_) return reply(ticket, CommandState::done);
+  if (!idle())
+    return reply(ticket, CommandState::error,
+                 "can't change the mode while something runs; abort or wait");
+  set_mode(mode);
+  // With the drives off motion stays where it is until they are on.
+  if (state_ != TaskState::on) return reply(ticket, CommandState::done);
+  pending_[ticket].deadline = now_ + kStateTime;
+}
+
+bool CommandParticipant::refuse_unless_on(Ticket ticket, const char* what) {
+  if (state_ == TaskState::on) return false;
+  const std::string text =
+      std::string(what) + " cannot be executed until the machine is out of E-stop and turned on";
+  say(MessageKind::error, text);
+  reply(ticket, CommandState::error, text);
+  return true;
+}
+
+void CommandParticipant::do_home(Ticket ticket, const Request& request) {
+  const int joint = request.integer("joint", -1);
+  if (refuse_unless_on(ticket, "homing")) return;
+  if (joint < -1 || joint >= p_.setup.motion.joints)
+    return reply(ticket, CommandState::error,
+                 "joint " + std::to_string(joint) + " does not exist: expected -1 to " +
+                     std::to_string(p_.setup.motion.joints - 1));
+  if (!view_.idle || status_.homing_active || status_.jogging)
+    return reply(ticket, CommandState::error, "can't home while something runs");
+  mode_ = TaskMode::manual;
+  want_.mode = MotionMode::free;
+  want_.home_joint = joint;
+  ++want_.home_seq;
+  write_intent();
+  Pending& pending = pending_[ticket];
+  pending.joint = joint;
+  // Homing is a state of its own; what was homed and is homed again must not look done.
+  pending.from_cycle = status_.cycle;
+}
+
+void CommandParticipant::do_unhome(Ticket ticket, const Request& request) {
+  const int joint = request.integer("joint", -1);
+  if (joint < -2 || joint >= p_.setup.motion.joints)
+    return reply(ticket, CommandState::error,
+                 "joint " + std::to_string(joint) + " does not exist: expected -2 to " +
+                     std::to_string(p_.setup.motion.joints - 1));
+  if (state_ == TaskState::on && status_.mode != MotionMode::free) {
+    const std::string text = "must be in joint mode or disabled to unhome";
+    say(MessageKind::error, text);
+    return reply(ticket, CommandState::error, text);
+  }
+  want_.unhome_joint = joint;
+  ++want_.unhome_seq;
+  write_intent();
+}
+
+JogIntent* CommandParticipant::find_jog(const std::string& what, bool& axis, std::size_t& index,
+                                        std::string& why) {
+  char* end = nullptr;
+  const long number = std::strtol(what.c_str(), &end, 10);
+  axis = end == what.c_str() || *end != '\0';
+  if (!axis) {
+    if (number < 0 || number >= p_.setup.motion.joints) {
+      why = "joint " + what + " does not exist: expected 0 to " +
+            std::to_string(p_.setup.motion.joints - 1);
+      return nullptr;
+    }
+    index = static_cast<std::size_t>(number);
+    return &want_.joint_jog[index];
+  }
+  const int at = what.size() == 1 ? rtapi::axis_index(what[0]) : -1;
+  if (at < 0 || (p_.setup.motion.axis_mask & (1U << static_cast<unsigned>(at))) == 0) {
+    why = "axis '" + what +
+          "' does not exist: expected a letter of [TRAJ]COORDINATES or a joint number";
+    return nullptr;
+  }
+  index = static_cast<std::size_t>(at);
+  return &want_.axis_jog[index];
+}
+
+void CommandParticipant::do_jog(Ticket ticket, const Request& request, int client) {
+  const std::string& what = request.text("what");
+  bool axis = false;
+  std::size_t index = 0;
+  std::string why;
+  JogIntent* jog = find_jog(what, axis, index, why);
+  if (jog == nullptr) return reply(ticket, CommandState::error, why);
+  if (refuse_unless_on(ticket, "jog")) return;
+  if (mode_ != TaskMode::manual || !view_.idle)
+    return reply(ticket, CommandState::error,
+                 "jog needs manual mode and an idle machine (mode manual)");
+  if (axis && want_.mode != MotionMode::teleop)
+    return reply(ticket, CommandState::error,
+                 "jogging an axis needs teleop mode and homed joints (home, teleop on)");
+  if (!axis && want_.mode != MotionMode::free)
+    return reply(ticket, CommandState::error, "jogging a joint needs joint mode (teleop off)");
+  const bool rotary = axis ? rtapi::is_rotary(index) : p_.setup.motion.joint[index].rotary;
+  const double unit = rotary ? p_.setup.angular_unit_deg : p_.setup.linear_unit_mm;
+  const double speed = request.number("speed") * unit;
+  ++jog->seq;
+  if (request.has("distance")) {
+    jog->kind = JogIntent::Kind::incremental;
+    jog->vel = std::fabs(speed);
+    jog->target = std::copysign(1.0, speed) * request.number("distance") * unit;
+  } else {
+    jog->kind = JogIntent::Kind::continuous;
+    jog->vel = speed;
+    jog->target = 0;
+  }
+  (axis ? axis_jog_owner_[index] : joint_jog_owner_[index]) =
+      request.has("distance") ? kNobody : client;
+  write_intent();
+  reply(ticket, CommandState::done);
+}
+
+void CommandParticipant::do_jog_stop(Ticket ticket, const Request& request) {
+  if (!request.has("what")) {
+    stop_jogs(kNobody);
+    return reply(ticket, CommandState::done);
+  }
+  bool axis = false;
+  std::size_t index = 0;
+  std::string why;
+  JogIntent* jog = find_jog(request.text("what"), axis, index, why);
+  if (jog == nullptr) return reply(ticket, CommandState::error, why);
+  ++jog->seq;
+  jog->kind = JogIntent::Kind::none;
+  write_intent();
+  reply(ticket, CommandState::done);
+}
+
+/// Stops the jogs that live by a client's connection; kNobody: all jogs.
+void CommandParticipant::stop_jogs(int client) {
+  bool any = false;
+  const auto stop = [&](JogIntent& jog, int& owner) {
+    if (jog.kind == JogIntent::Kind::none || (client != kNobody && owner != client)) return;
+    ++jog.seq;
+    jog.kind = JogIntent::Kind::none;
+    owner = kNobody;
+    any = true;
+  };
+  for (std::size_t j = 0; j < motion::kMaxJoints; ++j)
+    stop(want_.joint_jog[j], joint_jog_owner_[j]);
+  for (std::size_t a = 0; a < rtapi::kAxes; ++a) stop(want_.axis_jog[a], axis_jog_owner_[a]);
+  if (any) write_intent();
+}
+
+void CommandParticipant::do_teleop(Ticket ticket, const Request& request) {
+  const bool on = request.flag("on");
+  if (mode_ != TaskMode::manual || !view_.idle)
+    return reply(ticket, CommandState::error, "teleop needs manual mode and an idle machine");
+  if (on && !status_.all_homed)
+    return reply(ticket, CommandState::error, "teleop needs all joints homed");
+  stop_jogs(kNobody);
+  want_.mode = on ? MotionMode::teleop : MotionMode::free;
+  write_intent();
+  if (state_ != TaskState::on) return reply(ticket, CommandState::done);
+  pending_[ticket].deadline = now_ + kStateTime;
+}
+
+}  // namespace kerf::task

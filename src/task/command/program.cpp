@@ -1,0 +1,273 @@
+// Programs, MDI, overrides and the operator's switches.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "task/api/message_reader.hpp"
+#include "task/command/command_participant.hpp"
+
+namespace kerf::task {
+
+void CommandParticipant::execute(Ticket ticket, const Request& request, int client) {
+  switch (request.command->id) {
+    case CommandId::state: return do_state(ticket, request);
+    case CommandId::mode: return do_mode(ticket, request);
+    case CommandId::home: return do_home(ticket, request);
+    case CommandId::unhome: return do_unhome(ticket, request);
+    case CommandId::jog: return do_jog(ticket, request, client);
+    case CommandId::jog_stop: return do_jog_stop(ticket, request);
+    case CommandId::teleop: return do_teleop(ticket, request);
+    case CommandId::open:
+    case CommandId::run:
+    case CommandId::pause:
+    case CommandId::resume:
+    case CommandId::tool_table: return do_program(ticket, request);
+    case CommandId::step: return do_step(ticket);
+    case CommandId::abort: {
+      abort_all();
+      pending_[ticket].epoch = epoch_;
+      return;
+    }
+    case CommandId::mdi: return do_mdi(ticket, request.text("text"), true);
+    case CommandId::feed_override:
+    case CommandId::rapid_override:
+    case CommandId::spindle_override:
+    case CommandId::max_velocity: return do_override(ticket, request);
+    case CommandId::spindle: return do_spindle(ticket, request);
+    case CommandId::flood:
+    case CommandId::mist:
+    case CommandId::optional_stop:
+    case CommandId::block_delete:
+    case CommandId::override_limits: return do_switch(ticket, request);
+    case CommandId::digital_out: return do_digital_out(ticket, request);
+    case CommandId::wait: return;
+    case CommandId::errors: {
+      auto cursor = static_cast<std::uint64_t>(std::max(0, request.integer("since")));
+      return reply(ticket, CommandState::done,
+                   format_messages(read_messages(p_.shared.messages, cursor)));
+    }
+    case CommandId::message: {
+      const std::string& kind = request.text("kind");
+      say(kind == "error"     ? MessageKind::error
+          : kind == "display" ? MessageKind::display
+                              : MessageKind::text,
+          request.text("text"));
+      return reply(ticket, CommandState::done);
+    }
+    case CommandId::help: return reply(ticket, CommandState::done, help_text());
+  }
+  reply(ticket, CommandState::error, "unknown command");
+}
+
+void CommandParticipant::post(Order::Kind kind, Ticket ticket, const std::string& text) {
+  pending_[ticket].order = true;
+  Order order;
+  order.kind = kind;
+  order.epoch = epoch_;
+  order.ticket = ticket;
+  order.text = text;
+  p_.exchange.post(std::move(order));
+}
+
+bool CommandParticipant::refuse_unless_homed(Ticket ticket, const char* text) {
+  if (status_.all_homed || p_.setup.motion.no_force_homing) return false;
+  say(MessageKind::error, text);
+  reply(ticket, CommandState::error, text);
+  return true;
+}
+
+void CommandParticipant::do_program(Ticket ticket, const Request& request) {
+  const auto order_runs = [this, ticket] {
+    return std::any_of(pending_.begin(), pending_.end(),
+                       [ticket](const auto& p) { return p.first != ticket && p.second.order; });
+  };
+  switch (request.command->id) {
+    case CommandId::open:
+      if (order_runs() || !view_.idle)
+        return reply(ticket, CommandState::error, "can't open a program while something runs");
+      return post(Order::Kind::open, ticket, request.text("file"));
+    case CommandId::tool_table:
+      if (order_runs() || !view_.idle)
+        return reply(ticket, CommandState::error, "can't read the tool table while something runs");
+      return post(Order::Kind::reload_tools, ticket, {});
+    case CommandId::run: {
+      if (refuse_unless_on(ticket, "command (EMC_TASK_PLAN_RUN)")) return;
+      if (refuse_unless_homed(ticket, "Can't run a program when not homed")) return;
+      if (request.integer("line") != 0)
+        return reply(ticket, CommandState::error,
+                     "run: line " + std::to_string(request.integer("line")) +
+                         ": only 0 (from the start) is possible yet");
+      // An open that was asked for just before is fine: orders keep their order.
+      const bool only_opens =
+          std::all_of(pending_.begin(), pending_.end(), [ticket](const auto& p) {
+            return p.first == ticket || !p.second.order || p.second.command == CommandId::open;
+          });
+      if (!only_opens || status_.homing_active || status_.jogging)
+        return reply(ticket, CommandState::error, "can't run a program while something runs");
+      set_mode(TaskMode::automatic);
+      p_.exchange.stepping.set(0);
+      return post(Order::Kind::run, ticket, {});
+    }
+    case CommandId::pause:
+      p_.motion.intent.hold.publish(1);
+      p_.exchange.paused.set(1);
+      stepping_release_ = false;
+      p_.exchange.wake_interpreter();
+      return reply(ticket, CommandState::done);
+    default:  // resume
+      p_.motion.intent.hold.publish(0);
+      p_.exchange.paused.set(0);
+      p_.exchange.stepping.set(0);
+      stepping_release_ = false;
+      p_.exchange.resumes.add(1);
+      p_.exchange.wake_interpreter();
+      return reply(ticket, CommandState::done);
+  }
+}
+
+void CommandParticipant::do_step(Ticket ticket) {
+  if (refuse_unless_on(ticket, "command (EMC_TASK_PLAN_STEP)")) return;
+  if (refuse_unless_homed(ticket, "Can't run a program when not homed")) return;
+  const bool running = std::any_of(pending_.begin(), pending_.end(), [](const auto& p) {
+    return p.second.order &&
+           (p.second.command == CommandId::run || p.second.command == CommandId::step);
+  });
+  p_.exchange.stepping.set(1);
+  if (!running) {
+    if (!view_.idle)
+      return reply(ticket, CommandState::error, "can't step while something else runs");
+    set_mode(TaskMode::automatic);
+    post(Order::Kind::step, internal_ticket(CommandId::step), {});
+    return reply(ticket, CommandState::done);
+  }
+  // A program that was held in the middle of its queue goes on to the end of the block in execution.
+  if (p_.motion.intent.hold.observe() != 0) {
+    stepping_release_ = true;
+    step_tag_ = status_.current.id;
+  }
+  p_.motion.intent.hold.publish(0);
+  p_.exchange.paused.set(0);
+  p_.exchange.resumes.add(1);
+  p_.exchange.wake_interpreter();
+  reply(ticket, CommandState::done);
+}
+
+void CommandParticipant::do_mdi(Ticket ticket, const std::string& text, bool needs_home) {
+  if (refuse_unless_on(ticket, "command (EMC_TASK_PLAN_EXECUTE)")) return;
+  if (needs_home && refuse_unless_homed(ticket, "Can't issue MDI command when not homed")) return;
+  std::int32_t queued = 0;
+  for (const auto& [other, pending] : pending_) {
+    if (!pending.order || other == ticket) continue;
+    if (pending.command != CommandId::mdi && pending.command != CommandId::spindle &&
+        pending.command != CommandId::open)
+      return reply(ticket, CommandState::error, "can't issue MDI command while a program runs");
+    if (!pending.begun) ++queued;
+  }
+  if (status_.homing_active || status_.jogging)
+    return reply(ticket, CommandState::error,
+                 "can't issue MDI command while the machine homes or jogs");
+  if (queued >= p_.setup.mdi_queue)
+    return reply(
+        ticket, CommandState::error,
+        "the MDI queue is full: [TASK]MDI_QUEUED_COMMANDS = " + std::to_string(p_.setup.mdi_queue));
+  // An idle machine in AUTO takes MDI and stays in AUTO; from manual it goes to MDI.
+  if (mode_ == TaskMode::manual)
+    set_mode(TaskMode::mdi);
+  else
+    set_mode(mode_);
+  post(Order::Kind::mdi, ticket, text);
+}
+
+void CommandParticipant::do_override(Ticket ticket, const Request& request) {
+  const double value = request.number("value");
+  if (value < 0)
+    return reply(
+        ticket, CommandState::error,
+        std::string(request.command->name) + ": " + std::to_string(value) + " is negative");
+  const auto& limits = p_.setup.limits;
+  switch (request.command->id) {
+    case CommandId::feed_override:
+      want_.feed_override = std::min(value, limits.max_feed_override);
+      break;
+    case CommandId::rapid_override: want_.rapid_override = std::min(value, 1.0); break;
+    case CommandId::spindle_override: {
+      const int spindle = request.integer("spindle");
+      if (spindle < 0 || spindle >= p_.setup.motion.spindles)
+        return reply(ticket, CommandState::error,
+                     "spindle " + std::to_string(spindle) + " does not exist");
+      want_.spindle_override[spindle] =
+          std::clamp(value, limits.min_spindle_override,
+                     std::max(limits.min_spindle_override, limits.max_spindle_override));
+      break;
+    }
+    default:
+      want_.max_vel_mm_s =
+          std::min(value * p_.setup.linear_unit_mm, p_.setup.motion.traj_max_vel_mm_s);
+      break;
+  }
+  write_intent();
+  reply(ticket, CommandState::done);
+}
+
+void CommandParticipant::do_spindle(Ticket ticket, const Request& request) {
+  const int spindle = request.integer("spindle");
+  if (spindle < 0 || spindle >= p_.setup.motion.spindles)
+    return reply(ticket, CommandState::error,
+                 "spindle " + std::to_string(spindle) + " does not exist");
+  const std::string& action = request.text("action");
+  if (action == "off") {
+    ++want_.spindle_stop_seq[spindle];
+    write_intent();
+    return reply(ticket, CommandState::done);
+  }
+  double speed = request.number("speed", view_.spindle_rpm[spindle]);
+  const double step = p_.setup.motion.spindle[spindle].increment_rpm;
+  if (action == "increase") speed += step;
+  if (action == "decrease") speed = std::max(0.0, speed - step);
+  // By the same way as a program's spindle words, so that there is one order of things and one modal state.
+  char line[96];
+  const bool turn = action == "forward" || action == "reverse";
+  const char* code = action == "reverse" || (turn && speed < 0) ? "M4" : "M3";
+  if (turn)
+    std::snprintf(line, sizeof line, "S%.6f %s $%d", std::fabs(speed), code, spindle);
+  else
+    std::snprintf(line, sizeof line, "S%.6f $%d", std::fabs(speed), spindle);
+  do_mdi(ticket, line, false);
+}
+
+void CommandParticipant::do_switch(Ticket ticket, const Request& request) {
+  const bool on = request.flag("on");
+  switch (request.command->id) {
+    case CommandId::flood:
+    case CommandId::mist: {
+      if (on && refuse_unless_on(ticket, "coolant")) return;
+      const bool flood = request.command->id == CommandId::flood;
+      p_.io.set_coolant(epoch_, flood ? std::optional<bool>(on) : std::nullopt,
+                        flood ? std::nullopt : std::optional<bool>(on));
+      break;
+    }
+    case CommandId::optional_stop: p_.exchange.optional_stop.set(on ? 1 : 0); break;
+    case CommandId::block_delete: p_.exchange.block_delete.set(on ? 1 : 0); break;
+    default:
+      want_.override_limits = on;
+      write_intent();
+      break;
+  }
+  reply(ticket, CommandState::done);
+}
+
+void CommandParticipant::do_digital_out(Ticket ticket, const Request& request) {
+  const int index = request.integer("index");
+  if (index < 0 || index >= std::min<int>(status_.digital_count, 64))
+    return reply(ticket, CommandState::error,
+                 "motion.digital-out-" + std::to_string(index) + " does not exist: motmod has " +
+                     std::to_string(status_.digital_count) + " (num_dio)");
+  const std::uint64_t bit = std::uint64_t{1} << static_cast<unsigned>(index);
+  want_.digital_out_on = request.flag("on") ? bit : 0;
+  want_.digital_out_off = request.flag("on") ? 0 : bit;
+  ++want_.digital_out_set_seq;
+  write_intent();
+  reply(ticket, CommandState::done);
+}
+
+}  // namespace kerf::task

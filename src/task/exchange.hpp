@@ -1,0 +1,143 @@
+// Exchange: all that passes between the command thread and the interpreter thread of task. Nobody waits in it.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "rtapi/base/fixed_string.hpp"
+#include "rtapi/base/pose.hpp"
+#include "rtapi/sync/cell.hpp"
+#include "rtapi/sync/seq_cell.hpp"
+#include "task/api/protocol.hpp"
+#include "task/api/status.hpp"
+
+namespace kerf::task {
+
+/// Identifies a client command in progress; unique in a task's life, 0: none.
+using Ticket = std::uint64_t;
+
+/// Command thread -> interpreter thread. Orders of an epoch older than the present one are answered `aborted`.
+struct Order {
+  enum class Kind : std::uint8_t { open, run, step, mdi, reload_tools, save };
+  Kind kind{Kind::mdi};
+  std::uint32_t epoch{0};
+  Ticket ticket{0};
+  std::string text;  ///< file or MDI line
+};
+
+/// Interpreter thread -> command thread.
+struct Report {
+  enum class Kind : std::uint8_t {
+    begun,     ///< the order of `ticket` is being carried out
+    finished,  ///< it has ended as `state` says
+    message,   ///< a line for the operator
+    failed,  ///< the program is in error: tell the operator, abort, and end `ticket` with the text
+    program_end,  ///< M2, M30: feed and spindle overrides were set to on by the program itself; nothing to do but count
+  };
+  Kind kind{Kind::message};
+  Ticket ticket{0};
+  CommandState state{CommandState::done};
+  MessageKind message{MessageKind::text};
+  std::string text;
+  std::string file;
+  std::int32_t line{0};
+};
+
+/// What the interpreter thread shows of itself, for the status block.
+struct InterpreterView {
+  InterpState interp_state{InterpState::idle};
+  ExecState exec_state{ExecState::done};
+  rtapi::FixedString<255> file, source;
+  rtapi::FixedString<127> command;
+  std::int32_t current_line{0}, read_line{0}, call_level{0}, program_lines{0};
+  double progress{0};
+  std::int32_t g_codes[17]{};
+  std::int32_t m_codes[10]{};
+  double settings[5]{};
+  std::int32_t g5x_index{1}, program_units{2};
+  rtapi::Pose g5x_offset, g92_offset, tool_offset;
+  double rotation_deg{0};
+  double spindle_rpm[kMaxSpindles]{};  ///< last S, for spindle commands of clients
+  WaitingFor waiting_for;
+  std::uint32_t settled_epoch{0};  ///< the abort epoch that the interpreter has followed
+  bool idle{true};                 ///< no order in progress, nothing queued, all executed
+  bool running_program{false};
+  bool program_open{false};
+  bool stopped{false};  ///< at M0, M1, M60 or after a step: waits for resume
+};
+
+class Exchange {
+ public:
+  Exchange(rtapi::Cell& to_command, rtapi::Cell& to_interpreter)
+      : to_command_(to_command), to_interpreter_(to_interpreter) {}
+
+  // --- command thread ---
+  void post(Order order) {
+    {
+      const std::lock_guard lock(mutex_);
+      orders_.push_back(std::move(order));
+    }
+    to_interpreter_.notify();
+  }
+  [[nodiscard]] std::vector<Report> take_reports() {
+    const std::lock_guard lock(mutex_);
+    std::vector<Report> out;
+    out.swap(reports_);
+    return out;
+  }
+  void wake_interpreter() { to_interpreter_.notify(); }
+
+  // --- interpreter thread ---
+  [[nodiscard]] bool take(Order& out) {
+    const std::lock_guard lock(mutex_);
+    if (orders_.empty()) return false;
+    out = std::move(orders_.front());
+    orders_.pop_front();
+    return true;
+  }
+  void report(Report report) {
+    {
+      const std::lock_guard lock(mutex_);
+      reports_.push_back(std::move(report));
+    }
+    to_command_.notify();
+  }
+  void show(const InterpreterView& view) {
+    view_.write(view);
+    to_command_.notify();
+  }
+
+  // --- both ---
+  [[nodiscard]] InterpreterView view() const {
+    InterpreterView out;
+    while (!view_.read(out)) {
+    }
+    return out;
+  }
+  [[nodiscard]] std::size_t queued() const {
+    const std::lock_guard lock(mutex_);
+    return orders_.size();
+  }
+
+  // Switches of the operator: each word alone, written by the command thread.
+  rtapi::Word<std::uint32_t> optional_stop{0};
+  rtapi::Word<std::uint32_t> block_delete{0};
+  rtapi::Word<std::uint32_t> paused{0};      ///< the operator's pause: begin nothing new
+  rtapi::Word<std::uint32_t> resumes{0};     ///< a new value: go on after M0, M1, M60 or a step
+  rtapi::Word<std::uint32_t> stepping{0};    ///< stop after each block
+  rtapi::Word<std::uint32_t> task_state{1};  ///< for the environment of user M-codes
+  rtapi::Word<std::uint32_t> mode{1};
+
+ private:
+  rtapi::Cell& to_command_;
+  rtapi::Cell& to_interpreter_;
+  mutable std::mutex mutex_;
+  std::deque<Order> orders_;
+  std::vector<Report> reports_;
+  rtapi::SeqCell<InterpreterView> view_;
+};
+
+}  // namespace kerf::task

@@ -1,0 +1,87 @@
+// BlockHistory: the state of the interpreter after each block that is not executed yet, so that after a stop it can be put
+// back to where the machine stands.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <deque>
+
+#include "interp/modal.hpp"
+#include "motion/api/path_items.hpp"
+#include "task/interpreter/canon_to_path.hpp"
+
+namespace kerf::task {
+
+/// One block, or several blocks in a row that asked nothing of anybody.
+struct BlockRecord {
+  motion::SourceTag tag;
+  std::uint64_t first_seq{0}, last_seq{0};  ///< its items in motion's queue, 0: none (yet)
+  int pending{0};                           ///< its items that are neither queued nor done
+  bool has_items{false};
+  interp::ModalState modal;  ///< after the block
+  CanonState canon;
+};
+
+/// The oldest record is the block that the machine executes (or executed last); the newest was read last.
+class BlockHistory {
+ public:
+  /// Forgets all and begins at a machine at rest.
+  void reset(const interp::ModalState& modal, const CanonState& canon) {
+    records_.clear();
+    BlockRecord record;
+    record.modal = modal;
+    record.canon = canon;
+    records_.push_back(record);
+  }
+  void add(const BlockRecord& record) {
+    // Blocks that ask nothing (loops, expressions) would fill the memory with states nobody can stop at.
+    if (!record.has_items && !records_.back().has_items && records_.size() > 1) records_.pop_back();
+    records_.push_back(record);
+  }
+  void queued(std::uint64_t tag_id, std::uint64_t seq) {
+    if (BlockRecord* r = find(tag_id); r != nullptr) {
+      if (r->first_seq == 0) r->first_seq = seq;
+      r->last_seq = seq;
+      --r->pending;
+    }
+  }
+  /// A barrier's marker: belongs to the block, but the item itself is still pending.
+  void marked(std::uint64_t tag_id, std::uint64_t seq) {
+    if (BlockRecord* r = find(tag_id); r != nullptr) {
+      if (r->first_seq == 0) r->first_seq = seq;
+      r->last_seq = seq;
+    }
+  }
+  void done(std::uint64_t tag_id) {
+    if (BlockRecord* r = find(tag_id); r != nullptr) --r->pending;
+  }
+  /// Drops what is behind the machine. `started`: the newest sequence number that motion has begun.
+  void advance(std::uint64_t executed, std::uint64_t started) {
+    while (records_.size() > 1) {
+      const BlockRecord& next = records_[1];
+      const bool here_complete = records_[0].pending <= 0 && records_[0].last_seq <= executed;
+      const bool begun = next.first_seq != 0 ? next.first_seq <= std::max(started, executed)
+                                             : here_complete && next.pending <= 0;
+      if (!begun) return;
+      records_.pop_front();
+    }
+  }
+  /// After a stop: the block of this tag is where the machine stands, unless it is behind already.
+  const BlockRecord& stopped_at(std::uint64_t tag_id) {
+    while (records_.size() > 1 && records_[1].tag.id <= tag_id) records_.pop_front();
+    return records_.front();
+  }
+  [[nodiscard]] const BlockRecord& present() const { return records_.front(); }
+  [[nodiscard]] std::size_t size() const { return records_.size(); }
+
+ private:
+  BlockRecord* find(std::uint64_t tag_id) {
+    const auto at =
+        std::lower_bound(records_.begin(), records_.end(), tag_id,
+                         [](const BlockRecord& r, std::uint64_t id) { return r.tag.id < id; });
+    return at != records_.end() && at->tag.id == tag_id ? &*at : nullptr;
+  }
+  std::deque<BlockRecord> records_;
+};
+
+}  // namespace kerf::task

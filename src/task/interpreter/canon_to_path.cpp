@@ -1,0 +1,257 @@
+#include "task/interpreter/canon_to_path.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+namespace kerf::task {
+
+using motion::MotionKind;
+using motion::Pose;
+using motion::SpindleChange;
+
+namespace {
+constexpr double kTwoPi = 6.283185307179586;
+}
+
+void CanonToPath::forget_outputs() {
+  state_.direction.fill(0);
+  state_.pending_outputs = 0;
+}
+
+void CanonToPath::announce(std::uint64_t tag_id) {
+  tag_ = motion::SourceTag{};
+  tag_.id = tag_id;
+  add_path(state_.path);
+  add_path(state_.overrides);
+  add_path(motion::ToolOffset{state_.frame.tool()});
+}
+
+void CanonToPath::next_block(const interp::SourceLine& source) {
+  tag_.line = source.line;
+  tag_.file = static_cast<std::int32_t>(source.file_id);
+  tag_.call_level = source.call_level;
+  file_ = source.file;
+}
+
+void CanonToPath::set_g5x_offset(int system, const interp::Pose& offset) {
+  state_.g5x_index = system;
+  state_.frame.set_g5x_offset(offset);
+}
+
+void CanonToPath::use_tool_length_offset(const interp::Pose& offset) {
+  state_.frame.use_tool_length_offset(offset);
+  add_path(motion::ToolOffset{offset});
+}
+
+void CanonToPath::set_feed_rate(double linear_mm_min, double angular_deg_min) {
+  state_.linear_mm_min = linear_mm_min;
+  state_.angular_deg_min = angular_deg_min;
+}
+
+void CanonToPath::set_feed_mode(int spindle, interp::FeedMode mode) {
+  state_.feed_spindle = spindle;
+  state_.feed_mode = mode;
+}
+
+void CanonToPath::set_motion_control_mode(interp::PathMode mode, double tolerance_mm) {
+  using Mode = motion::PathControl::Mode;
+  state_.path.mode = mode == interp::PathMode::exact_path   ? Mode::exact_path
+                     : mode == interp::PathMode::exact_stop ? Mode::exact_stop
+                                                            : Mode::continuous;
+  state_.path.tolerance_mm = tolerance_mm;
+  add_path(state_.path);
+}
+
+void CanonToPath::set_naivecam_tolerance(double tolerance_mm) {
+  state_.path.naive_cam_tolerance_mm = tolerance_mm;
+  add_path(state_.path);
+}
+
+/// Feed along the metric of the move: XYZ, else UVW, else ABC.
+double CanonToPath::feed_mm_s(const Pose& end) const {
+  const Pose d = end - state_.position;
+  const bool linear = d.x != 0 || d.y != 0 || d.z != 0 || d.u != 0 || d.v != 0 || d.w != 0;
+  double per_minute = linear ? state_.linear_mm_min : state_.angular_deg_min;
+  if (state_.feed_mode == interp::FeedMode::per_revolution)
+    per_minute *= state_.speed[static_cast<std::size_t>(state_.feed_spindle)];
+  return per_minute / 60.0;
+}
+
+void CanonToPath::traverse_machine(const Pose& end, MotionKind kind) {
+  // A move of no length has no direction, hence no place on a path.
+  if (end == state_.position) return;
+  add_path(motion::LinearMove{end, 0, kind});
+  state_.position = end;
+  state_.pending_outputs = 0;
+}
+
+void CanonToPath::straight_traverse(const interp::Pose& end) {
+  traverse_machine(state_.frame.to_machine(end), MotionKind::traverse);
+}
+
+void CanonToPath::straight_feed(const interp::Pose& end) {
+  const Pose to = state_.frame.to_machine(end);
+  if (to == state_.position) return;
+  add_path(motion::LinearMove{to, feed_mm_s(to), MotionKind::feed});
+  state_.position = to;
+  state_.pending_outputs = 0;
+}
+
+void CanonToPath::arc_feed(const interp::Arc& arc) {
+  motion::ArcMove move;
+  move.end = state_.frame.to_machine(arc.end);
+  const auto centre = state_.frame.to_machine(arc.center);
+  auto normal = state_.frame.normal(arc.plane);
+  // The move turns right-handed about its normal; a clockwise arc is one about the opposite normal.
+  const double sign = arc.turns < 0 ? -1.0 : 1.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    move.centre[i] = centre[i];
+    move.normal[i] = sign * normal[i];
+  }
+  move.turns = std::abs(arc.turns);
+  // The feed of an arc is that of XYZ, also of a full circle, whose ends are the same.
+  double per_minute = state_.linear_mm_min;
+  if (state_.feed_mode == interp::FeedMode::per_revolution)
+    per_minute *= state_.speed[static_cast<std::size_t>(state_.feed_spindle)];
+  move.vel_mm_s = per_minute / 60.0;
+  add_path(move);
+  state_.position = move.end;
+  state_.pending_outputs = 0;
+}
+
+void CanonToPath::straight_probe(const interp::Pose& end, interp::ProbeKind kind) {
+  const Pose to = state_.frame.to_machine(end);
+  motion::ProbeMove move{to, feed_mm_s(to)};
+  move.until_open = kind == interp::ProbeKind::away || kind == interp::ProbeKind::away_error;
+  move.fail_is_error =
+      kind == interp::ProbeKind::toward_error || kind == interp::ProbeKind::away_error;
+  add_path(move);
+  state_.position = to;
+  state_.pending_outputs = 0;
+}
+
+void CanonToPath::not_yet(const char* what) {
+  add(ProgramError{std::string(what) + " is not supported yet", file_, tag_.line});
+}
+
+void CanonToPath::start_speed_feed_sync(int, double, bool velocity_mode) {
+  // G95 announces itself so too; its feed follows the commanded speed (feed_mm_s).
+  if (!velocity_mode) not_yet("spindle-synchronised motion (G33, G76)");
+}
+
+void CanonToPath::rigid_tap(const interp::Pose&, double) { not_yet("rigid tapping (G33.1)"); }
+
+void CanonToPath::dwell(double seconds) { add_path(motion::Dwell{seconds}); }
+
+SpindleChange CanonToPath::spindle_change(int spindle, SpindleChange::Action action) const {
+  const auto n = static_cast<std::size_t>(spindle);
+  SpindleChange change;
+  change.spindle = spindle;
+  change.action = action;
+  if (state_.css_max_rpm[n] > 0) {
+    change.css_factor = state_.speed[n] / kTwoPi;
+    change.css_max_rpm = state_.css_max_rpm[n];
+  } else {
+    change.speed_rpm = state_.speed[n];
+  }
+  return change;
+}
+
+void CanonToPath::set_spindle_speed(int spindle, double rpm) {
+  state_.speed[static_cast<std::size_t>(spindle)] = rpm;
+  add_path(spindle_change(spindle, SpindleChange::Action::set_speed));
+}
+
+void CanonToPath::set_spindle_mode(int spindle, double css_max_rpm) {
+  state_.css_max_rpm[static_cast<std::size_t>(spindle)] = css_max_rpm;
+}
+
+void CanonToPath::start_spindle(int spindle, interp::SpindleDirection direction) {
+  const bool forward = direction == interp::SpindleDirection::clockwise;
+  state_.direction[static_cast<std::size_t>(spindle)] = forward ? std::int8_t{1} : std::int8_t{-1};
+  add_path(spindle_change(
+      spindle, forward ? SpindleChange::Action::forward : SpindleChange::Action::reverse));
+}
+
+void CanonToPath::stop_spindle(int spindle) {
+  state_.direction[static_cast<std::size_t>(spindle)] = 0;
+  add_path(spindle_change(spindle, SpindleChange::Action::stop));
+}
+
+void CanonToPath::orient_spindle(int spindle, double angle_deg, int mode) {
+  state_.direction[static_cast<std::size_t>(spindle)] = 0;
+  SpindleChange change = spindle_change(spindle, SpindleChange::Action::orient);
+  change.orient_angle_deg = angle_deg;
+  change.orient_mode = mode;
+  add_path(change);
+}
+
+void CanonToPath::wait_orient_complete(int spindle, double timeout_s) {
+  add(WaitOrient{spindle, timeout_s});
+}
+
+void CanonToPath::change_tool() {
+  if (tools_.quill_up) {
+    Pose up = state_.position;
+    up.z = 0;
+    traverse_machine(up, MotionKind::tool_change);
+  }
+  if (tools_.at_g30) {
+    traverse_machine(g30_, MotionKind::tool_change);
+  } else if (tools_.has_position) {
+    Pose to = state_.position;
+    for (std::size_t a = 0; a < rtapi::kAxes; ++a)
+      if ((tools_.position_mask & (1U << a)) != 0) to[a] = tools_.position[a];
+    traverse_machine(to, MotionKind::tool_change);
+  }
+  add(ChangeTool{});
+}
+
+void CanonToPath::output(int index, bool analog, bool synchronised, double value) {
+  add_path(motion::OutputChange{index, analog, synchronised, 0, value});
+  if (synchronised) ++state_.pending_outputs;
+}
+
+void CanonToPath::wait_input(int index, bool analog, interp::WaitMode mode, double timeout_s) {
+  add(WaitInput{index, analog, mode, timeout_s});
+}
+
+void CanonToPath::enable_feed_override(bool on) {
+  state_.overrides.feed = on;
+  add_path(state_.overrides);
+}
+void CanonToPath::enable_speed_override(int spindle, bool on) {
+  state_.overrides.spindle[spindle] = on;
+  add_path(state_.overrides);
+}
+void CanonToPath::enable_adaptive_feed(bool on) {
+  state_.overrides.adaptive = on;
+  add_path(state_.overrides);
+}
+void CanonToPath::enable_feed_hold(bool on) {
+  state_.overrides.feed_hold = on;
+  add_path(state_.overrides);
+}
+
+void CanonToPath::program_end() {
+  if (state_.pending_outputs > 0) {
+    add(ShowMessage{
+        "the program ends with M62, M63 or M67 and no move behind it: these outputs do not change",
+        MessageKind::text});
+    state_.pending_outputs = 0;
+  }
+  add(ProgramEnd{});
+}
+
+void CanonToPath::user_mcode(int number, std::string_view path, double p, double q) {
+  char p_text[64], q_text[64];
+  std::snprintf(p_text, sizeof p_text, "%f", p);
+  std::snprintf(q_text, sizeof q_text, "%f", q);
+  add(UserMcodeRun{number, std::string(path), p_text, q_text});
+}
+
+void CanonToPath::log_open(std::string_view path, bool append) {
+  add(LogText{append ? LogText::Kind::append : LogText::Kind::open, std::string(path)});
+}
+
+}  // namespace kerf::task

@@ -1,0 +1,423 @@
+#include "task/interpreter/interpreter_participant.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf::task {
+
+using interp::Outcome;
+using interp::SyncReason;
+
+namespace {
+
+constexpr std::size_t kListLimit = 64;  ///< items read ahead of the ring
+constexpr int kWorkPerStep = 256;       ///< so that the clock is looked at
+constexpr rtapi::Nanos kModeTime = 2 * rtapi::kSecond;
+constexpr double kSamePlace =
+    1e-6;  ///< mm, degrees: closer than this the machine stands where the program thinks
+
+/// Lines of a file, without keeping it.
+std::int32_t count_lines(const std::string& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return 0;
+  std::int32_t lines = 0;
+  char last = '\n';
+  char buffer[65536];
+  for (ssize_t n = 0; (n = ::read(fd, buffer, sizeof buffer)) > 0;) {
+    lines += static_cast<std::int32_t>(std::count(buffer, buffer + n, '\n'));
+    last = buffer[n - 1];
+  }
+  ::close(fd);
+  return last == '\n' ? lines : lines + 1;
+}
+
+bool far_apart(const rtapi::Pose& a, const rtapi::Pose& b) {
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    if (std::fabs(a[i] - b[i]) > kSamePlace) return true;
+  return false;
+}
+
+}  // namespace
+
+InterpreterParticipant::InterpreterParticipant(const Parts& parts)
+    : p_(parts),
+      canon_(list_, p_.setup.tools),
+      interp_(p_.environment, canon_, p_.setup.interp),
+      parameter_file_(p_.setup.paths.parameter_file) {
+  (void)p_.motion.status.read(status_);
+  epoch_ = p_.motion.intent.abort_epoch.observe();
+  // A motion that outlived an earlier task has seen numbers already.
+  last_seq_ = std::max({status_.executed_seq, status_.current_seq, p_.motion.path.pushed()});
+  canon_.start_tags_after(status_.current.id);
+}
+
+InterpreterParticipant::~InterpreterParticipant() {
+  if (log_ != nullptr) std::fclose(log_);
+}
+
+rtapi::Status InterpreterParticipant::init() {
+  rtapi::Status loaded;
+  if (!p_.setup.paths.parameter_file.empty()) {
+    loaded = parameter_file_.load(interp_.parameters());
+    if (!loaded.ok() && loaded.error().code == rtapi::Errc::not_found)
+      loaded = {};  // the first start of a new machine
+  }
+  interp_.init();
+  if (loaded.ok() && !p_.setup.startup_code.empty()) {
+    Outcome outcome = interp_.execute_mdi(p_.setup.startup_code);
+    while (outcome == Outcome::ok) outcome = interp_.execute_next();
+    if (outcome == Outcome::error)
+      loaded = rtapi::fail(rtapi::Errc::syntax,
+                           "[RS274NGC]RS274NGC_STARTUP_CODE: " + interp_.error().message());
+  }
+  // Nothing of this is for the machine; what lasts is announced with the first order.
+  list_.clear();
+  announce_ = true;
+  const io::IoState io = p_.io.state();
+  interp_.set_tool_in_spindle(io.tool_in_spindle, io.pocket_in_spindle);
+  history_.reset(interp_.modal(), canon_.state());
+  show();
+  return loaded;
+}
+
+rtapi::Status InterpreterParticipant::save_parameters() {
+  if (p_.setup.paths.parameter_file.empty()) return {};
+  return parameter_file_.save(interp_.parameters());
+}
+
+void InterpreterParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
+  next.watch(p_.shared.to_interpreter);
+  next.watch(p_.motion.status_cell);
+  now_ = now;
+  pushed_ = false;
+  // Status first, epoch second: a status that is used was written before the abort was acknowledged.
+  (void)p_.motion.status.read(status_);
+  follow_abort();
+  if (aborting_) resynchronise();
+  if (!aborting_) work(next);
+  if (user_.running()) user_.add_to(next);
+  if (pushed_) p_.motion.path_cell.notify();
+  show();
+}
+
+void InterpreterParticipant::follow_abort() {
+  const std::uint32_t epoch = p_.motion.intent.abort_epoch.observe();
+  if (epoch == epoch_) return;
+  epoch_ = epoch;
+  list_.clear();
+  asides_.clear();
+  barrier_ = {};
+  tool_order_ = 0;
+  pending_seq_ = 0;
+  stopped_ = false;
+  ring_full_ = false;
+  user_.terminate();
+  if (run_.active) finish_ticket(CommandState::aborted, "aborted");
+  run_ = {};
+  aborting_ = true;
+}
+
+void InterpreterParticipant::resynchronise() {
+  (void)user_.poll();
+  if (user_.running() || status_.acked_epoch != epoch_) return;
+  const BlockRecord& at = history_.stopped_at(status_.current.id);
+  interp::ModalState modal = at.modal;
+  CanonState canon = at.canon;
+  // The abort stopped these, whatever the block had asked for.
+  modal.direction.fill(interp::SpindleDirection::stopped);
+  modal.orienting.fill(false);
+  modal.mist = modal.flood = false;
+  interp_.abort();
+  interp_.restore(modal);
+  canon_.restore(canon);
+  canon_.forget_outputs();
+  canon_.set_position(status_.pos_cmd);
+  const io::IoState io = p_.io.state();
+  interp_.synchronize({.machine_position = status_.pos_cmd,
+                       .tool_in_spindle = io.tool_in_spindle,
+                       .pocket_in_spindle = io.pocket_in_spindle});
+  history_.reset(interp_.modal(), canon_.state());
+  announce_ = true;
+  aborting_ = false;
+}
+
+void InterpreterParticipant::work(rtapi::WaitSpec& next) {
+  interp_.set_block_delete(p_.exchange.block_delete.get() != 0);
+  for (int i = 0; i < kWorkPerStep; ++i) {
+    if (p_.motion.intent.abort_epoch.observe() != epoch_) break;
+    bool moved = run_asides();
+    moved = pump(next) || moved;
+    history_.advance(status_.executed_seq, status_.current_seq);
+    moved = synchronise_if_due() || moved;
+    moved = step_stop() || moved;
+    moved = read_block() || moved;
+    moved = finish_run() || moved;
+    moved = next_order() || moved;
+    if (!moved) return;
+  }
+  next.wake_at(now_);
+}
+
+bool InterpreterParticipant::motion_ready() const {
+  return status_.enabled && status_.mode == motion::MotionMode::coordinated;
+}
+
+bool InterpreterParticipant::push(const PathBody& body, const motion::SourceTag& tag) {
+  motion::PathItem item;
+  item.epoch = epoch_;
+  item.seq = last_seq_ + 1;
+  item.tag = tag;
+  item.body = body;
+  ring_full_ = !p_.motion.path.push(item);
+  if (ring_full_) return false;
+  pending_seq_ = ++last_seq_;
+  pushed_ = true;
+  return true;
+}
+
+bool InterpreterParticipant::read_block() {
+  if (!run_.active || run_.failed || run_.source_done || run_.sync_pending || stopped_ ||
+      list_.size() >= kListLimit)
+    return false;
+  const bool stepping = !run_.mdi && p_.exchange.stepping.get() != 0;
+  if (stepping && run_.step_block_read) return false;
+  if (!motion_ready()) {
+    if (now_ - run_.since > kModeTime)
+      fail_here(status_.enabled ? "motion did not come into coordinated mode"
+                                : "the drives are not enabled");
+    return false;
+  }
+  if (announce_) {
+    announce_ = false;
+    BlockRecord record = history_.present();
+    const std::size_t before = list_.size();
+    canon_.announce(canon_.new_tag());
+    record.tag = canon_.tag();
+    record.tag.line = 0;
+    record.first_seq = record.last_seq = 0;
+    record.pending = static_cast<int>(list_.size() - before);
+    record.has_items = true;
+    history_.add(record);
+  }
+  canon_.new_tag();
+  const std::size_t before = list_.size();
+  ++run_.blocks;
+  Outcome outcome = Outcome::ok;
+  if (run_.mdi && !run_.mdi_begun) {
+    run_.mdi_begun = true;
+    outcome = interp_.execute_mdi(run_.text);
+  } else {
+    outcome = interp_.execute_next();
+  }
+  take_outcome(outcome, before);
+  if (stepping && list_.size() > before) run_.step_block_read = true;
+  return true;
+}
+
+void InterpreterParticipant::take_outcome(Outcome outcome, std::size_t items_before) {
+  store_tool_changes();
+  if (outcome == Outcome::error) {
+    const auto& error = interp_.error();
+    list_.push_back(TaskItem{canon_.tag(), ProgramError{error.message(), error.file, error.line}});
+    run_.source_done = true;
+  }
+  if (outcome == Outcome::idle || outcome == Outcome::program_end) run_.source_done = true;
+  if (outcome == Outcome::needs_sync) run_.sync_pending = true;
+  BlockRecord record;
+  record.tag = canon_.tag();
+  record.pending = static_cast<int>(list_.size() - items_before);
+  record.has_items = record.pending > 0;
+  record.modal = interp_.modal();
+  record.canon = canon_.state();
+  history_.add(record);
+}
+
+void InterpreterParticipant::store_tool_changes() {
+  for (const interp::Tool& tool : canon_.take_tool_changes()) {
+    io::ToolEntry entry;
+    entry.number = tool.number;
+    entry.pocket = tool.pocket;
+    entry.offset = tool.offset;
+    entry.diameter_mm = tool.diameter_mm;
+    entry.front_angle_deg = tool.front_angle_deg;
+    entry.back_angle_deg = tool.back_angle_deg;
+    entry.orientation = tool.orientation;
+    if (auto saved = p_.tools.put(entry); !saved.ok())
+      list_.push_back(TaskItem{
+          canon_.tag(), ShowMessage{"the tool table is not saved: " + saved.error().message(),
+                                    MessageKind::error}});
+  }
+  if (canon_.take_reload()) {
+    if (auto loaded = p_.tools.load(); !loaded.ok())
+      list_.push_back(
+          TaskItem{canon_.tag(), ShowMessage{loaded.error().message(), MessageKind::error}});
+  }
+}
+
+void InterpreterParticipant::sync_position() {
+  if (!far_apart(status_.pos_cmd, canon_.state().position)) return;
+  canon_.set_position(status_.pos_cmd);
+  interp_.synchronize({.machine_position = status_.pos_cmd});
+}
+
+bool InterpreterParticipant::synchronise_if_due() {
+  if (!run_.sync_pending || !list_.empty() || !asides_.empty() || tool_order_ != 0 || !executed())
+    return false;
+  interp::ExternalState state;
+  switch (interp_.sync_reason()) {
+    case SyncReason::wait_input: state.input_value = input_value_; break;
+    case SyncReason::tool_change: {
+      const io::IoState io = p_.io.state();
+      state.tool_in_spindle = io.tool_in_spindle;
+      state.pocket_in_spindle = io.pocket_in_spindle;
+      break;
+    }
+    case SyncReason::probe:
+      state.probe = interp::ExternalState::Probe{status_.probed, status_.probe_tripped};
+      break;
+    case SyncReason::user_mcode:
+    case SyncReason::program_stop:
+    case SyncReason::none: break;
+  }
+  // Only a machine that was moved by somebody else is asked where it stands: rounding must not creep into programs.
+  if (far_apart(status_.pos_cmd, canon_.state().position)) {
+    state.machine_position = status_.pos_cmd;
+    canon_.set_position(status_.pos_cmd);
+  }
+  interp_.synchronize(state);
+  run_.sync_pending = false;
+  return true;
+}
+
+bool InterpreterParticipant::step_stop() {
+  if (!run_.active || run_.mdi || run_.failed) return false;
+  if (!stopped_) {
+    if (!run_.step_block_read || !list_.empty() || !asides_.empty() || !executed() ||
+        run_.source_done)
+      return false;
+    run_.step_block_read = false;
+    if (p_.exchange.stepping.get() == 0) return true;
+    stopped_ = true;
+    step_resumes_ = p_.exchange.resumes.get();
+    return true;
+  }
+  if (p_.exchange.resumes.get() == step_resumes_) return false;
+  stopped_ = false;
+  return true;
+}
+
+bool InterpreterParticipant::finish_run() {
+  if (!run_.active || run_.failed || !run_.source_done || run_.sync_pending || stopped_)
+    return false;
+  if (!list_.empty() || !asides_.empty() || tool_order_ != 0 || !executed()) return false;
+  if (!run_.mdi) progress_ = 1;
+  finish_ticket(CommandState::done);
+  run_ = {};
+  return true;
+}
+
+void InterpreterParticipant::finish_ticket(CommandState state, const std::string& text) {
+  if (run_.ticket == 0) return;
+  Report report;
+  report.kind = Report::Kind::finished;
+  report.ticket = std::exchange(run_.ticket, 0);
+  report.state = state;
+  report.text = text;
+  p_.exchange.report(std::move(report));
+}
+
+void InterpreterParticipant::fail_here(const std::string& text) {
+  const BlockRecord& at = history_.present();
+  fail(text, run_.mdi ? std::string() : interp_.file_name(static_cast<std::uint32_t>(at.tag.file)),
+       at.tag.line);
+}
+
+void InterpreterParticipant::fail(const std::string& text, const std::string& file,
+                                  std::int32_t line) {
+  Report report;
+  report.text = text;
+  const std::string place = file.empty() ? std::string() : file + ':' + std::to_string(line) + ": ";
+  if (!place.empty() && text.rfind(file, 0) != 0) report.text = place + text;
+  report.file = file;
+  report.line = line;
+  report.message = MessageKind::error;
+  // A line of MDI that fails at rest harms nobody: the spindle may go on turning. Everything else is an abort.
+  const bool quiet =
+      run_.mdi && asides_.empty() && tool_order_ == 0 && executed() && !user_.running();
+  if (quiet) {
+    report.kind = Report::Kind::message;
+    const std::string shown = report.text;
+    p_.exchange.report(std::move(report));
+    finish_ticket(CommandState::error, shown);
+    list_.clear();
+    barrier_ = {};
+    interp_.abort();
+    run_ = {};
+    history_.reset(interp_.modal(), canon_.state());
+    return;
+  }
+  report.kind = Report::Kind::failed;
+  report.ticket = std::exchange(run_.ticket, 0);
+  p_.exchange.report(std::move(report));
+  run_.failed = true;
+}
+
+bool InterpreterParticipant::next_order() {
+  if (run_.active) return false;
+  Order order;
+  if (!p_.exchange.take(order)) return false;
+  run_.ticket = order.ticket;
+  if (order.epoch != epoch_) {
+    finish_ticket(CommandState::aborted, "aborted");
+    return true;
+  }
+  rtapi::Status result;
+  switch (order.kind) {
+    case Order::Kind::open: result = open_program(p_.environment.find_program(order.text)); break;
+    case Order::Kind::reload_tools: result = p_.tools.load(); break;
+    case Order::Kind::save: result = save_parameters(); break;
+    case Order::Kind::run:
+    case Order::Kind::step:
+    case Order::Kind::mdi: begin_run(order); return true;
+  }
+  finish_ticket(result.ok() ? CommandState::done : CommandState::error,
+                result.ok() ? std::string() : result.error().message());
+  run_ = {};
+  return true;
+}
+
+rtapi::Status InterpreterParticipant::open_program(const std::string& path) {
+  if (auto opened = interp_.open(path); !opened.ok()) return opened;
+  file_ = path;
+  program_lines_ = count_lines(path);
+  progress_ = 0;
+  return {};
+}
+
+void InterpreterParticipant::begin_run(const Order& order) {
+  run_.mdi = order.kind == Order::Kind::mdi;
+  if (run_.mdi) {
+    run_.text = order.text;
+    command_ = order.text;
+  } else if (file_.empty()) {
+    finish_ticket(CommandState::error, "no program is open");
+    return;
+  } else if (auto opened = open_program(file_);
+             !opened.ok()) {  // from the start, as the file is now
+    finish_ticket(CommandState::error, opened.error().message());
+    return;
+  }
+  run_.active = true;
+  run_.since = now_;
+  sync_position();
+  history_.reset(interp_.modal(), canon_.state());
+  Report report;
+  report.kind = Report::Kind::begun;
+  report.ticket = order.ticket;
+  p_.exchange.report(std::move(report));
+}
+
+}  // namespace kerf::task

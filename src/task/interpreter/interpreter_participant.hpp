@@ -1,0 +1,159 @@
+// InterpreterParticipant: the interpreter thread of task. Reads ahead, block by block, into an ordered list; hands path items to
+// motion as the ring has room; does the rest itself when its turn has come.
+//
+// One abort epoch rules all: when it is raised, everything that was read or queued under an older one is void, whatever runs here
+// is ended, and when motion has acknowledged, the interpreter is put back to the block at which the machine stopped.
+#pragma once
+
+#include <cstdio>
+#include <deque>
+#include <string>
+
+#include "interp/interpreter.hpp"
+#include "interp/parameters.hpp"
+#include "io/io_link.hpp"
+#include "io/tool_store.hpp"
+#include "motion/api/shared.hpp"
+#include "rtapi/clock/clock.hpp"
+#include "task/exchange.hpp"
+#include "task/interpreter/block_history.hpp"
+#include "task/interpreter/canon_to_path.hpp"
+#include "task/interpreter/task_environment.hpp"
+#include "task/interpreter/user_program.hpp"
+
+namespace kerf::task {
+
+class InterpreterParticipant final : public rtapi::Participant {
+ public:
+  /// What it works with; all must outlive it.
+  struct Parts {
+    motion::MotionShared& motion;
+    TaskShared& shared;
+    Exchange& exchange;
+    io::IoLink& io;
+    io::ToolStore& tools;
+    const MachineSetup& setup;
+    TaskEnvironment& environment;
+    std::string instance;
+  };
+  explicit InterpreterParticipant(const Parts& parts);
+  ~InterpreterParticipant() override;
+
+  /// Loads the parameter file and runs RS274NGC_STARTUP_CODE; once, before the first step.
+  rtapi::Status init();
+  /// Saves the parameter file, if the machine has one.
+  rtapi::Status save_parameters();
+
+  [[nodiscard]] const char* name() const noexcept override { return "interpreter"; }
+  [[nodiscard]] rtapi::Role role() const noexcept override { return rtapi::Role::task_interpreter; }
+  void step(rtapi::Nanos now, rtapi::WaitSpec& next) override;
+
+  [[nodiscard]] const interp::Interpreter& interpreter() const noexcept { return interp_; }
+
+ private:
+  /// What is being carried out.
+  struct Run {
+    bool active{false};
+    bool mdi{false};
+    bool mdi_begun{false};
+    bool source_done{false};  ///< nothing more to read
+    bool sync_pending{false};
+    bool failed{false};  ///< told the command thread; an abort comes
+    bool step_block_read{false};
+    Ticket ticket{0};
+    std::string text;
+    rtapi::Nanos since{0};
+    std::uint64_t blocks{0};
+  };
+  /// The barrier at the head of the list.
+  struct Barrier {
+    bool marked{false}, begun{false};
+    bool pausing{false};  ///< M0, M1, M60: waits for resume
+    bool armed{false};    ///< M66 rise, fall: the other level was seen
+    std::uint64_t marker_seq{0};
+    std::uint64_t order{0};
+    std::uint32_t resumes{0};
+    rtapi::Nanos since{0};
+  };
+  struct Aside {
+    std::uint64_t after_seq{0};
+    TaskItem item;
+  };
+
+  // interpreter_participant.cpp
+  void follow_abort();
+  void resynchronise();
+  void work(rtapi::WaitSpec& next);
+  bool read_block();
+  void take_outcome(interp::Outcome outcome, std::size_t items_before);
+  void store_tool_changes();
+  bool synchronise_if_due();
+  bool finish_run();
+  bool step_stop();
+  bool next_order();
+  void begin_run(const Order& order);
+  rtapi::Status open_program(const std::string& path);
+  void sync_position();
+  [[nodiscard]] bool executed() const {
+    return pending_seq_ == 0 || status_.executed_seq >= pending_seq_;
+  }
+  [[nodiscard]] bool motion_ready() const;
+  bool push(const PathBody& body, const motion::SourceTag& tag);
+  void finish_ticket(CommandState state, const std::string& text = {});
+  /// The program cannot go on.
+  void fail(const std::string& text, const std::string& file, std::int32_t line);
+  void fail_here(const std::string& text);
+
+  // barriers.cpp
+  bool pump(rtapi::WaitSpec& next);
+  bool run_asides();
+  bool run_aside(TaskItem& item);
+  bool tool_order_ended();
+  bool begin_barrier(TaskItem& item);
+  bool poll_barrier(TaskItem& item, rtapi::WaitSpec& next);
+  bool poll_tool(const char* what);
+  bool poll_user_program(const UserMcodeRun& run);
+  bool poll_pause(const ProgramPause& pause);
+  bool poll_input(const WaitInput& wait, rtapi::WaitSpec& next);
+  bool poll_orient(const WaitOrient& wait, rtapi::WaitSpec& next);
+  bool start_user_program(const UserMcodeRun& run);
+  void log_text(const LogText& log);
+
+  // view.cpp
+  void show();
+  void fill_waiting(InterpreterView& view) const;
+
+  Parts p_;
+  std::deque<TaskItem> list_;
+  CanonToPath canon_;
+  interp::Interpreter interp_;
+  interp::ParameterFile parameter_file_;
+  BlockHistory history_;
+  motion::MotionStatus status_;
+  rtapi::Nanos now_{0};
+  std::uint32_t epoch_{0};
+  bool aborting_{false};
+  bool announce_{true};
+  bool stopped_{false};
+  std::uint32_t step_resumes_{0};
+  std::uint64_t last_seq_{0};
+  std::uint64_t pending_seq_{0};  ///< last item queued under this epoch
+  bool pushed_{false};
+  bool ring_full_{false};
+  Run run_;
+  Barrier barrier_;
+  std::deque<Aside> asides_;
+  std::uint64_t tool_order_{0};  ///< in progress at io
+  bool tool_order_is_prepare_{false};
+  double input_value_{0};
+  UserProgram user_;
+  std::FILE* log_{nullptr};
+  std::string file_;  ///< open program
+  std::string command_;
+  std::int32_t program_lines_{0};
+  double progress_{0};
+  WaitingFor waiting_for_;
+  InterpreterView view_;
+};
+
+}  // namespace kerf::task

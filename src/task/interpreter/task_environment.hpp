@@ -1,0 +1,45 @@
+// TaskEnvironment: what the interpreter asks of the real machine.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "ini/ini_file.hpp"
+#include "interp/environment.hpp"
+#include "io/tool_store.hpp"
+#include "task/machine_config.hpp"
+
+namespace kerf::task {
+
+/// Reads a HAL pin, signal or parameter as a number; nullopt: no such name.
+using HalReader = std::function<std::optional<double>(std::string_view)>;
+
+class TaskEnvironment final : public interp::Environment {
+ public:
+  TaskEnvironment(const MachineSetup& setup, const ini::IniFile& ini, io::ToolStore& tools,
+                  HalReader hal)
+      : setup_(setup), ini_(ini), tools_(tools), hal_(std::move(hal)) {}
+
+  std::optional<interp::Tool> find_tool(int number) override;
+  std::optional<interp::Tool> find_pocket(int pocket) override;
+  std::string find_sub(std::string_view name) override;
+  interp::UserMcode find_user_mcode(int number) override;
+  std::optional<double> hal_value(std::string_view name) override;
+  std::optional<double> ini_value(std::string_view section, std::string_view key) override;
+
+  /// Full path of a program as the operator named it: as it is, then in PROGRAM_PREFIX.
+  [[nodiscard]] std::string find_program(const std::string& name) const;
+
+ private:
+  const MachineSetup& setup_;
+  const ini::IniFile& ini_;
+  io::ToolStore& tools_;
+  HalReader hal_;
+};
+
+/// Looks for the program of a user M-code: PROGRAM_PREFIX, USER_M_PATH, SUBROUTINE_PATH, each time anew, so that a program
+/// that is added while the machine runs is found. `cause` names which of the documented causes it is.
+[[nodiscard]] interp::UserMcode find_user_mcode(const ProgramPaths& paths, int number);
+
+}  // namespace kerf::task

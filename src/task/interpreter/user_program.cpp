@@ -1,0 +1,165 @@
+#include "task/interpreter/user_program.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <sys/timerfd.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+extern char** environ;
+
+namespace kerf::task {
+
+using rtapi::Errc;
+using rtapi::fail;
+
+namespace {
+
+constexpr std::size_t kKeptError = 4096;
+constexpr long kGraceNs = 200'000'000;
+
+void close_one(int& fd) {
+  if (fd >= 0) ::close(fd);
+  fd = -1;
+}
+
+std::string read_tail(int fd) {
+  const off_t size = ::lseek(fd, 0, SEEK_END);
+  const off_t from =
+      size > static_cast<off_t>(kKeptError) ? size - static_cast<off_t>(kKeptError) : 0;
+  std::string out(static_cast<std::size_t>(size - from), '\0');
+  const ssize_t n = ::pread(fd, out.data(), out.size(), from);
+  out.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
+  return out;
+}
+
+}  // namespace
+
+UserProgram::~UserProgram() {
+  if (pid_ > 0) {
+    (void)::kill(-pid_, SIGKILL);
+    (void)::waitpid(pid_, nullptr, 0);
+  }
+  close_all();
+}
+
+void UserProgram::close_all() {
+  close_one(pidfd_);
+  close_one(error_fd_);
+  close_one(grace_fd_);
+  pid_ = 0;
+}
+
+rtapi::Status UserProgram::start(
+    const std::string& path, const std::vector<std::string>& arguments,
+    const std::vector<std::pair<std::string, std::string>>& environment) {
+  if (running()) return fail(Errc::busy, "a user program runs already");
+  error_fd_ = ::memfd_create("kerf-user-program", MFD_CLOEXEC);
+  if (error_fd_ < 0)
+    return fail(Errc::system,
+                std::string("cannot keep the program's messages: ") + std::strerror(errno));
+
+  std::vector<std::string> own;
+  for (const auto& [name, value] : environment) own.push_back(name + "=" + value);
+  std::vector<char*> env;
+  for (char** e = environ; *e != nullptr; ++e) {
+    bool replaced = false;
+    for (const auto& [name, value] : environment)
+      replaced = replaced ||
+                 (std::strncmp(*e, name.c_str(), name.size()) == 0 && (*e)[name.size()] == '=');
+    if (!replaced) env.push_back(*e);
+  }
+  for (auto& e : own) env.push_back(e.data());
+  env.push_back(nullptr);
+
+  std::vector<std::string> words{path};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (auto& w : words) argv.push_back(w.data());
+  argv.push_back(nullptr);
+
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawnattr_init(&attributes);
+  ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  ::posix_spawn_file_actions_adddup2(&actions, error_fd_, STDERR_FILENO);
+  sigset_t none, all;
+  ::sigemptyset(&none);
+  ::sigfillset(&all);
+  ::posix_spawnattr_setsigmask(&attributes, &none);
+  ::posix_spawnattr_setsigdefault(&attributes, &all);
+  ::posix_spawnattr_setpgroup(&attributes, 0);
+  ::posix_spawnattr_setflags(
+      &attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  pid_t pid = 0;
+  int error = ::posix_spawn(&pid, path.c_str(), &actions, &attributes, argv.data(), env.data());
+  if (error == ENOEXEC) {
+    // A script without #! runs in the shell, as it does when typed at one.
+    std::string shell = "/bin/sh";
+    argv.insert(argv.begin(), shell.data());
+    error = ::posix_spawn(&pid, shell.c_str(), &actions, &attributes, argv.data(), env.data());
+  }
+  ::posix_spawn_file_actions_destroy(&actions);
+  ::posix_spawnattr_destroy(&attributes);
+  if (error != 0) {
+    close_all();
+    return fail(Errc::system, "cannot run " + path + ": " + std::strerror(error));
+  }
+  pid_ = pid;
+  pidfd_ = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
+  if (pidfd_ < 0) {
+    const std::string why = std::strerror(errno);
+    (void)::kill(-pid_, SIGKILL);
+    (void)::waitpid(pid_, nullptr, 0);
+    close_all();
+    return fail(Errc::system, "cannot watch " + path + ": " + why);
+  }
+  return {};
+}
+
+std::optional<UserProgram::Exit> UserProgram::poll() {
+  if (pid_ <= 0) return std::nullopt;
+  int status = 0;
+  const pid_t ended = ::waitpid(pid_, &status, WNOHANG);
+  if (ended == 0) {
+    std::uint64_t expirations = 0;
+    if (grace_fd_ >= 0 && ::read(grace_fd_, &expirations, sizeof expirations) > 0)
+      (void)::kill(-pid_, SIGKILL);
+    return std::nullopt;
+  }
+  if (grace_fd_ >= 0) (void)::kill(-pid_, SIGKILL);  // its children outlived the polite request
+  Exit out;
+  out.status = ended < 0 ? 255 : WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  out.error_text = read_tail(error_fd_);
+  if (!out.error_text.empty())
+    (void)!::write(STDERR_FILENO, out.error_text.data(), out.error_text.size());
+  while (!out.error_text.empty() && (out.error_text.back() == '\n' || out.error_text.back() == ' '))
+    out.error_text.pop_back();
+  close_all();
+  return out;
+}
+
+void UserProgram::terminate() {
+  if (pid_ <= 0 || grace_fd_ >= 0) return;
+  (void)::kill(-pid_, SIGTERM);
+  grace_fd_ = ::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK);
+  const itimerspec grace{{0, 0}, {0, kGraceNs}};
+  if (grace_fd_ < 0 || ::timerfd_settime(grace_fd_, 0, &grace, nullptr) != 0)
+    (void)::kill(-pid_, SIGKILL);
+}
+
+void UserProgram::add_to(rtapi::WaitSpec& spec) const {
+  if (pid_ <= 0) return;
+  spec.watch_fd(pidfd_);
+  if (grace_fd_ >= 0) spec.watch_fd(grace_fd_);
+  spec.holds_time = true;
+}
+
+}  // namespace kerf::task

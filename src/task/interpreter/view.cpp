@@ -1,0 +1,69 @@
+// What the interpreter thread shows of itself.
+#include <cstring>
+
+#include "task/interpreter/interpreter_participant.hpp"
+
+namespace kerf::task {
+
+void InterpreterParticipant::fill_waiting(InterpreterView& view) const {
+  view.waiting_for = waiting_for_;
+  view.exec_state = ExecState::done;
+  view.interp_state = InterpState::idle;
+  if (run_.failed) view.exec_state = ExecState::error;
+  if (!run_.active) return;
+  const bool paused = stopped_ || barrier_.pausing || p_.exchange.paused.get() != 0;
+  view.interp_state = paused ? InterpState::paused
+                      : (run_.source_done || run_.sync_pending || ring_full_)
+                          ? InterpState::waiting
+                          : InterpState::reading;
+  if (!executed())
+    view.exec_state =
+        ring_full_ ? ExecState::waiting_for_motion_queue : ExecState::waiting_for_motion;
+  if (list_.empty() || !barrier_.begun) return;
+  const TaskItemBody& body = list_.front().body;
+  if (std::holds_alternative<ChangeTool>(body))
+    view.exec_state = ExecState::waiting_for_motion_and_io;
+  if (std::holds_alternative<UserMcodeRun>(body))
+    view.exec_state = ExecState::waiting_for_system_cmd;
+  if (std::holds_alternative<WaitInput>(body)) view.exec_state = ExecState::waiting_for_delay;
+  if (std::holds_alternative<WaitOrient>(body))
+    view.exec_state = ExecState::waiting_for_spindle_oriented;
+}
+
+void InterpreterParticipant::show() {
+  const BlockRecord& at = history_.present();
+  InterpreterView& view = view_;
+  const InterpreterView before = view_;
+  fill_waiting(view);
+  view.file = rtapi::FixedString<255>(file_);
+  view.command = rtapi::FixedString<127>(command_);
+  view.source = rtapi::FixedString<255>(interp_.file_name(static_cast<std::uint32_t>(at.tag.file)));
+  view.current_line = at.tag.line;
+  view.call_level = at.tag.call_level;
+  view.read_line = interp_.next_line();
+  view.program_lines = program_lines_;
+  if (run_.active && !run_.mdi && at.tag.call_level == 0 && program_lines_ > 0)
+    progress_ = static_cast<double>(at.tag.line) / program_lines_;
+  view.progress = progress_;
+  const auto g = at.modal.active_g_codes();
+  const auto m = at.modal.active_m_codes();
+  const auto s = at.modal.settings();
+  for (std::size_t i = 0; i < g.size(); ++i) view.g_codes[i] = g[i];
+  for (std::size_t i = 0; i < m.size(); ++i) view.m_codes[i] = m[i];
+  for (std::size_t i = 0; i < s.size(); ++i) view.settings[i] = s[i];
+  view.g5x_index = at.modal.coord_system;
+  view.program_units = at.modal.units == interp::Units::inch ? 1 : 2;
+  view.g5x_offset = at.modal.frame.g5x();
+  view.g92_offset = at.modal.frame.g92();
+  view.tool_offset = at.modal.frame.tool();
+  view.rotation_deg = at.modal.frame.rotation_deg();
+  for (std::size_t i = 0; i < kMaxSpindles; ++i) view.spindle_rpm[i] = at.modal.speed_rpm[i];
+  view.settled_epoch = aborting_ ? epoch_ - 1 : epoch_;
+  view.idle = !run_.active && !aborting_ && p_.exchange.queued() == 0;
+  view.running_program = run_.active && !run_.mdi;
+  view.program_open = interp_.is_open();
+  view.stopped = stopped_ || barrier_.pausing;
+  if (std::memcmp(&before, &view, sizeof view) != 0) p_.exchange.show(view);
+}
+
+}  // namespace kerf::task

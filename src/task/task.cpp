@@ -1,0 +1,189 @@
+#include "task/task.hpp"
+
+#include "hal/core/view.hpp"
+#include "io/iocontrol.hpp"
+#include "rtapi/log/log.hpp"
+#include "task/api/message_reader.hpp"
+#include "task/command/command_participant.hpp"
+#include "task/exchange.hpp"
+#include "task/hal_io_pins.hpp"
+#include "task/interpreter/interpreter_participant.hpp"
+#include "task/machine_config.hpp"
+
+namespace kerf::task {
+
+using rtapi::Errc;
+using rtapi::fail;
+
+struct Task::Parts {
+  const ini::IniFile& ini;
+  rtapi::Segment& segment;
+  hal::Session* session;
+  TaskOptions options;
+  MachineSetup setup;
+  std::string warnings;
+  TaskShared* shared{nullptr};
+  motion::MotionShared* motion{nullptr};
+  std::unique_ptr<HalIoPins> hal_pins;
+  std::unique_ptr<io::ToolStore> tools;
+  std::unique_ptr<io::IoLink> link;
+  std::unique_ptr<io::IoControl> iocontrol;
+  std::unique_ptr<Exchange> exchange;
+  std::unique_ptr<TaskEnvironment> environment;
+  std::unique_ptr<InterpreterParticipant> interpreter;
+  std::unique_ptr<CommandParticipant> command;
+};
+
+namespace {
+
+rtapi::Result<TaskShared*> find_or_make(rtapi::Segment& segment) {
+  auto found = segment.find<TaskShared>(kTaskBlock, kTaskAbi);
+  if (found.ok() || found.error().code != Errc::not_found) return found;
+  return segment.make<TaskShared>(kTaskBlock, kTaskAbi);
+}
+
+std::optional<double> to_number(hal::Type type, std::uint64_t raw) {
+  switch (type) {
+    case hal::Type::bit: return hal::from_raw<bool>(raw) ? 1.0 : 0.0;
+    case hal::Type::floating: return hal::from_raw<double>(raw);
+    case hal::Type::s32: return hal::from_raw<std::int32_t>(raw);
+    case hal::Type::u32: return hal::from_raw<std::uint32_t>(raw);
+    case hal::Type::s64: return static_cast<double>(hal::from_raw<std::int64_t>(raw));
+    case hal::Type::u64: return static_cast<double>(hal::from_raw<std::uint64_t>(raw));
+    default: return std::nullopt;
+  }
+}
+
+HalReader hal_reader(rtapi::Segment& segment) {
+  return [&segment](std::string_view name) -> std::optional<double> {
+    const hal::View view(segment);
+    if (!view.attached()) return std::nullopt;
+    if (const auto pin = view.find_pin(name)) return to_number(pin->type, pin->raw);
+    if (const auto param = view.find_param(name)) return to_number(param->type, param->raw);
+    if (const auto signal = view.find_signal(name)) return to_number(signal->type, signal->raw);
+    return std::nullopt;
+  };
+}
+
+}  // namespace
+
+rtapi::Status make_task_block(rtapi::Segment& segment) {
+  auto block = find_or_make(segment);
+  if (!block.ok()) return rtapi::Failure{block.error()};
+  return {};
+}
+
+Task::Task(const ini::IniFile& ini, rtapi::Segment& segment, hal::Session* session,
+           TaskOptions options)
+    : parts_(new Parts{ini,
+                       segment,
+                       session,
+                       options,
+                       {},
+                       {},
+                       nullptr,
+                       nullptr,
+                       {},
+                       {},
+                       {},
+                       {},
+                       {},
+                       {},
+                       {},
+                       {}}) {}
+
+Task::~Task() = default;
+
+rtapi::Status Task::start() {
+  KERF_CHECK(prepare());
+  return connect();
+}
+
+rtapi::Status Task::prepare() {
+  Parts& p = *parts_;
+  SetupResult setup = read_machine_setup(p.ini);
+  if (!setup.ok) {
+    std::string text = setup.text();
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    return fail(Errc::bad_argument, text);
+  }
+  p.warnings = setup.text();
+  p.setup = std::move(setup.setup);
+
+  auto shared = find_or_make(p.segment);
+  if (!shared.ok()) return rtapi::Failure{shared.error()};
+  p.shared = *shared;
+  p.shared->ready.publish(0);
+
+  p.tools = std::make_unique<io::ToolStore>(p.setup.tools.table_file, p.setup.linear_unit_mm);
+  KERF_CHECK(p.tools->load());
+  p.link =
+      std::make_unique<io::IoLink>(p.shared->to_io, p.shared->to_command, p.shared->to_interpreter);
+  io::IoPins* pins = p.options.pins;
+  if (pins == nullptr) {
+    if (p.session == nullptr) return fail(Errc::bad_argument, "task needs a HAL session or pins");
+    p.hal_pins = std::make_unique<HalIoPins>(*p.session);
+    KERF_CHECK(p.hal_pins->status());
+    pins = p.hal_pins.get();
+  }
+  p.iocontrol = std::make_unique<io::IoControl>(*p.link, p.shared->to_io, *pins, *p.tools,
+                                                p.setup.tools.random_changer);
+  return {};
+}
+
+rtapi::Status Task::connect() {
+  Parts& p = *parts_;
+  auto motion = p.segment.find<motion::MotionShared>(motion::kMotionBlock, motion::kMotionAbi);
+  if (!motion.ok() && motion.error().code == Errc::not_found)
+    return fail(Errc::not_found, "no motion in instance '" + p.segment.instance() +
+                                     "': motmod is not loaded; a HAL file must say: loadrt motmod "
+                                     "servo_period_nsec=1000000 num_joints=" +
+                                     std::to_string(p.setup.motion.joints));
+  if (!motion.ok()) return rtapi::Failure{motion.error()};
+  p.motion = *motion;
+  p.exchange = std::make_unique<Exchange>(p.shared->to_command, p.shared->to_interpreter);
+  p.environment = std::make_unique<TaskEnvironment>(
+      p.setup, p.ini, *p.tools, p.session != nullptr ? hal_reader(p.segment) : HalReader{});
+  p.interpreter = std::make_unique<InterpreterParticipant>(
+      InterpreterParticipant::Parts{*p.motion, *p.shared, *p.exchange, *p.link, *p.tools, p.setup,
+                                    *p.environment, p.segment.instance()});
+  KERF_CHECK(p.interpreter->init());
+  p.command = std::make_unique<CommandParticipant>(CommandParticipant::Parts{
+      *p.motion, *p.shared, *p.exchange, *p.link, p.setup, p.options.pid});
+  if (p.options.listen)
+    KERF_CHECK(p.command->listen(rtapi::socket_name(p.segment.instance(), kTaskService)));
+  return {};
+}
+
+const std::string& Task::warnings() const { return parts_->warnings; }
+
+std::vector<rtapi::Participant*> Task::participants() {
+  return {parts_->command.get(), parts_->interpreter.get(), parts_->iocontrol.get()};
+}
+
+std::uint64_t Task::submit(const std::vector<std::string>& words) {
+  return parts_->command->submit(words);
+}
+void Task::submit_json(const std::string& json) { parts_->command->submit_json(json); }
+std::optional<Reply> Task::outcome(std::uint64_t id) const { return parts_->command->outcome(id); }
+
+TaskStatus Task::status() const {
+  TaskStatus status;
+  (void)parts_->shared->status.read(status);
+  return status;
+}
+
+TaskShared& Task::shared() { return *parts_->shared; }
+
+std::vector<OperatorMessage> Task::messages(std::uint64_t& cursor) const {
+  return read_messages(parts_->shared->messages, cursor);
+}
+
+void Task::shut_down() {
+  if (!parts_->command) return;
+  parts_->command->shut_down();
+  if (auto saved = parts_->interpreter->save_parameters(); !saved.ok())
+    rtapi::log_error(saved.error());
+}
+
+}  // namespace kerf::task
