@@ -173,7 +173,9 @@ Outcome Core::execute_block(ParsedBlock& b) {
     return finish_block(b);
   }
   if (b.skip && block_delete) return Outcome::ok;
-  if (!b.words.empty() || !b.assignments.empty() || b.flow != Flow::none) flows.started = true;
+  if (!b.words.empty() || !b.assignments.empty() || b.flow != Flow::none ||
+      b.comment != CommentKind::none)
+    flows.started = true;
   if (b.flow != Flow::none) return run_flow(b);
   if (!build(b, block_) || !assign(b) || !run_comment(b) || !run_rows(block_)) {
     undo_block();

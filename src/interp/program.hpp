@@ -66,7 +66,8 @@ struct Flows {
   std::vector<Frame> frames;                           ///< [0] is the main program, or MDI
   std::unordered_map<std::string, FileAndPlace> subs;  ///< definitions seen, by label
   Skip skip;
-  bool started{false};        ///< something other than comments was seen: a % now ends the file
+  bool started{
+      false};  ///< something other than blank lines was seen: no % can open the file any more
   std::vector<Frame> parked;  ///< the main program while an MDI line runs
   bool mdi{false};
   ParsedBlock* last_cached{nullptr};  ///< to link a line to the one before it

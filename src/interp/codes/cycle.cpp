@@ -74,8 +74,7 @@ void bore(const Hole& h) {
 void bore_dwell(const Hole& h) {
   h.feed(h.bottom);
   h.c.out.call<&Canon::dwell>(h.dwell);
-  h.feed(h.r);
-  h.traverse(h.clear);
+  h.feed(h.clear);
 }
 
 struct CycleRow {

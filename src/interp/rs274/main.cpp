@@ -139,12 +139,12 @@ class Session {
     if (options_.stack) std::fprintf(stderr, "call level %d\n", e.call_level);
   }
 
-  /// There is no machine: whatever was asked for has happened.
+  /// There is no machine: what was asked for has happened, and a probe found nothing.
   void synchronize() {
     ExternalState state;
     if (interp_.sync_reason() == SyncReason::probe) {
       CanonFrame frame = interp_.modal().frame;
-      state.probe = ExternalState::Probe{frame.to_machine(interp_.modal().position), true};
+      state.probe = ExternalState::Probe{frame.to_machine(interp_.modal().position), false};
     }
     interp_.synchronize(state);
   }

@@ -204,7 +204,7 @@ TEST(Program, NeedsAnEnd) {
   EXPECT_EQ(rig.run("G0 X1\n").substr(66),
             "error: File ended with no percent sign (%) or program end (M2)");
   EXPECT_EQ(rig.run("%\n").substr(0, 46), "error: File ended with no percent sign (%)");
-  EXPECT_EQ(rig.run("(head)\n%\nM8\n%\nM9\n"), "COMMENT(\"head\")\nFLOOD_ON()\nFINISH()\n");
+  EXPECT_EQ(rig.run("\n%\nM8\n%\nM9\n"), "FLOOD_ON()\nFINISH()\n");
   EXPECT_EQ(rig.run("M8\n%\n"), "FLOOD_ON()\nerror: Bad character '%' used");
   (void)rig.run("M2");
   EXPECT_EQ(rig.run("M2"), rig.run("M2\n"))

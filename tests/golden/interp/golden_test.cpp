@@ -1,0 +1,95 @@
+// Golden canon output: each directory beside this file is one case (test.ngc, expected, README, perhaps tools.tbl).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "interp/interpreter.hpp"
+#include "interp/rs274/bench_environment.hpp"
+#include "interp/text_canon.hpp"
+
+namespace kerf::interp {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kCases = fs::path(KERF_SOURCE_DIR) / "tests/golden/interp";
+
+std::string read(const fs::path& path) {
+  std::ostringstream s;
+  s << std::ifstream(path).rdbuf();
+  return s.str();
+}
+
+std::string interpret(const fs::path& dir) {
+  char* text = nullptr;
+  std::size_t size = 0;
+  std::FILE* out = open_memstream(&text, &size);
+  {
+    constexpr double kInch = 25.4;  // as rs274 without an INI file
+    Settings settings;
+    settings.machine_unit_mm = kInch;
+    settings.start_units = Units::mm;
+    BenchEnvironment world;
+    world.add_directory(dir.string());
+    if (fs::exists(dir / "tools.tbl")) {
+      EXPECT_TRUE(world.load_tools((dir / "tools.tbl").string(), kInch).ok());
+    }
+    TextCanon canon(out);
+    Interpreter interp(world, canon, settings);
+    interp.init();
+    EXPECT_TRUE(interp.open((dir / "test.ngc").string()).ok());
+    for (int i = 0; i < 100000; ++i) {
+      const Outcome o = interp.execute_next();
+      if (o == Outcome::needs_sync) {
+        ExternalState state;
+        if (interp.sync_reason() == SyncReason::probe)
+          state.probe =
+              ExternalState::Probe{interp.modal().frame.to_machine(interp.modal().position), false};
+        interp.synchronize(state);
+      }
+      if (o == Outcome::error) {
+        const InterpError& e = interp.error();
+        std::fprintf(out, "error in line %d, column %d: %s\nhelp: %s\n", e.line, e.column,
+                     e.text.c_str(), e.help.c_str());
+      }
+      if (o == Outcome::error || o == Outcome::program_end || o == Outcome::idle) break;
+    }
+  }
+  std::fclose(out);
+  std::string result(text, size);
+  std::free(text);
+  return result;
+}
+
+std::vector<std::string> cases() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(kCases)) {
+    if (entry.is_directory()) names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+class Golden : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Golden, PrintsWhatWasReviewed) {
+  const fs::path dir = kCases / GetParam();
+  const std::string got = interpret(dir);
+  if (std::getenv("KERF_GOLDEN_WRITE") != nullptr) std::ofstream(dir / "expected") << got;
+  EXPECT_TRUE(fs::exists(dir / "README"));
+  EXPECT_EQ(got, read(dir / "expected"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Interp, Golden, ::testing::ValuesIn(cases()), [](const auto& row) {
+  std::string name = row.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
+
+}  // namespace
+}  // namespace kerf::interp
