@@ -46,7 +46,7 @@ class JointLogger final : public hal::Component<JointLogger> {
     sample_.line = s.current.line;
     sample_.kind = s.kind;
     sample_.joints = s.joints;
-    sample_.path_empty = s.path_empty;
+    sample_.period_ns = static_cast<std::int32_t>(s.servo_period_ns);
     sample_.vel_mm_s = s.vel_mm_s;
     sample_.requested_vel_mm_s = s.requested_vel_mm_s;
     for (std::size_t i = 0; i < 3; ++i) sample_.position[i] = s.pos_cmd[i];

@@ -20,7 +20,7 @@ struct JointSample {
   std::int32_t line{0};     ///< and its line; 0: none
   MotionKind kind{MotionKind::none};
   std::int32_t joints{0};
-  std::int32_t period_ns{0};  ///< of the servo thread
+  std::int32_t period_ns{0};     ///< of the servo thread
   double vel_mm_s{0};            ///< along the path
   double requested_vel_mm_s{0};  ///< programmed, before overrides
   double position[3]{};          ///< commanded X Y Z, machine coordinates

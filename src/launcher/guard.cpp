@@ -1,0 +1,71 @@
+#include "launcher/guard.hpp"
+
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "launcher/process.hpp"
+#include "rtapi/shm/segment.hpp"
+
+namespace kerf::launcher {
+
+namespace {
+
+/// Children of a dead launcher end by themselves; those that do not are ended after this time.
+constexpr int kPatience_ms = 400;
+
+[[noreturn]] void watch(int fd, const std::string& instance, const std::string& run_id) {
+  (void)setsid();
+  (void)prctl(PR_SET_NAME, "kerf-guard");
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE})
+    (void)signal(number, SIG_IGN);
+  char word = 0;
+  ssize_t n = 0;
+  do {
+    n = read(fd, &word, 1);
+  } while (n < 0 && errno == EINTR);
+  if (n == 0) {
+    (void)end_processes_of_run(run_id, kPatience_ms);
+    (void)rtapi::Segment::remove(instance);
+  }
+  _exit(0);
+}
+
+}  // namespace
+
+rtapi::Status Guard::start(const std::string& instance, const std::string& run_id, int close_fd) {
+  int pair[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
+    return rtapi::fail(rtapi::Errc::system, std::string("no socket: ") + std::strerror(errno));
+  const pid_t pid = fork();
+  if (pid < 0) {
+    close(pair[0]);
+    close(pair[1]);
+    return rtapi::fail(rtapi::Errc::system, std::string("cannot fork: ") + std::strerror(errno));
+  }
+  if (pid == 0) {
+    close(pair[0]);
+    if (close_fd >= 0) close(close_fd);
+    watch(pair[1], instance, run_id);
+  }
+  close(pair[1]);
+  pid_ = pid;
+  fd_ = pair[0];
+  return {};
+}
+
+void Guard::release() {
+  if (fd_ < 0) return;
+  const char word = 'x';
+  (void)send(fd_, &word, 1, MSG_NOSIGNAL);
+  close(fd_);
+  fd_ = -1;
+  (void)waitpid(pid_, nullptr, 0);
+}
+
+}  // namespace kerf::launcher

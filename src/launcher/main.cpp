@@ -1,0 +1,22 @@
+// kerf: starts and supervises the machine of an INI file. Also installed as `linuxcnc`.
+#include <cstdio>
+#include <utility>
+
+#include "launcher/console.hpp"
+#include "launcher/options.hpp"
+#include "launcher/session.hpp"
+#include "rtapi/log/log.hpp"
+
+int main(int argc, char** argv) {
+  using namespace kerf;  // NOLINT(google-build-using-namespace): the program's own file
+  rtapi::set_program_name("kerf");
+  auto options = launcher::parse_options({argv + 1, argv + argc});
+  if (!options.ok()) {
+    const launcher::ParseEnd& end = options.error();
+    std::fputs(end.text.c_str(), end.exit_code == launcher::kExitOk ? stdout : stderr);
+    return end.exit_code;
+  }
+  launcher::Console console(options->verbose);
+  launcher::Session session(std::move(*options), console);
+  return session.run();
+}

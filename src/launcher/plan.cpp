@@ -1,0 +1,198 @@
+#include "launcher/plan.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+
+#include "ini/reader.hpp"
+#include "rtapi/base/suggest.hpp"
+
+namespace kerf::launcher {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool is_file(const std::string& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+bool ends_with(const std::string& text, std::string_view end) {
+  return text.size() >= end.size() &&
+         std::string_view(text).substr(text.size() - end.size()) == end;
+}
+
+std::vector<std::string> names_in(const std::string& dir, std::string_view suffix) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(dir, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (ends_with(name, suffix)) names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+class Planner {
+ public:
+  Planner(const ini::IniFile& file, const HalSearch& search)
+      : file_(file), reader_(file), search_(search) {}
+
+  LaunchPlan make() {
+    std::error_code ignored;
+    plan_.ini_path = fs::absolute(file_.name(), ignored).lexically_normal().string();
+    plan_.ini_dir = fs::path(plan_.ini_path).parent_path().string();
+    plan_.machine_name = reader_.string("EMC", "MACHINE", "machine");
+    read_kerf();
+    read_hal();
+    read_programs();
+    for (const ini::Diagnostic& d : reader_.complaints()) plan_.diagnostics.push_back(d);
+    for (const ini::Diagnostic& d : reader_.unknown_keys({"KERF"})) plan_.diagnostics.push_back(d);
+    plan_.ok = std::none_of(plan_.diagnostics.begin(), plan_.diagnostics.end(),
+                            [](const ini::Diagnostic& d) { return d.is_error; });
+    return std::move(plan_);
+  }
+
+ private:
+  void complain(const ini::Position& at, const std::string& text, bool is_error = true) {
+    plan_.diagnostics.push_back({at, is_error, text});
+  }
+
+  void read_kerf() {
+    plan_.virtual_time = reader_.choice("KERF", "CLOCK", {"real", "virtual"}, 0) == 1;
+    const auto mb = reader_.integer("KERF", "SEGMENT_MB",
+                                    {.fallback = 64, .min = 16, .max = 4096, .unit = "MiB"});
+    plan_.segment_mb = static_cast<std::size_t>(mb);
+    plan_.rt_cpus = reader_.string("KERF", "RT_CPUS", "");
+    if (plan_.rt_cpus.find_first_not_of("0123456789,- ") != std::string::npos) {
+      reader_.complain("KERF", "RT_CPUS",
+                       "'" + plan_.rt_cpus + "': expected processor numbers such as 2,3 or 2-3");
+    }
+  }
+
+  /// Path of a HAL file as the manual says it is searched; "" after a complaint.
+  std::string find_hal_file(const ini::Entry& entry) {
+    const std::vector<std::string> words = split_words(entry.value);
+    if (words.empty()) return {};
+    std::string name = words.front();
+    std::vector<std::string> dirs;
+    if (name.rfind("LIB:", 0) == 0) {
+      name = name.substr(4);
+      dirs = search_.library;
+    } else {
+      dirs = search_.first;
+      dirs.push_back(plan_.ini_dir);
+      dirs.insert(dirs.end(), search_.library.begin(), search_.library.end());
+    }
+    if (ends_with(name, ".tcl")) {
+      complain(entry.at, "[HAL]" + entry.key + " = " + entry.value +
+                             ": HAL files in Tcl are not supported yet; use a .hal file");
+      return {};
+    }
+    name = ini::expand_tilde(name);
+    if (!name.empty() && name.front() == '/') dirs = {""};
+    for (const std::string& dir : dirs) {
+      const std::string path = resolve_from(dir, name);
+      if (is_file(path)) return path;
+    }
+    std::vector<std::string> known;
+    for (const std::string& dir : dirs) {
+      const auto more = names_in(dir.empty() ? fs::path(name).parent_path().string() : dir, ".hal");
+      known.insert(known.end(), more.begin(), more.end());
+    }
+    std::string where;
+    for (const std::string& dir : dirs)
+      if (!dir.empty()) where += (where.empty() ? " in " : ", ") + dir;
+    complain(entry.at, "[HAL]" + entry.key + ": no file '" + name + "'" + where +
+                           rtapi::did_you_mean(fs::path(name).filename().string(), known));
+    return {};
+  }
+
+  void add_files(const char* key, std::vector<HalStep>& steps) {
+    for (const ini::Entry* entry : file_.find_all("HAL", key)) {
+      const std::string path = find_hal_file(*entry);
+      if (!path.empty()) steps.push_back({true, path, entry->at});
+    }
+  }
+
+  void add_commands(const char* key, std::vector<HalStep>& steps) {
+    for (const ini::Entry* entry : file_.find_all("HAL", key))
+      if (!entry->value.empty()) steps.push_back({false, entry->value, entry->at});
+  }
+
+  void read_hal() {
+    add_files("HALFILE", plan_.hal);
+    if (file_.find("HAL", "HALFILE") == nullptr) {
+      complain(file_.section_position("HAL"),
+               "no [HAL]HALFILE: nothing would load motion control and connect the machine");
+    }
+    add_commands("HALCMD", plan_.hal);
+    add_files("POSTGUI_HALFILE", plan_.postgui);
+    add_commands("POSTGUI_HALCMD", plan_.postgui);
+    add_files("SHUTDOWN", plan_.shutdown);
+    plan_.halui = reader_.string("HAL", "HALUI", "");
+    if (const ini::Entry* entry = file_.find("HAL", "TWOPASS");
+        entry != nullptr && !entry->value.empty())
+      complain(entry->at, "[HAL]TWOPASS is not supported yet: files are read once", false);
+  }
+
+  void read_programs() {
+    if (const std::string task = reader_.string("TASK", "TASK", ""); !task.empty())
+      plan_.task_program = task;
+    plan_.display = split_words(reader_.string("DISPLAY", "DISPLAY", ""));
+    for (const std::string& text : reader_.strings("APPLICATIONS", "APP")) {
+      if (auto words = split_words(text); !words.empty())
+        plan_.applications.push_back(std::move(words));
+    }
+    std::string open = reader_.string("DISPLAY", "OPEN_FILE", "");
+    if (open == "\"\"") open.clear();
+    if (!open.empty()) plan_.open_file = resolve_from(plan_.ini_dir, open);
+  }
+
+  const ini::IniFile& file_;
+  ini::Reader reader_;
+  const HalSearch& search_;
+  LaunchPlan plan_;
+};
+
+}  // namespace
+
+std::string resolve_from(const std::string& dir, const std::string& path) {
+  const fs::path expanded = ini::expand_tilde(path);
+  if (expanded.is_absolute() || dir.empty()) return expanded.lexically_normal().string();
+  return (fs::path(dir) / expanded).lexically_normal().string();
+}
+
+std::vector<std::string> split_words(const std::string& text) {
+  std::vector<std::string> words;
+  std::string word;
+  bool inside = false;
+  char quote = 0;
+  for (const char c : text) {
+    if (quote != 0) {
+      if (c == quote)
+        quote = 0;
+      else
+        word += c;
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+      inside = true;
+    } else if (c == ' ' || c == '\t') {
+      if (inside) words.push_back(std::move(word));
+      word.clear();
+      inside = false;
+    } else {
+      word += c;
+      inside = true;
+    }
+  }
+  if (inside) words.push_back(std::move(word));
+  return words;
+}
+
+LaunchPlan make_plan(const ini::IniFile& file, const HalSearch& search) {
+  return Planner(file, search).make();
+}
+
+}  // namespace kerf::launcher

@@ -1,0 +1,53 @@
+// What an INI file says of the start of a machine: which programs, which HAL files, in which order.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "ini/ini_file.hpp"
+
+namespace kerf::launcher {
+
+/// A HAL file or a single HAL command, and where the INI file asks for it.
+struct HalStep {
+  bool is_file{true};
+  std::string text;  ///< absolute path, or the command
+  ini::Position at;
+};
+
+struct LaunchPlan {
+  std::string ini_path;  ///< absolute
+  std::string ini_dir;   ///< working directory of everything that is started
+  std::string machine_name;
+  bool virtual_time{false};      ///< [KERF]CLOCK
+  std::size_t segment_mb{64};    ///< [KERF]SEGMENT_MB
+  std::string rt_cpus;           ///< [KERF]RT_CPUS, "" any
+  std::vector<HalStep> hal;      ///< [HAL]HALFILE in order, then [HAL]HALCMD in order
+  std::vector<HalStep> postgui;  ///< POSTGUI_HALFILE, then POSTGUI_HALCMD
+  std::vector<HalStep> shutdown;
+  std::string task_program{"milltask"};                ///< [TASK]TASK
+  std::string halui;                                   ///< [HAL]HALUI, "" none
+  std::vector<std::string> display;                    ///< [DISPLAY]DISPLAY in words, empty: none
+  std::vector<std::vector<std::string>> applications;  ///< [APPLICATIONS]APP
+  std::string open_file;                               ///< [DISPLAY]OPEN_FILE, absolute, "" none
+  std::vector<ini::Diagnostic> diagnostics;
+  bool ok{false};  ///< no error among the diagnostics
+};
+
+/// Where HAL files are looked for besides the INI's folder.
+struct HalSearch {
+  std::vector<std::string> first;    ///< -H
+  std::vector<std::string> library;  ///< for LIB:name, and last for all others
+};
+
+/// Reads the sections that the launcher owns. Missing files, Tcl files and bad values become diagnostics with file and line.
+[[nodiscard]] LaunchPlan make_plan(const ini::IniFile& file, const HalSearch& search);
+
+/// "~/x", "x" and "/x" as seen from `dir`.
+[[nodiscard]] std::string resolve_from(const std::string& dir, const std::string& path);
+
+/// Words of a command line: blanks separate, quotes of both kinds keep blanks.
+[[nodiscard]] std::vector<std::string> split_words(const std::string& text);
+
+}  // namespace kerf::launcher

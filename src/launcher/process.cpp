@@ -1,0 +1,200 @@
+#include "launcher/process.hpp"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+#include "rtapi/clock/real_clock.hpp"
+#include "rtapi/shm/process.hpp"
+
+namespace kerf::launcher {
+
+using rtapi::Errc;
+
+namespace {
+
+int open_pidfd(pid_t pid) { return static_cast<int>(syscall(SYS_pidfd_open, pid, 0)); }
+
+bool belongs_to_run(const std::string& pid, const std::string& wanted) {
+  std::ifstream file("/proc/" + pid + "/environ", std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  for (std::size_t at = text.find(wanted); at != std::string::npos;
+       at = text.find(wanted, at + 1)) {
+    const std::size_t end = at + wanted.size();
+    if ((at == 0 || text[at - 1] == '\0') && (end == text.size() || text[end] == '\0')) return true;
+  }
+  return false;
+}
+
+/// In the child, between fork and exec: only calls that are safe there.
+[[noreturn]] void become(char* const* words, bool terminal, int report_fd) {
+  setpgid(0, 0);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  if (!terminal) {
+    const int null = open("/dev/null", O_RDONLY);
+    if (null >= 0) dup2(null, STDIN_FILENO);
+  }
+  execvp(words[0], words);
+  const int error = errno;
+  [[maybe_unused]] const ssize_t written = write(report_fd, &error, sizeof error);
+  _exit(127);
+}
+
+void reap_children() {
+  while (waitpid(-1, nullptr, WNOHANG) > 0) {
+  }
+}
+
+void signal_run(const std::string& run_id, pid_t except, int number) {
+  for (const pid_t pid : processes_of_run(run_id, except)) {
+    // The descriptor pins the process: a number that was used again meanwhile is seen by the second look.
+    const int fd = open_pidfd(pid);
+    if (fd < 0) continue;
+    if (belongs_to_run(std::to_string(pid), "KERF_RUN_ID=" + run_id))
+      (void)syscall(SYS_pidfd_send_signal, fd, number, nullptr, 0);
+    close(fd);
+  }
+}
+
+}  // namespace
+
+std::string describe_exit(const ExitState& state) {
+  if (state.by_signal) {
+    return "was killed by signal " + std::to_string(state.number) + " (" +
+           std::string(strsignal(state.number)) + ")";
+  }
+  return "ended with exit code " + std::to_string(state.number);
+}
+
+rtapi::Result<Child> Child::start(const std::vector<std::string>& words, bool terminal) {
+  std::vector<char*> argv;
+  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(nullptr);
+  int report[2];
+  if (pipe2(report, O_CLOEXEC) != 0)
+    return rtapi::fail(Errc::system, std::string("no pipe: ") + std::strerror(errno));
+  const pid_t pid = fork();
+  if (pid == 0) become(argv.data(), terminal, report[1]);
+  close(report[1]);
+  int error = pid < 0 ? errno : 0;
+  // The pipe closes by itself when exec succeeds.
+  if (pid > 0 && read(report[0], &error, sizeof error) != sizeof error) error = 0;
+  close(report[0]);
+  if (error != 0) {
+    if (pid > 0) waitpid(pid, nullptr, 0);
+    return rtapi::fail(Errc::not_found,
+                       "cannot start '" + words.front() + "': " + std::strerror(error));
+  }
+  Child child;
+  const std::size_t slash = words.front().rfind('/');
+  child.name_ = slash == std::string::npos ? words.front() : words.front().substr(slash + 1);
+  child.pid_ = pid;
+  child.pidfd_ = open_pidfd(pid);
+  if (child.pidfd_ >= 0) (void)fcntl(child.pidfd_, F_SETFD, FD_CLOEXEC);
+  return child;
+}
+
+Child::Child(Child&& other) noexcept { *this = std::move(other); }
+
+Child& Child::operator=(Child&& other) noexcept {
+  std::swap(name_, other.name_);
+  std::swap(pid_, other.pid_);
+  std::swap(pidfd_, other.pidfd_);
+  std::swap(exit_, other.exit_);
+  return *this;
+}
+
+Child::~Child() {
+  if (pidfd_ >= 0) close(pidfd_);
+}
+
+std::optional<ExitState> Child::poll_exit() {
+  if (exit_ || pid_ <= 0) return exit_;
+  int status = 0;
+  const pid_t got = waitpid(pid_, &status, WNOHANG);
+  if (got == 0) return std::nullopt;
+  if (got == pid_ && WIFSIGNALED(status))
+    exit_ = ExitState{true, WTERMSIG(status)};
+  else
+    exit_ = ExitState{false, got == pid_ ? WEXITSTATUS(status) : 0};
+  return exit_;
+}
+
+void Child::signal(int number) {
+  if (pid_ <= 0 || !running()) return;
+  // Before the child has made its group there is only the process itself.
+  if (kill(-pid_, number) != 0) kill(pid_, number);
+}
+
+std::vector<pid_t> processes_of_run(const std::string& run_id, pid_t except) {
+  std::vector<pid_t> out;
+  const std::string wanted = "KERF_RUN_ID=" + run_id;
+  DIR* dir = opendir("/proc");
+  if (dir == nullptr) return out;
+  while (const dirent* entry = readdir(dir)) {
+    char* end = nullptr;
+    const auto pid = static_cast<pid_t>(std::strtol(entry->d_name, &end, 10));
+    if (pid <= 0 || *end != '\0' || pid == getpid() || pid == except) continue;
+    if (belongs_to_run(entry->d_name, wanted) && rtapi::process_lives(pid, 0)) out.push_back(pid);
+  }
+  closedir(dir);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+std::vector<std::string> end_processes_of_run(const std::string& run_id, int patience_ms,
+                                              pid_t except) {
+  std::vector<std::string> killed;
+  const auto gone_within = [&](int ms) {
+    const rtapi::Nanos limit = rtapi::monotonic_now() + ms * rtapi::kMillisecond;
+    for (int step = 1;; step = std::min(step * 2, 16)) {
+      reap_children();
+      if (processes_of_run(run_id, except).empty()) return true;
+      if (rtapi::monotonic_now() > limit) return false;
+      pause_ms(step);
+    }
+  };
+  signal_run(run_id, except, SIGTERM);
+  if (gone_within(patience_ms)) return killed;
+  // Whoever was born meanwhile is caught by the second round.
+  for (int round = 0; round < 3; ++round) {
+    for (const pid_t pid : processes_of_run(run_id, except))
+      killed.push_back(rtapi::process_name(pid));
+    signal_run(run_id, except, SIGKILL);
+    if (gone_within(300)) break;
+  }
+  return killed;
+}
+
+std::string find_program(const std::string& name) {
+  const auto usable = [](const std::string& path) { return access(path.c_str(), X_OK) == 0; };
+  if (name.empty()) return {};
+  if (name.find('/') != std::string::npos) return usable(name) ? name : std::string();
+  const char* path = std::getenv("PATH");
+  std::string rest = path == nullptr ? "" : path;
+  while (!rest.empty()) {
+    const std::size_t colon = rest.find(':');
+    const std::string dir = rest.substr(0, colon);
+    if (!dir.empty() && usable(dir + "/" + name)) return dir + "/" + name;
+    rest = colon == std::string::npos ? "" : rest.substr(colon + 1);
+  }
+  return {};
+}
+
+void pause_ms(int ms) { (void)poll(nullptr, 0, ms); }
+
+}  // namespace kerf::launcher

@@ -1,0 +1,67 @@
+// Child processes of the launcher, and whatever else runs for an instance.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rtapi/base/result.hpp"
+
+namespace kerf::launcher {
+
+/// How a process ended.
+struct ExitState {
+  bool by_signal{false};
+  int number{0};  ///< exit code or signal
+};
+
+/// "ended with exit code 3", "was killed by signal 9 (Killed)".
+[[nodiscard]] std::string describe_exit(const ExitState& state);
+
+/// One child process in a process group of its own, so that Ctrl-C at the terminal reaches the launcher only.
+class Child {
+ public:
+  /// Looks for the program as execvp does. Input comes from /dev/null unless `terminal`.
+  [[nodiscard]] static rtapi::Result<Child> start(const std::vector<std::string>& words,
+                                                  bool terminal = false);
+  Child(Child&& other) noexcept;
+  Child& operator=(Child&& other) noexcept;
+  /// Does not end the process.
+  ~Child();
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] pid_t pid() const { return pid_; }
+  /// Readable when the process has ended.
+  [[nodiscard]] int pidfd() const { return pidfd_; }
+  /// Nothing while it runs. Reaps it.
+  [[nodiscard]] std::optional<ExitState> poll_exit();
+  [[nodiscard]] bool running() { return !poll_exit().has_value(); }
+  /// To its whole process group.
+  void signal(int number);
+
+ private:
+  Child() = default;
+  std::string name_;
+  pid_t pid_{-1};
+  int pidfd_{-1};
+  std::optional<ExitState> exit_;
+};
+
+/// Processes whose environment names this start of the instance (KERF_RUN_ID), without this process and `except`.
+[[nodiscard]] std::vector<pid_t> processes_of_run(const std::string& run_id, pid_t except = -1);
+
+/// Ends them: SIGTERM, then SIGKILL for those that are left after `patience_ms` of real time. Reaps children of this process.
+/// Gives the names of those that had to be killed.
+std::vector<std::string> end_processes_of_run(const std::string& run_id, int patience_ms,
+                                              pid_t except = -1);
+
+/// Full path of a program found by PATH, or by itself when it has a slash; "" when it cannot be executed.
+[[nodiscard]] std::string find_program(const std::string& name);
+
+/// Waits `ms` of real time.
+void pause_ms(int ms);
+
+}  // namespace kerf::launcher

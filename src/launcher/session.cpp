@@ -1,0 +1,286 @@
+#include "launcher/session.hpp"
+
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "launcher/hal_link.hpp"
+#include "launcher/program_run.hpp"
+#include "launcher/prompt.hpp"
+#include "rtapi/clock/join_clock.hpp"
+#include "rtapi/clock/virtual_clock.hpp"
+#include "task/api/status.hpp"
+
+namespace kerf::launcher {
+
+using rtapi::Errc;
+using rtapi::Status;
+
+namespace {
+
+/// Real time that a part may take to come up.
+constexpr int kStartPatience_ms = 20'000;
+
+/// Command, interpreter and io: the threads of milltask that run on the instance's clock.
+constexpr int kTaskParticipants = 3;
+
+bool has_joined(const rtapi::Segment& segment, pid_t pid) {
+  auto block = segment.find<rtapi::ClockBlock>(rtapi::ClockBlock::kName);
+  if (!block.ok()) return false;
+  int joined = 0;
+  for (const rtapi::ClockSlot& slot : (*block)->slot)
+    if (slot.state != rtapi::ClockSlot::State::free && slot.pid == pid) ++joined;
+  return joined >= kTaskParticipants;
+}
+
+Status died(const SupervisedClock& clock, const std::string& what) {
+  const StopReason& reason = clock.reason();
+  if (reason.kind == StopReason::Kind::none)
+    return rtapi::fail(Errc::busy, what + " did not come up in 20 s");
+  if (reason.kind == StopReason::Kind::signal) return rtapi::fail(Errc::cancelled, "interrupted");
+  return rtapi::fail(Errc::dead, reason.text);
+}
+
+}  // namespace
+
+Session::Session(Options options, Console& console)
+    : options_(std::move(options)), console_(console), installation_(find_installation()) {}
+
+Session::~Session() {
+  if (supervisor_end_ >= 0) close(supervisor_end_);
+  if (children_end_ >= 0) close(children_end_);
+}
+
+bool Session::at_terminal() const {
+  return isatty(STDIN_FILENO) == 1 && isatty(STDOUT_FILENO) == 1;
+}
+
+int Session::run() {
+  if (!read_files()) return kExitFailure;
+  if (options_.check_only) {
+    console_.say(plan_.ini_path + ": no errors found");
+    return kExitOk;
+  }
+  Status result = start();
+  if (result.ok()) result = operate();
+  const StopReason reason = clock_ != nullptr ? clock_->reason() : StopReason{};
+  if (reason.kind == StopReason::Kind::part_died)
+    console_.error(reason.text + "; taking the machine down");
+  tear_down();
+  return finish(result, reason);
+}
+
+int Session::finish(const Status& result, const StopReason& reason) {
+  if (reason.kind == StopReason::Kind::part_died) return kExitFailure;
+  const bool asked = reason.kind != StopReason::Kind::none;
+  if (asked && !options_.once) return kExitOk;
+  if (asked) {
+    console_.error("interrupted before the end of the program");
+    return kExitFailure;
+  }
+  if (result.ok()) return kExitOk;
+  const std::string text = result.error().message();
+  if (task_ == nullptr || !task_->was_shown(text)) console_.error(text);
+  return kExitFailure;
+}
+
+bool Session::read_files() {
+  ini::LoadResult loaded = ini::IniFile::load(options_.ini);
+  for (const ini::Diagnostic& d : loaded.diagnostics) console_.diagnostic(d);
+  if (!loaded.ok) {
+    console_.error("the INI file cannot be used");
+    return false;
+  }
+  ini_ = std::move(loaded.file);
+  plan_ = make_plan(ini_, {options_.hal_dirs, installation_.hallib});
+  for (const ini::Diagnostic& d : plan_.diagnostics) console_.diagnostic(d);
+  if (options_.virtual_time) plan_.virtual_time = true;
+  if (options_.program.empty() && options_.once) options_.program = plan_.open_file;
+  if (!options_.program.empty() && access(options_.program.c_str(), R_OK) != 0) {
+    console_.error("cannot read the program " + options_.program + ": " + std::strerror(errno));
+    return false;
+  }
+  return plan_.ok;
+}
+
+Status Session::start() {
+  KERF_CHECK(make_instance());
+  KERF_CHECK(start_realtime());
+  KERF_CHECK(start_task());
+  KERF_CHECK(run_hal_steps(plan_.hal));
+  if (!options_.program.empty() || !options_.log_joints.empty()) KERF_CHECK(start_recorder());
+  start_applications();
+  KERF_CHECK(start_threads());
+  return start_screen();
+}
+
+Status Session::make_instance() {
+  instance_ = options_.instance.empty() ? rtapi::default_instance() : options_.instance;
+  KERF_TRY(segment_, rtapi::Segment::create(instance_, plan_.segment_mb << 20U));
+  run_id_ = std::string(segment_->header().run_id.view());
+  KERF_CHECK(rtapi::make_clock(
+      *segment_, plan_.virtual_time ? rtapi::ClockMode::virtual_time : rtapi::ClockMode::real,
+      options_.speed));
+  // Made here, since only one process at a time may make blocks.
+  auto block = segment_->make<task::TaskShared>(task::kTaskBlock, task::kTaskAbi);
+  if (!block.ok()) return rtapi::Failure{block.error()};
+  if (chdir(plan_.ini_dir.c_str()) != 0)
+    return rtapi::fail(Errc::system, "cannot enter " + plan_.ini_dir + ": " + std::strerror(errno));
+  int pair[2];
+  // Children inherit their end; ours closes with this process, however it ends.
+  if (socketpair(AF_UNIX, SOCK_STREAM, 0, pair) != 0)
+    return rtapi::fail(Errc::system, std::string("no socket: ") + std::strerror(errno));
+  supervisor_end_ = pair[0];
+  children_end_ = pair[1];
+  KERF_CHECK(guard_.start(instance_, run_id_, supervisor_end_));
+  (void)fcntl(supervisor_end_, F_SETFD, FD_CLOEXEC);
+  (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
+  const int signal_fd = catch_stop_signals();
+  set_environment(installation_, {instance_, run_id_, plan_.ini_path, plan_.ini_dir, plan_.rt_cpus,
+                                  children_end_});
+  KERF_TRY(auto clock, rtapi::join_clock(*segment_, rtapi::Role::launcher, "kerf"));
+  clock_ = std::make_unique<SupervisedClock>(*segment_, std::move(clock), signal_fd);
+  console_.detail("instance " + instance_ + (plan_.virtual_time ? ", virtual time" : ""));
+  return {};
+}
+
+Child& Session::add_child(Child child) {
+  children_.push_back(std::make_unique<Child>(std::move(child)));
+  console_.detail("started " + children_.back()->name() + ", process " +
+                  std::to_string(children_.back()->pid()));
+  return *children_.back();
+}
+
+Status Session::start_realtime() {
+  KERF_TRY(Child child, Child::start({installation_.bin + "/rtapi_app"}));
+  realtime_ = &add_child(std::move(child));
+  clock_->watch_child(*realtime_);
+  const auto connected = [this] {
+    auto link = HalLink::connect(*segment_, *clock_, ini_);
+    if (link.ok()) hal_ = std::move(*link);
+    return hal_ != nullptr;
+  };
+  if (!clock_->hold_until(connected, kStartPatience_ms)) return died(*clock_, "rtapi_app");
+  hal_->set_keep_going(options_.ignore_hal_errors);
+  return {};
+}
+
+Status Session::start_task() {
+  KERF_TRY(Child child, Child::start({plan_.task_program, "--ini", plan_.ini_path}));
+  task_process_ = &add_child(std::move(child));
+  clock_->watch_child(*task_process_);
+  // HAL files connect these pins.
+  const auto has_pins = [this] { return hal_->is_ready("iocontrol.0"); };
+  if (!clock_->hold_until(has_pins, kStartPatience_ms)) return died(*clock_, plan_.task_program);
+  if (!plan_.halui.empty()) {
+    if (find_program(plan_.halui).empty()) {
+      console_.say("[HAL]HALUI = " + plan_.halui + ": not found; going on without it");
+      return {};
+    }
+    KERF_TRY(Child halui, Child::start(split_words(plan_.halui)));
+    Child& started = add_child(std::move(halui));
+    clock_->watch_child(started);
+    if (!clock_->hold_until([&] { return hal_->is_ready("halui"); }, kStartPatience_ms))
+      return died(*clock_, plan_.halui);
+  }
+  return {};
+}
+
+Status Session::run_hal_steps(const std::vector<HalStep>& steps) {
+  for (const HalStep& step : steps) {
+    console_.detail((step.is_file ? "HAL file " : "HAL command ") + step.text);
+    const bool good = hal_->run(step);
+    if (clock_->stopped()) return died(*clock_, "HAL");
+    if (!good && !options_.ignore_hal_errors) {
+      return rtapi::fail(
+          Errc::bad_argument,
+          step.at.text() + ": " + (step.is_file ? step.text : "this HAL command") + " failed");
+    }
+  }
+  return {};
+}
+
+Status Session::start_recorder() {
+  const std::string thread = hal_->thread_of("motion-controller");
+  if (thread.empty())
+    return rtapi::fail(Errc::not_found,
+                       "no thread runs motion-controller; a HAL file must say: addf "
+                       "motion-controller servo-thread");
+  KERF_CHECK(hal_->command({"loadrt", "joint-logger"}));
+  KERF_CHECK(hal_->command({"addf", "joint-logger", thread}));
+  KERF_CHECK(recorder_.attach(*segment_, options_.log_joints));
+  const rtapi::Nanos period = (plan_.virtual_time ? 100 : 20) * rtapi::kMillisecond;
+  clock_->set_chore([this] { recorder_.drain(); }, period);
+  return {};
+}
+
+Status Session::start_threads() {
+  // motmod is loaded: task finds it and takes clients, before time moves.
+  task_ = std::make_unique<TaskLink>(*clock_, console_);
+  const auto connected = [this] {
+    if (plan_.virtual_time && !has_joined(*segment_, task_process_->pid())) return false;
+    return task_->connect(*segment_).ok();
+  };
+  if (!clock_->hold_until(connected, kStartPatience_ms)) return died(*clock_, plan_.task_program);
+  return hal_->command({"start"});
+}
+
+void Session::start_applications() {
+  for (const std::vector<std::string>& words : plan_.applications) {
+    auto child = Child::start(words);
+    if (child.ok())
+      add_child(std::move(*child));
+    else
+      console_.say("[APPLICATIONS]APP: " + child.error().message());
+  }
+}
+
+Status Session::start_screen() {
+  if (!plan_.display.empty() && !options_.once) {
+    std::vector<std::string> words = plan_.display;
+    if (find_program(words.front()).empty()) {
+      console_.say("[DISPLAY]DISPLAY = " + words.front() + ": not found: staying in the terminal");
+    } else {
+      words.insert(words.begin() + 1, {"-ini", plan_.ini_path});
+      KERF_TRY(Child child, Child::start(words, true));
+      clock_->watch_child(add_child(std::move(child)), true);
+      screen_runs_ = true;
+    }
+  }
+  return run_hal_steps(plan_.postgui);
+}
+
+Status Session::operate() {
+  if (options_.once || !options_.program.empty()) {
+    ProgramRun run({*clock_, *task_, recorder_, console_, *segment_},
+                   {options_.program, options_.svg, options_.once || !at_terminal()});
+    const Status result = run.run();
+    if (options_.once || clock_->stopped()) return result;
+    if (!result.ok() && !task_->was_shown(result.error().message()))
+      console_.error(result.error().message());
+  }
+  return stay_up();
+}
+
+Status Session::stay_up() {
+  if (at_terminal() && !screen_runs_) {
+    console_.print(plan_.machine_name + ": type G-code, 'help' for commands, Ctrl-D to end\n");
+    return run_prompt(*clock_, *task_, console_);
+  }
+  console_.say(plan_.machine_name + " runs; end it with Ctrl-C or SIGTERM");
+  while (!clock_->stopped()) {
+    rtapi::WaitSpec spec;
+    task_->client().add_to(spec);
+    (void)task_->client().poll();
+    task_->show_messages();
+    clock_->wait(spec);
+  }
+  return {};
+}
+
+}  // namespace kerf::launcher

@@ -1,0 +1,83 @@
+// Session: one life of a machine, from the INI file to the last process.
+//
+// Order of the start: segment and clock, rtapi_app, milltask (its iocontrol pins are needed by HAL files), halui, HAL files and
+// commands, the recorder, threads, screen and post-GUI files. The end takes the same way back. On the virtual clock time
+// stands still until the threads start, so that every start is the same.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ini/ini_file.hpp"
+#include "launcher/console.hpp"
+#include "launcher/environment.hpp"
+#include "launcher/guard.hpp"
+#include "launcher/options.hpp"
+#include "launcher/plan.hpp"
+#include "launcher/process.hpp"
+#include "launcher/recorder.hpp"
+#include "launcher/supervised_clock.hpp"
+#include "launcher/task_link.hpp"
+#include "rtapi/base/result.hpp"
+#include "rtapi/shm/segment.hpp"
+
+namespace kerf::launcher {
+
+class HalLink;
+
+class Session {
+ public:
+  Session(Options options, Console& console);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// All of it; gives the exit code.
+  int run();
+
+ private:
+  bool read_files();
+  rtapi::Status start();
+  rtapi::Status make_instance();
+  rtapi::Status start_realtime();
+  rtapi::Status start_task();
+  rtapi::Status run_hal_steps(const std::vector<HalStep>& steps);
+  rtapi::Status start_recorder();
+  rtapi::Status start_threads();
+  rtapi::Status start_screen();
+  void start_applications();
+  Child& add_child(Child child);
+
+  rtapi::Status operate();
+  rtapi::Status stay_up();
+  [[nodiscard]] bool at_terminal() const;
+
+  void tear_down();
+  void stop_machine();
+  void end_processes();
+  int finish(const rtapi::Status& result, const StopReason& reason);
+
+  Options options_;
+  Console& console_;
+  Installation installation_;
+  ini::IniFile ini_;
+  LaunchPlan plan_;
+  std::string instance_;
+  std::string run_id_;
+  std::unique_ptr<rtapi::Segment> segment_;
+  int supervisor_end_{-1};  ///< ours of the pair whose end of file tells children that we are dead
+  int children_end_{-1};
+  Guard guard_;
+  std::unique_ptr<SupervisedClock> clock_;
+  std::vector<std::unique_ptr<Child>> children_;
+  Child* realtime_{nullptr};
+  Child* task_process_{nullptr};
+  std::unique_ptr<HalLink> hal_;
+  std::unique_ptr<TaskLink> task_;
+  Recorder recorder_;
+  bool screen_runs_{false};
+};
+
+}  // namespace kerf::launcher

@@ -1,0 +1,153 @@
+#include "launcher/supervised_clock.hpp"
+
+#include <signal.h>
+#include <sys/eventfd.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <utility>
+
+#include "rtapi/clock/real_clock.hpp"
+#include "rtapi/clock/virtual_clock.hpp"
+
+namespace kerf::launcher {
+
+using rtapi::Nanos;
+using rtapi::WaitSpec;
+
+namespace {
+
+int g_signal_fd = -1;  // a signal handler can reach nothing else
+
+void on_stop_signal(int) {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = write(g_signal_fd, &one, sizeof one);
+}
+void on_broken_pipe(int) {}
+
+bool take(int fd) {
+  std::uint64_t count = 0;
+  return read(fd, &count, sizeof count) == sizeof count;
+}
+
+}  // namespace
+
+int catch_stop_signals() {
+  if (g_signal_fd >= 0) return g_signal_fd;
+  g_signal_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  struct sigaction action {};
+  action.sa_handler = on_stop_signal;
+  action.sa_flags = SA_RESTART;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaction(number, &action, nullptr);
+  // A handler, since "ignored" would be inherited by children.
+  action.sa_handler = on_broken_pipe;
+  sigaction(SIGPIPE, &action, nullptr);
+  return g_signal_fd;
+}
+
+SupervisedClock::SupervisedClock(rtapi::Segment& segment, std::unique_ptr<rtapi::WaitClock> clock,
+                                 int signal_fd)
+    : segment_(segment),
+      clock_(std::move(clock)),
+      signal_fd_(signal_fd),
+      tick_fd_(timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
+  itimerspec every{};
+  every.it_value.tv_nsec = every.it_interval.tv_nsec = 1'000'000;
+  timerfd_settime(tick_fd_, 0, &every, nullptr);
+}
+
+SupervisedClock::~SupervisedClock() { close(tick_fd_); }
+
+void SupervisedClock::wait(const WaitSpec& spec) {
+  if (stopped()) return;
+  WaitSpec all = spec;
+  if (!tearing_down_) {
+    all.watch_fd(signal_fd_);
+    for (const Watched& watched : children_) all.watch_fd(watched.child->pidfd());
+  }
+  if (!spec.holds_time) all.wake_at(next_chore_);
+  clock_->wait(all);
+  look();
+}
+
+void SupervisedClock::stop() noexcept {
+  if (!stopped()) reason_.kind = StopReason::Kind::signal;
+}
+
+void SupervisedClock::begin_teardown() {
+  tearing_down_ = true;
+  reason_ = {};
+}
+
+void SupervisedClock::watch_child(Child& child, bool ends_session) {
+  children_.push_back({&child, ends_session});
+}
+
+void SupervisedClock::set_chore(std::function<void()> chore, Nanos period) {
+  chore_ = std::move(chore);
+  chore_period_ = period;
+  next_chore_ = chore_ ? clock_->now() : rtapi::kForever;
+}
+
+void SupervisedClock::look() {
+  if (chore_ && clock_->now() >= next_chore_) {
+    // Whole multiples, so that the moments do not depend on when the machine was started.
+    next_chore_ = (clock_->now() / chore_period_ + 1) * chore_period_;
+    chore_();
+  }
+  if (tearing_down_) return;
+  for (auto at = children_.begin(); at != children_.end();) {
+    look_at(*at);
+    at = at->child->running() ? std::next(at) : children_.erase(at);
+  }
+  if (take(signal_fd_)) stop();
+}
+
+void SupervisedClock::look_at(Watched& watched) {
+  const auto exit = watched.child->poll_exit();
+  if (!exit) return;
+  rtapi::VirtualClock::evict(segment_, watched.child->pid());
+  if (stopped()) return;
+  const bool regular = !exit->by_signal && exit->number == 0;
+  if (watched.ends_session && regular) {
+    reason_ = {StopReason::Kind::display_closed, watched.child->name() + " was closed"};
+    return;
+  }
+  reason_ = {StopReason::Kind::part_died, watched.child->name() + " (process " +
+                                              std::to_string(watched.child->pid()) + ") " +
+                                              describe_exit(*exit)};
+}
+
+bool SupervisedClock::poll_until(const std::function<bool()>& done, int limit_ms, bool hold) {
+  const Nanos limit = rtapi::monotonic_now() + limit_ms * rtapi::kMillisecond;
+  while (!done()) {
+    if (stopped() || rtapi::monotonic_now() > limit) return false;
+    WaitSpec spec;
+    spec.watch_fd(tick_fd_);
+    spec.holds_time = hold;
+    wait(spec);
+    (void)take(tick_fd_);
+  }
+  return true;
+}
+
+bool SupervisedClock::hold_until(const std::function<bool()>& done, int limit_ms) {
+  return poll_until(done, limit_ms, true);
+}
+
+bool SupervisedClock::wait_until(const std::function<bool()>& done, int limit_ms) {
+  return poll_until(done, limit_ms, false);
+}
+
+bool SupervisedClock::pass(Nanos duration) {
+  const Nanos until = now() + duration;
+  while (!stopped() && now() < until) {
+    WaitSpec spec;
+    spec.wake_at(until);
+    wait(spec);
+  }
+  return !stopped();
+}
+
+}  // namespace kerf::launcher

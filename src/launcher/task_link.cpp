@@ -1,0 +1,62 @@
+#include "launcher/task_link.hpp"
+
+#include <utility>
+
+namespace kerf::launcher {
+
+using rtapi::Errc;
+
+rtapi::Status TaskLink::connect(rtapi::Segment& segment) {
+  KERF_TRY(client_, task::Client::connect(segment));
+  return {};
+}
+
+rtapi::Status TaskLink::send(const std::vector<std::string>& words) {
+  if (client_ == nullptr) return rtapi::fail(Errc::dead, "not connected to milltask");
+  KERF_TRY(const std::uint64_t id, client_->send(words));
+  (void)id;
+  return {};
+}
+
+rtapi::Status TaskLink::perform(const std::vector<std::string>& words,
+                                const std::function<void()>& while_waiting, rtapi::Nanos every) {
+  if (client_ == nullptr) return rtapi::fail(Errc::dead, "not connected to milltask");
+  shown_.clear();
+  KERF_TRY(const std::uint64_t id, client_->send(words));
+  for (;;) {
+    rtapi::WaitSpec spec;
+    client_->add_to(spec);
+    const auto polled = client_->poll();
+    show_messages();
+    if (while_waiting) while_waiting();
+    if (client_->finished(id)) break;
+    if (!polled.ok()) return polled;
+    if (clock_.stopped()) return rtapi::fail(Errc::cancelled, "interrupted");
+    if (every != rtapi::kForever) spec.wake_at((clock_.now() / every + 1) * every);
+    clock_.wait(spec);
+  }
+  show_messages();
+  const task::Reply reply = *client_->outcome(id);
+  client_->forget(id);
+  if (reply.state == task::CommandState::done) return {};
+  const std::string text = reply.text.empty() ? std::string(to_string(reply.state)) : reply.text;
+  return rtapi::fail(
+      reply.state == task::CommandState::aborted ? Errc::cancelled : Errc::bad_argument, text);
+}
+
+void TaskLink::show_messages() {
+  if (client_ == nullptr) return;
+  std::uint64_t lost = 0;
+  for (const task::OperatorMessage& message : client_->new_messages(&lost)) {
+    const std::string text(message.text.view());
+    if (message.kind == task::MessageKind::error) {
+      shown_.insert(text);
+      console_.error(text);
+    } else {
+      console_.say(text);
+    }
+  }
+  if (lost > 0) console_.say(std::to_string(lost) + " messages were lost");
+}
+
+}  // namespace kerf::launcher

@@ -1,0 +1,83 @@
+// Session: the way down. Every step works whatever has died before it.
+#include <signal.h>
+
+#include <algorithm>
+
+#include "launcher/hal_link.hpp"
+#include "launcher/session.hpp"
+
+namespace kerf::launcher {
+
+namespace {
+constexpr int kPatience_ms = 1000;
+/// Servo cycles that carry what SHUTDOWN has set to the hardware.
+constexpr rtapi::Nanos kOutputsSettle = 20 * rtapi::kMillisecond;
+}  // namespace
+
+void Session::tear_down() {
+  if (segment_ == nullptr) return;
+  console_.end_progress();
+  if (clock_ != nullptr) {
+    clock_->begin_teardown();
+    stop_machine();
+    clock_->set_chore({}, rtapi::kForever);
+  }
+  if (const rtapi::Status closed = recorder_.close(); !closed.ok())
+    console_.error(closed.error().message());
+  if (task_ != nullptr) task_->close();
+  hal_.reset();
+  clock_.reset();  // the others need no turn of ours to end
+  end_processes();
+  segment_.reset();
+  guard_.release();
+}
+
+void Session::stop_machine() {
+  const bool task_lives = task_process_ != nullptr && task_process_->running();
+  const bool host_lives = realtime_ != nullptr && realtime_->running() && hal_ != nullptr;
+  if (task_lives && host_lives && task_ != nullptr && task_->connected()) {
+    console_.detail("stopping motion");
+    if (task_->send({"state", "estop"}).ok()) {
+      const auto stopped = [this] {
+        task::TaskStatus status;
+        return !task_->status(status) ||
+               (status.task_state == task::TaskState::estop && status.idle);
+      };
+      (void)clock_->wait_until(stopped, kPatience_ms);
+    }
+    task_->show_messages();
+  }
+  if (!host_lives) return;
+  hal_->set_keep_going(true);
+  // Threads still run, so that drivers write what the file sets.
+  for (const HalStep& step : plan_.shutdown) {
+    console_.detail("HAL file " + step.text);
+    if (!hal_->run(step)) console_.error("[HAL]SHUTDOWN: " + step.text + " failed");
+  }
+  if (!plan_.shutdown.empty()) (void)clock_->pass(kOutputsSettle);
+  (void)hal_->command({"stop"});
+}
+
+void Session::end_processes() {
+  console_.detail("ending processes");
+  const auto end = [this](Child& child) {
+    if (!child.running()) return;
+    child.signal(SIGTERM);
+    for (int waited = 0; child.running() && waited < kPatience_ms; waited += 2) pause_ms(2);
+    if (!child.running()) return;
+    console_.say(child.name() + " did not end within a second and is killed");
+    child.signal(SIGKILL);
+    for (int waited = 0; child.running() && waited < kPatience_ms; waited += 2) pause_ms(2);
+  };
+  // Last started first, the realtime host last of all: user components take their pins away from it.
+  for (auto at = children_.rbegin(); at != children_.rend(); ++at)
+    if (at->get() != realtime_) end(**at);
+  const pid_t host = realtime_ != nullptr && realtime_->running() ? realtime_->pid() : -1;
+  const std::vector<std::string> killed = end_processes_of_run(run_id_, kPatience_ms, host);
+  for (const std::string& name : killed)
+    console_.say(name + " did not end within a second and was killed");
+  if (realtime_ != nullptr) end(*realtime_);
+  (void)end_processes_of_run(run_id_, kPatience_ms);
+}
+
+}  // namespace kerf::launcher
