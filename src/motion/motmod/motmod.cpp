@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <new>
 
+#include "motion/api/joint_log.hpp"
+
 namespace kerf::motion {
 namespace {
 
@@ -132,6 +134,7 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
   link_ = make_part<PlannerLink>(b);
   if (block == nullptr || link_ == nullptr) return;
   shared_ = new (block) MotionShared();
+  b.provide(kMotionService, shared_);
   planner_ = make_part<PlannerParticipant>(b, *kinematics, *shared_, *link_);
   controller_ = make_part<Controller>(b, *kinematics, link_->spans, link_->faults, args_.joints,
                                       args_.spindles);
