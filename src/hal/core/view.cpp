@@ -1,16 +1,20 @@
 #include "hal/core/view.hpp"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <type_traits>
 
 #include "hal/core/value_text.hpp"
 #include "rtapi/base/suggest.hpp"
+#include "rtapi/clock/real_clock.hpp"
 
 namespace kerf::hal {
 namespace {
 
-/// A change takes microseconds; a writer that is away longer than this many looks is dead in the middle of one.
-constexpr int kTries = 200'000;
+/// A change takes microseconds, but the writer may be taken off its CPU in the middle of one. Away longer than this, it is dead.
+constexpr rtapi::Nanos kPatience = 2 * rtapi::kSecond;
+constexpr int kSpins = 200;
 /// Chains of a changing structure may loop; no honest one is longer.
 constexpr std::size_t kLongest = 1U << 22U;
 
@@ -36,13 +40,20 @@ auto View::consistent(F&& copy) const {
   using Out = std::invoke_result_t<F, const Root&>;
   const Root* r = root();
   if (r == nullptr) return Out{};
-  for (int i = 0; i < kTries; ++i) {
+  rtapi::Nanos give_up = 0;
+  for (int spins = 0;; ++spins) {
     const std::uint64_t before = r->generation.observe();
-    if ((before & 1U) != 0) continue;
-    Out out = copy(*r);
-    // Acquire: the copy is read before the second look.
-    std::atomic_thread_fence(std::memory_order_acquire);
-    if (r->generation.get() == before) return out;
+    if ((before & 1U) == 0) {
+      Out out = copy(*r);
+      // Acquire: the copy is read before the second look.
+      std::atomic_thread_fence(std::memory_order_acquire);
+      if (r->generation.get() == before) return out;
+    }
+    if (spins < kSpins) continue;
+    const rtapi::Nanos now = rtapi::monotonic_now();
+    if (give_up == 0) give_up = now + kPatience;
+    if (now > give_up) break;
+    ::sched_yield();
   }
   stuck_ = true;
   return Out{};

@@ -27,13 +27,17 @@ void RealtimeHost::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   look_at_threads(now);
   const bool running = host_.running();
   for (Due& due : due_) {
+    const rtapi::Nanos period = due.thread->period_ns();
+    // Started just now: the first cycle comes at the next whole multiple, not for the time that was spent stopped.
+    if (!running || !was_running_) due.at = (now / period + 1) * period;
     if (due.at <= now) {
       due.thread->run_cycle(due.at, now);
-      due.at = (now / due.thread->period_ns() + 1) * due.thread->period_ns();
+      due.at = (now / period + 1) * period;
     }
     // Stopped threads have nothing to do; `start` comes as a request and wakes this participant.
     if (running) next.wake_at(due.at);
   }
+  was_running_ = running;
   if (!running && server_ == nullptr) next.watch(host_.registry().root().changed);
 }
 

@@ -30,6 +30,7 @@ class RealtimeHost final : public rtapi::Participant {
   Host& host_;
   Server* server_;
   std::vector<Due> due_;
+  bool was_running_{false};
   std::uint64_t seen_changes_{UINT64_MAX};
 };
 

@@ -1,6 +1,9 @@
 # kerf_add_static_components(): call it after all components are added. Makes the library kerf_static_components: the code of every
 # component and the table that kerf::hal::static_components() gives.
 function(kerf_add_static_components)
+  if(TARGET kerf_static_components)
+    return()
+  endif()
   get_property(ids GLOBAL PROPERTY KERF_COMPONENTS)
   set(declarations "")
   set(rows "")

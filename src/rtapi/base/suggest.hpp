@@ -37,7 +37,8 @@ std::string nearest_name(std::string_view name, const Range& known) {
   for (const auto& item : known) {
     const std::string_view candidate(item);
     const std::size_t d = edit_distance(name, candidate);
-    if (d < best_distance) {
+    // A name of two letters with both replaced is another name altogether.
+    if (d < best_distance && d < std::max(name.size(), candidate.size())) {
       best_distance = d;
       best = std::string(candidate);
     }

@@ -81,6 +81,13 @@ void RealDriver::report_overruns() {
     const bool first = c.overruns_seen == 0;
     c.overruns_seen = stats.overruns;
     if (!first) continue;  // once a thread: the counters tell the rest
+    if (stats.last_overrun_ns < c.runner->period_ns()) {
+      rtapi::log_message(
+          rtapi::Level::warning,
+          "thread %s was woken later than its period of %lld ns: the machine was busy otherwise",
+          c.runner->name(), static_cast<long long>(c.runner->period_ns()));
+      continue;
+    }
     rtapi::log_message(
         rtapi::Level::warning,
         "thread %s overran its period of %lld ns: a cycle took %lld ns, in function %s",
