@@ -161,7 +161,9 @@ class MainParticipant final : public rtapi::Participant {
       rtapi::WaitSpec own;
       participant->step(now, own);
       next.wake_at(own.until);
-      for (const auto& cell : own.cells) (void)next.cells.push_back(cell);
+      // A cell of our own memory is notified by this very thread, in the cycles above; other processes cannot look at it.
+      for (const auto& cell : own.cells)
+        if (host_.segment().contains(cell.cell)) (void)next.cells.push_back(cell);
       for (const int fd : own.fds) next.watch_fd(fd);
       next.holds_time = next.holds_time || own.holds_time;
     }
