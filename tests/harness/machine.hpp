@@ -71,7 +71,9 @@ class Machine {
   std::uint64_t start_program(const std::string& path);
   /// Opens, runs and waits for the end.
   task::Reply run_program(const std::string& path, double limit_s = 3600);
-  task::Reply run_text(const std::string& text, double limit_s = 3600) { return run_program(write_program(text), limit_s); }
+  task::Reply run_text(const std::string& text, double limit_s = 3600) {
+    return run_program(write_program(text), limit_s);
+  }
   task::Reply abort() { return command({"abort"}); }
 
   // --- what it does ---

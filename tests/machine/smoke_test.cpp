@@ -1,0 +1,31 @@
+// A whole machine: from the INI file to joint positions.
+#include <gtest/gtest.h>
+
+#include "harness/machine.hpp"
+
+namespace kerf::harness {
+namespace {
+
+TEST(Machine, StartsHomesAndMovesByMdi) {
+  auto m = Machine::start();
+  ASSERT_TRUE(m->ready()) << m->errors();
+  ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+  EXPECT_TRUE(m->motion().all_homed);
+  EXPECT_TRUE(m->mdi("G0 X10 Y20 Z-5")) << m->errors();
+  EXPECT_NEAR(m->joint(0), 10, 1e-9);
+  EXPECT_NEAR(m->joint(1), 20, 1e-9);
+  EXPECT_NEAR(m->joint(2), -5, 1e-9);
+  EXPECT_NEAR(m->get("joint.0.motor-pos-cmd"), m->get("joint.0.motor-pos-fb"), 1.0);
+}
+
+TEST(Machine, CutsTheFirstPart) {
+  auto m = Machine::start();
+  ASSERT_TRUE(m->ready()) << m->errors();
+  ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+  const auto reply = m->run_program(KERF_SOURCE_DIR "/nc_files/examples/first_part.ngc");
+  EXPECT_EQ(reply.state, task::CommandState::done) << reply.text << "\n" << m->errors();
+  EXPECT_GT(m->now(), 30 * rtapi::kSecond);
+}
+
+}  // namespace
+}  // namespace kerf::harness
