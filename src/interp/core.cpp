@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include "interp/codes/families.hpp"
+
 namespace kerf::interp {
 
 namespace {
@@ -85,6 +87,8 @@ std::string_view Core::current_file() const {
 
 void Core::begin_block() {
   saved_ = state;
+  block_program_ = flows.frames.empty() ? 0 : flows.frames.back().program;
+  block_level_ = flows.frames.empty() ? 0 : static_cast<std::int32_t>(flows.frames.size()) - 1;
   saved_tool_ = spindle_tool;
   out.clear();
   params.begin();
@@ -187,12 +191,11 @@ Outcome Core::execute_block(ParsedBlock& b) {
 Outcome Core::finish_block(const ParsedBlock& p) {
   if (!out.empty()) {
     SourceLine source;
-    source.file_id = flows.frames.empty() ? 0 : flows.frames.back().program;
+    source.file_id = block_program_;
     source.line = p.place.line + 1;
     source.sequence = p.sequence;
-    source.call_level =
-        flows.frames.empty() ? 0 : static_cast<std::int32_t>(flows.frames.size()) - 1;
-    source.file = current_file();
+    source.call_level = block_level_;
+    source.file = flows.programs[block_program_].path;
     source.text = p.text;
     if (repeats.left > 0) {
       repeats.source = source;
@@ -448,9 +451,7 @@ bool Core::speed_word(const Block& b) {
   for (int i = first; i <= last; ++i) {
     const auto n = static_cast<std::size_t>(i);
     state.speed_rpm[n] = s;
-    // Surface speed is written in m/min or feet/min.
-    const double factor = !state.css[n] ? 1.0 : state.units == Units::inch ? 304.8 : 1000.0;
-    out.call<&Canon::set_spindle_speed>(i, s * factor);
+    announce_speed(*this, i);
   }
   state.speed_spindle = first;
   return true;

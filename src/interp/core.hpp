@@ -61,6 +61,8 @@ struct Block {
   }
 };
 
+class Core;
+
 /// A canned cycle block in progress: each execute_next does one repeat.
 struct Repeats {
   std::int64_t left{0};
@@ -69,6 +71,9 @@ struct Repeats {
   std::string file, text;
   int code{0};
 };
+
+/// M72, and the return from a sub with M73: all modes but the motion mode (codes/state.cpp).
+[[nodiscard]] bool restore_modes(Core& c, const ModalState& was);
 
 class Core {
  public:
@@ -141,6 +146,8 @@ class Core {
   [[nodiscard]] bool enter_file_sub(std::uint32_t program);
   [[nodiscard]] bool enter_sub(const FileAndPlace& where);
   void leave_sub(bool has_value, double value);
+  /// leave_sub(), and the modes of M73 again.
+  [[nodiscard]] bool return_from_sub(bool has_value, double value);
   void drop_frames();
   [[nodiscard]] Program* open_program(const std::string& path);
   std::uint32_t add_program(std::string path, std::unique_ptr<LineSource> source);
@@ -176,6 +183,8 @@ class Core {
   std::array<const CodeRow*, 1000> g_rows_{};
   std::array<const CodeRow*, 200> m_rows_{};
   std::array<const char*, kLetters> unused_{};
+  std::uint32_t block_program_{0};  ///< where the block in progress stands
+  std::int32_t block_level_{0};
   ModalState saved_;
   Tool saved_tool_;
   Block block_;

@@ -70,6 +70,7 @@ enum Order : std::int16_t {
   kOrderCutterComp = 160,
   kOrderToolOffset = 170,
   kOrderCoordSystem = 180,
+  kOrderLathe = 185,
   kOrderPath = 190,
   kOrderDistance = 200,
   kOrderRetract = 210,

@@ -219,6 +219,13 @@ void Core::leave_sub(bool has_value, double value) {
   params.begin();
 }
 
+bool Core::return_from_sub(bool has_value, double value) {
+  const Frame& f = flows.frames.back();
+  const std::optional<ModalState> was = f.restore_on_return ? f.saved_state : std::nullopt;
+  leave_sub(has_value, value);
+  return !was || restore_modes(*this, *was);
+}
+
 // --- searching ---
 
 void Core::start_skip(ParsedBlock& b, const std::string& label, FlowMask stop_at) {
@@ -361,8 +368,7 @@ bool Core::flow_step(ParsedBlock& b, const std::string& label, double condition)
         return fail(0, "return and endsub stand inside a sub",
                     "%d: not in a subroutine definition: 'o%s %s'", b.place.line + 1, label.c_str(),
                     keyword(b.flow));
-      leave_sub(!b.arguments.empty(), condition);
-      return true;
+      return return_from_sub(!b.arguments.empty(), condition);
     case Flow::call: return call_sub(b, label);
     case Flow::if_:
       if (condition == 0) start_skip(b, label, kNextBranch);

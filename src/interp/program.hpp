@@ -4,11 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
 #include "interp/block.hpp"
+#include "interp/modal.hpp"
 #include "interp/parameters.hpp"
 #include "interp/source.hpp"
 
@@ -46,6 +48,8 @@ struct Frame {
   std::string sub;                            ///< label; "" for the main program
   std::array<double, kSubArguments> saved{};  ///< #1-#30 of the caller
   std::vector<Loop> loops;
+  std::optional<ModalState> saved_state;  ///< M70, M73
+  bool restore_on_return{false};          ///< M73
 };
 
 /// A search for an O-word line further down.

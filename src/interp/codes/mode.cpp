@@ -104,8 +104,8 @@ constexpr CodeRow row(std::int16_t code, std::int8_t group, std::int16_t order, 
   return {'g', code, code, group, order, run, words, AxisUse::none};
 }
 constexpr CodeRow kRows[] = {
-    row(70, 15, kOrderDistance, lathe),
-    row(80, 15, kOrderDistance, lathe),
+    row(70, 15, kOrderLathe, lathe),
+    row(80, 15, kOrderLathe, lathe),
     row(170, 2, kOrderPlane, plane),
     row(180, 2, kOrderPlane, plane),
     row(190, 2, kOrderPlane, plane),

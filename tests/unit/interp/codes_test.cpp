@@ -281,6 +281,50 @@ TEST(UserCodes, PassTheirWordsOrMinusOne) {
   EXPECT_EQ(rig.interp.error().help, "/x/M102 is not executable");
 }
 
+TEST(SavedState, M72BringsAllModesButTheMotionBack) {
+  Rig rig;
+  const std::string out = rig.run(
+      "F100 S50 G64 P.2\nM70\nG20 G18 G91 G93 G55 G43.1 Z1\nG98 G96 D100 S200\nG90.1 G7 G61 G0 X1\n"
+      "M3\nM7\nM8\nM51 P0\nM50 P0\nM52\nM53 P0\nM72\n(abort,x)\n");
+  const ModalState& s = rig.interp.modal();
+  Rig fresh;
+  (void)fresh.mdi("F100 S50 G64 P.2");
+  auto codes = s.active_g_codes(), expected = fresh.interp.modal().active_g_codes();
+  codes[0] = expected[0] = 0;
+  expected[1] = 0;  // G0 stays
+  EXPECT_EQ(codes, expected);
+  auto m = s.active_m_codes(), m_expected = fresh.interp.modal().active_m_codes();
+  m[0] = m_expected[0] = 0;
+  EXPECT_EQ(m, m_expected);
+  EXPECT_EQ(s.feed, 100);
+  EXPECT_EQ(s.speed_rpm[0], 50);
+  EXPECT_EQ(s.tolerance_mm, 0.2);
+  EXPECT_EQ(rig.mdi("M72"),
+            "error: Cannot restore context from invalid stack frame - missing M70/M73?")
+      << "MDI is a level of its own";
+}
+
+TEST(SavedState, M73RestoresOnReturnAndM71Forgets) {
+  const std::string sub = "o1 sub\nM73\nG20 G91 F5\n%o1 endsub\nG21 F100\no1 call\n(abort,x)\n";
+  for (const std::string extra :
+       {std::string(), std::string("o1 return\n"), std::string("M71\n")}) {
+    Rig rig;
+    std::string program = sub;
+    (void)rig.run(program.replace(program.find('%'), 1, extra));
+    const bool forgot = extra == "M71\n";
+    EXPECT_EQ(rig.interp.modal().units, forgot ? Units::inch : Units::mm) << extra;
+    EXPECT_EQ(rig.interp.modal().feed, forgot ? 127 : 100) << extra;
+  }
+}
+
+TEST(SavedState, AnAbortInTheSubDoesNotRestore) {
+  Rig rig;
+  (void)rig.run("o1 sub\nM73\nG91\n(abort,x)\no1 endsub\no1 call\n");
+  rig.interp.abort();
+  EXPECT_EQ(rig.interp.modal().distance, DistanceMode::incremental);
+  EXPECT_EQ(rig.interp.call_level(), 0);
+}
+
 TEST(ProgramEnd, RestoresTheDocumentedModes) {
   Rig rig;
   const std::string calls = rig.run("G55 G18 G91 G93 M3 S10 M8 M49\nG92 X1\nM2\n");
