@@ -3,6 +3,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
@@ -65,8 +66,11 @@ void ProgramRun::watch() {
   task::TaskStatus status;
   if (!p_.task.status(status)) return;
   program_lines_ = status.program_lines;
+  fraction_ = status.progress;
+  if (begun_fraction_ < 0 && status.current_line > 0) begun_fraction_ = status.progress;
   ProgressState progress;
   progress.fraction = status.progress;
+  progress.from_fraction = begun_fraction_ < 0 ? 0 : begun_fraction_;
   progress.elapsed_s = to_seconds(p_.clock.now() - begun_ns_);
   progress.line = status.current_line;
   progress.lines = status.call_level == 0 ? status.program_lines : 0;
@@ -114,6 +118,7 @@ Status ProgramRun::report() {
   SummaryInput input;
   input.program = std::filesystem::path(job_.program).filename().string();
   input.program_lines = program_lines_;
+  input.lines_executed = static_cast<int>(std::lround(fraction_ * program_lines_));
   input.dropped = p_.recorder.dropped();
   input.limits = joint_limits();
   p_.console.print(format_summary(run, input));

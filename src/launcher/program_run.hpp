@@ -41,6 +41,8 @@ class ProgramRun {
   Job job_;
   rtapi::Nanos begun_ns_{0};
   int program_lines_{0};
+  double begun_fraction_{-1};  ///< progress when the first line with motion began; below 0: not yet
+  double fraction_{0};
   bool pause_answered_{false};
 };
 

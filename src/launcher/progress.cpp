@@ -25,9 +25,9 @@ std::string place(const ProgressState& state) {
 }  // namespace
 
 std::optional<double> estimate_left_s(const ProgressState& state) {
-  if (state.fraction < 0.01 || state.elapsed_s < 0.5) return std::nullopt;
-  const double done = std::min(state.fraction, 1.0);
-  return state.elapsed_s * (1 - done) / done;
+  const double done = std::min(state.fraction, 1.0) - state.from_fraction;
+  if (done < 0.01 || state.elapsed_s < 0.5) return std::nullopt;
+  return state.elapsed_s * (1 - state.from_fraction - done) / done;
 }
 
 std::string clock_text(double seconds) {

@@ -8,14 +8,16 @@
 namespace kerf::launcher {
 
 struct ProgressState {
-  double fraction{0};   ///< 0..1
+  double fraction{0};  ///< 0..1, lines done of all lines
+  double from_fraction{
+      0};  ///< where motion began: lines before it (subroutines, comments) took no time
   double elapsed_s{0};  ///< machine time since the start of the run
   int line{0};          ///< in execution; 0: none
   int lines{0};         ///< of the program; 0: unknown
   std::string waiting;  ///< what the program waits for, or ""
 };
 
-/// Machine time that is left, from what the part done so far took; nothing below 1 % or 0.5 s.
+/// Machine time that is left, from what the part done since motion began took; nothing below 1 % or 0.5 s.
 [[nodiscard]] std::optional<double> estimate_left_s(const ProgressState& state);
 
 /// "[########            ]  40 %  line 23 of 57  0:12  left 0:18". `width` is that of the terminal.

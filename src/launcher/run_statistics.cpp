@@ -70,8 +70,8 @@ std::string format_duration(double seconds) {
 
 std::string format_summary(const RunStatistics& run, const SummaryInput& input) {
   std::string out = fmt::format("\n{}\n", input.program);
-  out += fmt::format("  lines         {} in the program, {} blocks moved the machine\n",
-                     input.program_lines, run.moving_blocks());
+  out += fmt::format("  lines         {} of {} executed, {} blocks moved the machine\n",
+                     input.lines_executed, input.program_lines, run.moving_blocks());
   out += fmt::format("  path          {:.1f} mm at feed, {:.1f} mm at rapid, {:.1f} mm in all\n",
                      run.feed_length_mm(), run.rapid_length_mm(),
                      run.feed_length_mm() + run.rapid_length_mm());

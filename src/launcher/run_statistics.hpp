@@ -52,8 +52,9 @@ struct JointLimits {
 };
 
 struct SummaryInput {
-  std::string program;   ///< name to show
-  int program_lines{0};  ///< of the main file
+  std::string program;    ///< name to show
+  int program_lines{0};   ///< of the main file
+  int lines_executed{0};  ///< how far it came
   std::uint64_t dropped{0};
   std::vector<JointLimits> limits;
 };

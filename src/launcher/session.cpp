@@ -259,7 +259,12 @@ Status Session::operate() {
   if (options_.once || !options_.program.empty()) {
     ProgramRun run({*clock_, *task_, recorder_, console_, *segment_},
                    {options_.program, options_.svg, options_.once || !at_terminal()});
-    const Status result = run.run();
+    Status result = run.run();
+    if (options_.once) {
+      // The log ends here, and not at whatever moment the teardown has come to.
+      const Status closed = recorder_.close();
+      if (result.ok() && !closed.ok()) result = closed;
+    }
     if (options_.once || clock_->stopped()) return result;
     if (!result.ok() && !task_->was_shown(result.error().message()))
       console_.error(result.error().message());

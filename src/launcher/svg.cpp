@@ -16,7 +16,7 @@ namespace {
 constexpr double kWidth = 1280;
 constexpr double kMargin = 64;
 constexpr double kGap = 76;
-constexpr double kLeftWidth = 600;
+constexpr double kLeftWidth = 540;
 constexpr double kHead = 96;
 constexpr double kLegendHeight = 74;
 /// Points nearer than this to the line are left out; in pixels, so that zooming in still shows a smooth line.
