@@ -42,7 +42,7 @@ void CommandParticipant::update_machine() {
     go_estop("external estop: iocontrol.0.emc-enable-in is FALSE");
   }
   if (enabling_) {
-    if (status_.enabled) {
+    if (status_.enabled && status_.acked_epoch == epoch_ && view_.settled_epoch == epoch_) {
       enabling_ = false;
       state_ = TaskState::on;
       end_state_tickets(CommandState::done, {});
