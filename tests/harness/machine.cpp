@@ -14,6 +14,7 @@
 
 #include "hal/client/session.hpp"
 #include "hal/cmd/commander.hpp"
+#include "hal/core/value_text.hpp"
 #include "hal/core/view.hpp"
 #include "hal/loader/host.hpp"
 #include "hal/loader/module_source.hpp"
@@ -304,10 +305,17 @@ double Machine::get(const std::string& name) const {
   return real_value(item->type, item->raw);
 }
 
+std::string Machine::pin_kind(const std::string& name) const {
+  const auto pin = parts_->halcmd->view().find_pin(name);
+  if (!pin) return "";
+  return std::string(hal::type_name(pin->type)) + " " + std::string(hal::dir_name(pin->dir));
+}
+
 bool Machine::hal(const std::string& line) { return parts_->halcmd->run_line(line, "test", 0); }
 
 void Machine::on_cycle(std::function<void(const motion::MotionStatus&)> f) {
   parts_->watcher.on_cycle = std::move(f);
+  parts_->watcher.last_cycle = motion().cycle;
   parts_->scheduler.remove(parts_->watcher);
   parts_->scheduler.add(parts_->watcher);
 }

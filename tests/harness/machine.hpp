@@ -83,6 +83,8 @@ class Machine {
   /// HAL pins, parameters and signals by name; a wrong name fails the test.
   [[nodiscard]] double get(const std::string& name) const;
   [[nodiscard]] bool bit(const std::string& name) const { return get(name) != 0; }
+  /// "bit IN", "float OUT", "s32 I/O", or "" when there is no such pin.
+  [[nodiscard]] std::string pin_kind(const std::string& name) const;
   /// One halcmd line ("setp motion.probe-input 1"). False: it failed; the text is in errors().
   bool hal(const std::string& line);
   /// Called after each servo cycle, with the status of that cycle.
