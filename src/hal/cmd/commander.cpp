@@ -28,6 +28,8 @@ void CommandSink::err(std::string_view text) { std::fwrite(text.data(), 1, text.
 namespace {
 constexpr std::size_t kAny = SIZE_MAX;
 constexpr int kDeepestSource = 20;
+constexpr const char* kDeadWriter =
+    "the realtime host died while it changed HAL: nothing can be read";
 std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
 bool is_arrow(std::string_view w) { return w == "=>" || w == "<=" || w == "<=>"; }
 }  // namespace
@@ -355,6 +357,7 @@ Status Commander::set_item(Words w) {
 
 Result<ItemInfo> Commander::find_item(const std::string& name) const {
   if (auto item = view_.find_item(name)) return *item;
+  if (view_.stuck()) return fail(Errc::dead, kDeadWriter);
   auto known = view_.names(Kind::pin);
   const auto params = view_.names(Kind::param);
   known.insert(known.end(), params.begin(), params.end());
@@ -364,6 +367,7 @@ Result<ItemInfo> Commander::find_item(const std::string& name) const {
 
 Result<SignalInfo> Commander::find_signal(const std::string& name) const {
   if (auto signal = view_.find_signal(name)) return *signal;
+  if (view_.stuck()) return fail(Errc::dead, kDeadWriter);
   return fail(Errc::not_found, "signal " + quoted(name) + " not found" +
                                    rtapi::did_you_mean(name, view_.names(Kind::signal)));
 }

@@ -60,12 +60,7 @@ int fail(const rtapi::Error& error) {
 int connect_and_run(hal::HalcmdOptions& options, const std::vector<std::string>& words) {
   const std::string instance = rtapi::default_instance();
   auto segment = rtapi::Segment::attach(instance);
-  if (!segment.ok()) {
-    rtapi::log_message(rtapi::Level::error,
-                       "instance '%s' does not run (%s); halrun or kerf starts one",
-                       instance.c_str(), segment.error().message().c_str());
-    return 1;
-  }
+  if (!segment.ok()) return fail(segment.error());
   auto session = hal::SocketSession::connect(**segment);
   if (!session.ok()) return fail(session.error());
 

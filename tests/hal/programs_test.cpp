@@ -1,0 +1,258 @@
+// The true programs: rtapi_app, halcmd and halrun, also when they are killed.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <sstream>
+#include <vector>
+
+#include "hal/core/view.hpp"
+#include "hal/loader/leftovers.hpp"
+#include "rtapi/clock/join_clock.hpp"
+#include "rtapi/shm/process.hpp"
+#include "rtapi/shm/segment.hpp"
+
+namespace kerf::hal::test {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kBin = std::string(KERF_BUILD_DIR) + "/bin/";
+const std::string kProbe = std::string(KERF_BUILD_DIR) + "/tests/hal_probe_component";
+
+class ProgramsTest : public testing::Test {
+ protected:
+  ProgramsTest() {
+    instance_ = "test-hal-" + std::to_string(::getpid()) + "-" +
+                testing::UnitTest::GetInstance()->current_test_info()->name();
+    instance_.resize(std::min<std::size_t>(instance_.size(), 39));
+    ::setenv("KERF_INSTANCE", instance_.c_str(), 1);
+    ::unsetenv("KERF_RUN_ID");
+    folder_ = std::filesystem::temp_directory_path() / instance_;
+    std::filesystem::create_directories(folder_);
+  }
+  ~ProgramsTest() override {
+    for (const pid_t pid : children_) {
+      ::kill(pid, SIGKILL);
+      ::waitpid(pid, nullptr, 0);
+    }
+    (void)end_processes_of_run(run_id_, 0);
+    (void)rtapi::Segment::remove(instance_);
+    std::filesystem::remove_all(folder_);
+  }
+
+  std::string file(const std::string& name, const std::string& text) {
+    const auto path = (folder_ / name).string();
+    std::ofstream(path) << text;
+    return path;
+  }
+  static std::string read(const std::string& path) {
+    std::ifstream in(path);
+    std::ostringstream out;
+    out << in.rdbuf();
+    return out.str();
+  }
+  /// Starts a program; both outputs go to the file "log".
+  pid_t start(const std::vector<std::string>& argv) {
+    const pid_t pid = ::fork();
+    if (pid == 0) {
+      const int log = ::open((folder_ / "log").c_str(), O_CREAT | O_WRONLY | O_APPEND, 0600);
+      const int null = ::open("/dev/null", O_RDONLY);
+      ::dup2(null, 0);
+      ::dup2(log, 1);
+      ::dup2(log, 2);
+      std::vector<char*> args;
+      for (const auto& a : argv)
+        args.push_back(const_cast<char*>(
+            a.c_str()));  // NOLINT(cppcoreguidelines-pro-type-const-cast): exec does not write
+      args.push_back(nullptr);
+      ::execv(args[0], args.data());
+      ::_exit(127);
+    }
+    children_.push_back(pid);
+    return pid;
+  }
+  /// Exit status of a child, or -1 after `seconds`.
+  int wait_for(pid_t pid, int seconds) {
+    int status = -1;
+    const bool ended = eventually([&] { return ::waitpid(pid, &status, WNOHANG) == pid; }, seconds);
+    if (!ended) return -1;
+    std::erase(children_, pid);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+  static bool eventually(const std::function<bool()>& condition, int seconds) {
+    const auto clock = rtapi::make_real_clock();
+    const rtapi::Nanos limit = clock->now() + seconds * rtapi::kSecond;
+    while (!condition()) {
+      if (clock->now() > limit) return false;
+      rtapi::WaitSpec spec;
+      spec.wake_at(clock->now() + 2 * rtapi::kMillisecond);
+      clock->wait(spec);
+    }
+    return true;
+  }
+  int halrun(const std::string& script) { return wait_for(start({kBin + "halrun", script}), 60); }
+  int halcmd(std::vector<std::string> words) {
+    words.insert(words.begin(), kBin + "halcmd");
+    return wait_for(start(words), 60);
+  }
+  [[nodiscard]] std::string log() const { return read((folder_ / "log").string()); }
+  /// Waits until a component is ready in the running instance, and notes the run for the clean-up.
+  bool component_ready(const std::string& name) {
+    return eventually(
+        [&] {
+          auto segment = rtapi::Segment::attach(instance_);
+          if (!segment.ok()) return false;
+          run_id_ = std::string((*segment)->header().run_id.view());
+          const auto found = View(**segment).find_component(name);
+          return found && found->ready;
+        },
+        20);
+  }
+  /// No segment and no process of the instance is left.
+  [[nodiscard]] bool nothing_left() const {
+    return !rtapi::Segment::attach(instance_).ok() && processes_of_run(run_id_).empty();
+  }
+  std::int64_t owner_pid() {
+    auto segment = rtapi::Segment::attach(instance_);
+    return segment.ok() ? (*segment)->header().owner_pid.get() : 0;
+  }
+
+  std::string instance_;
+  std::string run_id_;
+  std::filesystem::path folder_;
+  std::vector<pid_t> children_;
+};
+
+TEST_F(ProgramsTest, HalrunRunsAScriptAndTakesAllDown) {
+  const auto script =
+      file("ok.hal",
+           "loadrt threads name1=servo period1=1000000\nloadrt sum2\naddf sum2.0 servo\n"
+           "loadusr -Wn probe " +
+               kProbe +
+               " probe\n"
+               "net a sum2.0.out => probe.in\nsetp sum2.0.in0 4.5\nstart\n"
+               "loadusr -w halcmd setp sum2.0.offset 1\n"
+               "sleep 0.2\ngetp probe.out\nshow comp probe\n"
+               "unloadusr probe\nwaitusr probe\nlist pin probe\n");
+  EXPECT_EQ(halrun(script), 0) << log();
+  EXPECT_THAT(log(), HasSubstr("5.5\n"));
+  EXPECT_THAT(log(), HasSubstr("User  probe"));
+  EXPECT_TRUE(nothing_left());
+}
+
+TEST_F(ProgramsTest, AFailedScriptNamesItsLineAndLeavesNothing) {
+  const auto script =
+      file("bad.hal", "loadrt and2\nloadusr -Wn probe " + kProbe + " probe\n\nnet a and2.0.owt\n");
+  EXPECT_EQ(halrun(script), 1);
+  EXPECT_THAT(log(),
+              HasSubstr("bad.hal:4: Pin 'and2.0.owt' does not exist; did you mean 'and2.0.out'?"));
+  EXPECT_TRUE(nothing_left());
+}
+
+TEST_F(ProgramsTest, LoadusrSaysWhenAProgramCannotServe) {
+  const auto script = file(
+      "usr.hal", "loadusr -W " + kBin +
+                     "nothere\nloadusr -Wn never true\nloadusr -w false\nloadusr -w -i false\n");
+  EXPECT_EQ(wait_for(start({kBin + "halrun", "-k", script}), 60), 1);
+  EXPECT_THAT(log(), HasSubstr("usr.hal:1: execv(" + kBin + "nothere): No such file or directory"));
+  EXPECT_THAT(log(), HasSubstr("usr.hal:2: true exited without becoming ready"));
+  EXPECT_THAT(log(), HasSubstr("usr.hal:3: program 'false' failed, returned 1"));
+  EXPECT_THAT(log(), testing::Not(HasSubstr("usr.hal:4")));
+}
+
+TEST_F(ProgramsTest, AKilledHalrunLeavesNothing) {
+  const auto script =
+      file("long.hal", "loadrt threads name1=servo period1=1000000\nstart\nloadusr -Wn probe " +
+                           kProbe + " probe\nloadusr -w sleep 60\n");
+  const pid_t pid = start({kBin + "halrun", script});
+  ASSERT_TRUE(component_ready("probe")) << log();
+  ::kill(pid, SIGKILL);
+  EXPECT_EQ(wait_for(pid, 5), 128 + SIGKILL);
+  EXPECT_TRUE(eventually([&] { return nothing_left(); }, 10));
+}
+
+TEST_F(ProgramsTest, AKilledRealtimeHostEndsHalrun) {
+  const auto script =
+      file("long.hal", "loadusr -Wn probe " + kProbe + " probe\nloadusr -w sleep 1\nloadrt and2\n");
+  const pid_t pid = start({kBin + "halrun", script});
+  ASSERT_TRUE(component_ready("probe")) << log();
+  ::kill(static_cast<pid_t>(owner_pid()), SIGKILL);
+  EXPECT_EQ(wait_for(pid, 20), 1) << log();
+  EXPECT_THAT(log(), HasSubstr("the realtime host does not answer"));
+  EXPECT_TRUE(nothing_left());
+  EXPECT_EQ(halrun(file("again.hal", "loadrt and2\n")), 0);
+}
+
+TEST_F(ProgramsTest, AKilledComponentLosesItsPins) {
+  const pid_t app = start({kBin + "rtapi_app"});
+  ASSERT_TRUE(eventually([&] { return halcmd({"-Q", "loadrt", "sum2"}) == 0; }, 10)) << log();
+  const pid_t probe = start({kProbe, "probe"});
+  ASSERT_TRUE(component_ready("probe"));
+  EXPECT_EQ(halcmd({"net", "a", "sum2.0.out", "probe.in"}), 0) << log();
+  ::kill(probe, SIGKILL);
+  EXPECT_EQ(wait_for(probe, 5), 128 + SIGKILL);
+  auto segment = std::move(rtapi::Segment::attach(instance_)).value();
+  const View view(*segment);
+  EXPECT_TRUE(eventually([&] { return !view.find_pin("probe.in").has_value(); }, 5));
+  EXPECT_TRUE(view.find_pin("sum2.0.out").has_value());
+  EXPECT_EQ(view.find_signal("a")->readers, 0U);
+  ::kill(app, SIGTERM);
+  EXPECT_EQ(wait_for(app, 10), 0) << log();
+  segment.reset();
+  EXPECT_TRUE(nothing_left());
+}
+
+TEST_F(ProgramsTest, VirtualTimeIsExactAndFast) {
+  const pid_t app = start({kBin + "rtapi_app", "--virtual"});
+  const auto script =
+      file("virtual.hal",
+           "loadrt threads name1=servo period1=1000000 name2=slow period2=10000000\nloadrt sum2\n"
+           "addf sum2.0 servo\nloadusr -Wn probe " +
+               kProbe +
+               " probe\nnet a sum2.0.out => probe.in\n"
+               "setp sum2.0.in0 2\nstart\nsleep 20\ngetp servo.threadbeat\ngetp slow.threadbeat\n"
+               "getp probe.out\nstop\nunloadusr probe\nwaitusr probe\n");
+  ASSERT_TRUE(eventually([&] { return halcmd({"-Q", "status"}) == 0; }, 10)) << log();
+  EXPECT_EQ(halcmd({"-f", script}), 0) << log();
+  EXPECT_THAT(log(), HasSubstr("20000\n2000\n2\n"));
+  ::kill(app, SIGTERM);
+  EXPECT_EQ(wait_for(app, 10), 0);
+  EXPECT_TRUE(nothing_left());
+}
+
+TEST_F(ProgramsTest, TwoInstancesLiveSideBySide) {
+  const pid_t first = start({kBin + "rtapi_app", "--instance", instance_ + "a"});
+  const pid_t second = start({kBin + "rtapi_app", "--instance", instance_ + "b"});
+  for (const char* suffix : {"a", "b"}) {
+    ::setenv("KERF_INSTANCE", (instance_ + suffix).c_str(), 1);
+    EXPECT_TRUE(eventually(
+        [&] {
+          return halcmd({"-Q", "loadrt", "and2", std::string("names=") + suffix}) == 0;
+        },
+        10));
+    EXPECT_EQ(halcmd({"list", "pin"}), 0);
+  }
+  EXPECT_THAT(log(), HasSubstr("a.in0 a.in1 a.out a.time \nb.in0 b.in1 b.out b.time \n"));
+  ::kill(first, SIGTERM);
+  ::kill(second, SIGINT);
+  EXPECT_EQ(wait_for(first, 10), 0);
+  EXPECT_EQ(wait_for(second, 10), 0);
+  EXPECT_FALSE(rtapi::Segment::attach(instance_ + "a").ok());
+  EXPECT_FALSE(rtapi::Segment::attach(instance_ + "b").ok());
+}
+
+TEST_F(ProgramsTest, HalcmdWithoutAMachineSaysSo) {
+  EXPECT_EQ(halcmd({"show"}), 1);
+  EXPECT_THAT(log(), HasSubstr("instance '" + instance_ + "' does not run"));
+}
+
+}  // namespace
+}  // namespace kerf::hal::test
