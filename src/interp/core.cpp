@@ -9,16 +9,6 @@
 
 namespace kerf::interp {
 
-namespace {
-constexpr int kRowSlots = 24;
-constexpr int kCancelMotion = 800;
-
-bool near_integer(double v, double& rounded) {
-  rounded = std::nearbyint(v);
-  return std::fabs(v - rounded) <= kTolerance;
-}
-}  // namespace
-
 Core::Core(Environment& environment, Canon& sink, const Settings& config, const Dialect& rows)
     : env(environment), canon(sink), settings(config), dialect(rows), parser_(rows, params) {
   for (const auto& family : dialect.families) {
@@ -229,155 +219,6 @@ Outcome Core::next_repeat() {
   return Outcome::ok;
 }
 
-// --- from parsed line to block ---
-
-bool Core::build(const ParsedBlock& p, Block& b) {
-  b.mask = 0;
-  b.row_count = 0;
-  b.motion = nullptr;
-  b.motion_code = -1;
-  b.motion_is_modal = b.axis_by_other = b.g53 = false;
-  b.source = &p;
-  for (const ParsedWord& w : p.words) {
-    double v = w.value;
-    if (!w.constant && !evaluate(p, w.expr, v)) return false;
-    const char name = kLetterNames[w.letter];
-    if (name == 'g' || name == 'm') {
-      if (!add_code(b, name, v)) return error.column = parser_.column_of(p.text, w.at), false;
-      continue;
-    }
-    const LetterMask bit = LetterMask{1} << w.letter;
-    if ((b.mask & bit) != 0)
-      return fail_at(w.at, "Keep one of them", "Multiple %c words on one line", name);
-    b.mask |= bit;
-    b.value[w.letter] = v;
-    b.at[w.letter] = w.at;
-  }
-  return choose_motion(b) && check_letters(b);
-}
-
-bool Core::add_code(Block& b, char letter, double value) {
-  double rounded = 0;
-  const bool g = letter == 'g';
-  const bool whole = near_integer(g ? value * 10 : value, rounded);
-  if (g) {
-    if (rounded > dialect.last_g_code || value < 0)
-      return fail(0, "G-codes go from 0 to 99",
-                  value < 0 ? "Negative g code used" : "G-code out of range");
-  } else {
-    if (value < 0) return fail(0, "", "Negative m code used");
-    if (rounded > dialect.last_m_code)
-      return fail(0, "M-codes go from 0 to 199", "M-code greater than %d: M%d", dialect.last_m_code,
-                  static_cast<int>(std::min(rounded, 1e9)));
-    if (!whole) return fail(0, "", "Non integer value for integer");
-  }
-  const int code = static_cast<int>(rounded);
-  const CodeRow* r = whole ? row(letter, code) : nullptr;
-  if (r == nullptr) {
-    return g ? fail(0, "See the list of G-codes in the manual", "Unknown g code used")
-             : fail(0, "See the list of M-codes in the manual", "Unknown m code used: M%d", code);
-  }
-  for (int i = 0; i < b.row_count; ++i) {
-    const auto n = static_cast<std::size_t>(i);
-    const CodeRow* other = b.rows[n];
-    if (other->letter != letter || other->group != r->group) continue;
-    // G80 beside another motion code means nothing more than that code.
-    const bool first_cancels = g && b.codes[n] == kCancelMotion;
-    if (first_cancels != (g && code == kCancelMotion)) {
-      if (first_cancels) b.rows[n] = r, b.codes[n] = static_cast<std::int16_t>(code);
-      return true;
-    }
-    return fail(0, "Write them on separate lines", "Two %c codes used from same modal group",
-                letter);
-  }
-  if (b.row_count == kRowSlots)
-    return fail(0, "Write them on separate lines", "Too many codes on one line");
-  b.rows[static_cast<std::size_t>(b.row_count)] = r;
-  b.codes[static_cast<std::size_t>(b.row_count++)] = static_cast<std::int16_t>(code);
-  return true;
-}
-
-bool Core::choose_motion(Block& b) {
-  for (int i = 0; i < b.row_count; ++i) {
-    const CodeRow* r = b.rows[static_cast<std::size_t>(i)];
-    if (r->letter != 'g') continue;
-    if (r->group == 1) {
-      b.motion = r;
-      b.motion_code = b.codes[static_cast<std::size_t>(i)];
-    } else if (r->run == nullptr) {
-      b.g53 = true;
-    } else if (r->axes != AxisUse::none) {
-      b.axis_by_other = true;
-    }
-  }
-  if (b.axis_by_other && b.motion != nullptr && b.motion->axes != AxisUse::none)
-    return fail(0, "Write them on separate lines",
-                "Cannot use two g codes that both use axis values");
-  if (b.has_axes() && !b.axis_by_other) {
-    if (b.motion == nullptr) {
-      b.motion = state.motion == kCancelMotion ? nullptr : row('g', state.motion);
-      b.motion_code = state.motion;
-      b.motion_is_modal = true;
-    }
-    if (b.motion == nullptr)
-      return fail(0, "Write G0, G1 or another motion code before the axis words",
-                  "Cannot use axis values without a g code that uses them");
-    if (b.motion->axes == AxisUse::none)
-      return fail(0, "Write the move on a line of its own", "Cannot use axis values with g80");
-  }
-  if (b.g53 && (b.motion == nullptr || (b.motion_code != 0 && b.motion_code != 10)))
-    return fail(0, "Write G53 G0 or G53 G1", "Must use g0 or g1 with g53");
-  return true;
-}
-
-bool Core::check_letters(const Block& b) {
-  LetterMask used = letters("fstn") | kAxisMask;
-  for (int i = 0; i < b.row_count; ++i) used |= b.rows[static_cast<std::size_t>(i)]->words;
-  if (b.motion != nullptr) used |= b.motion->words;
-  if (b.has('s')) used |= letters("$");
-  LetterMask left = b.mask & ~used;
-  for (std::size_t i = 0; left != 0; ++i, left >>= 1) {
-    if ((left & 1U) == 0) continue;
-    const char name = kLetterNames[i];
-    return fail(name, "Delete the word, or add the code that it belongs to", "%s",
-                unused_[i] != nullptr ? unused_[i] : "Word that no code of this line uses");
-  }
-  return !b.has_axes() || check_axes(b);
-}
-
-bool Core::assign(const ParsedBlock& p) {
-  if (p.assignments.empty()) return true;
-  // All values are found before any is stored (manual: "Numbered Parameters").
-  assigned_.clear();
-  for (const Assignment& a : p.assignments) {
-    double v = 0;
-    if (!evaluate(p, a.value, v)) return false;
-    int index = 0;
-    if (a.named) {
-      const std::string& name = params.name(a.id);
-      if (predefined_.by_id(a.id, name) != nullptr || name.starts_with("_hal[") ||
-          name.starts_with("_ini["))
-        return fail_at(a.at, "", "Cannot assign to read-only parameter #<%s>", name.c_str());
-    } else {
-      double number = 0, rounded = 0;
-      if (!evaluate(p, a.index, number)) return false;
-      if (!near_integer(number, rounded)) return fail_at(a.at, "", "Non integer value for integer");
-      if (rounded < 1 || rounded >= kParameterCount)
-        return fail_at(a.at, "Numbers go from 1 to 5602", "Parameter number out of range");
-      index = static_cast<int>(rounded);
-      if (ParameterTable::read_only(index)) return fail_at(a.at, "", "Parameter is readonly");
-    }
-    assigned_.emplace_back(index, Value{v, nullptr});
-  }
-  for (std::size_t i = 0; i < assigned_.size(); ++i) {
-    if (p.assignments[i].named)
-      params.set_named(p.assignments[i].id, std::move(assigned_[i].second));
-    else
-      params.set(assigned_[i].first, assigned_[i].second.number);
-  }
-  return true;
-}
-
 // --- execution ---
 
 bool Core::run_rows(const Block& b) {
@@ -477,17 +318,6 @@ bool Core::tool_word(const Block& b) {
 }
 
 // --- geometry shared by the families ---
-
-bool Core::check_axes(const Block& b) {
-  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-    if (b.has_axis(i) && (settings.axis_mask >> i & 1U) == 0) {
-      const char axis = kLetterNames[static_cast<std::size_t>(kAxisLetter[i])];
-      return fail(axis, "[TRAJ]COORDINATES lists the axes of this machine",
-                  "Bad character '%c' used", axis);
-    }
-  }
-  return true;
-}
 
 bool Core::target(const Block& b, Pose& end) {
   end = state.position;

@@ -23,13 +23,18 @@ namespace kerf::interp {
 /// Codes within this of an integer are that integer; EQ compares by it (manual: "Equality").
 inline constexpr double kTolerance = 0.0001;
 
+/// Codes on one line, modal motion included.
+inline constexpr int kRowSlots = 24;
+/// The integer next to v; false when v is none.
+[[nodiscard]] bool near_integer(double v, double& rounded);
+
 /// A block with its numbers computed.
 struct Block {
   LetterMask mask{0};
   std::array<double, kLetters> value{};
   std::array<std::uint16_t, kLetters> at{};
-  std::array<const CodeRow*, 24> rows{};
-  std::array<std::int16_t, 24> codes{};  ///< the code of each row (rows may be ranges)
+  std::array<const CodeRow*, kRowSlots> rows{};
+  std::array<std::int16_t, kRowSlots> codes{};  ///< the code of each row (rows may be ranges)
   int row_count{0};
   const CodeRow* motion{nullptr};  ///< explicit or modal group 1 row that takes the axis words
   int motion_code{-1};

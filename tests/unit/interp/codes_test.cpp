@@ -305,8 +305,8 @@ TEST(SavedState, M72BringsAllModesButTheMotionBack) {
 }
 
 TEST(SavedState, M73RestoresOnReturnAndM71Forgets) {
-  const std::string sub = "o1 sub\nM73\nG20 G91 F5\n%o1 endsub\nG21 F100\no1 call\n(abort,x)\n";
-  for (const std::string extra :
+  const std::string sub = "o1 sub\nM73\nG20 G91\nF5\n%o1 endsub\nG21 F100\no1 call\n(abort,x)\n";
+  for (const std::string& extra :
        {std::string(), std::string("o1 return\n"), std::string("M71\n")}) {
     Rig rig;
     std::string program = sub;
