@@ -1,6 +1,7 @@
 #include "hal/cmd/prompt.hpp"
 
 #include <editline/readline.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -9,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "rtapi/clock/join_clock.hpp"
+
 namespace kerf::hal {
 namespace {
 
@@ -16,6 +19,15 @@ namespace {
 const Commander* completing = nullptr;
 std::vector<std::string> candidates;
 std::size_t next_candidate = 0;
+
+rtapi::WaitClock* line_clock = nullptr;
+
+/// Ctrl-C ends what the present command waits for, and the session goes on. The other signals end the session: without its
+/// input the editor gives the end of file.
+void on_signal(int signal) {
+  if (line_clock != nullptr) line_clock->stop();
+  if (signal != SIGINT) ::close(STDIN_FILENO);
+}
 
 char* give_candidate(const char* text, int state) {
   if (state == 0) next_candidate = 0;
@@ -48,6 +60,9 @@ bool run_interactive(Commander& commander) {
   completing = &commander;
   rl_readline_name = "halcmd";
   rl_attempted_completion_function = complete;
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
   bool good = true;
   int number = 0;
   while (!commander.quit_requested()) {
@@ -57,7 +72,12 @@ bool run_interactive(Commander& commander) {
       break;
     }
     if (*line != '\0') ::add_history(line);
+    const auto clock = rtapi::make_real_clock();
+    line_clock = clock.get();
+    commander.set_clock(clock.get());
     good = commander.run_line(line, "<stdin>", ++number);
+    commander.set_clock(nullptr);
+    line_clock = nullptr;
     std::free(line);  // NOLINT(cppcoreguidelines-no-malloc): readline's
   }
   completing = nullptr;
