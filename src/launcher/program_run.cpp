@@ -42,6 +42,8 @@ Status ProgramRun::prepare() {
   p_.console.detail("switching the machine on");
   KERF_CHECK(p_.task.perform({"state", "estop-reset"}));
   KERF_CHECK(p_.task.perform({"state", "on"}));
+  // Startup code and what else the start has set going comes to its end first.
+  KERF_CHECK(p_.task.perform({"wait"}));
   p_.console.say("homing");
   return p_.task.perform({"home"});
 }

@@ -57,8 +57,11 @@ std::string trim(const std::string& text) {
 void carry_out(const std::string& line, TaskLink& task, Console& console) {
   const std::vector<std::string> words = words_of_line(line);
   if (words.empty()) return;
-  if (words.front() == "help")
+  if (words.front() == "help") {
+    const task::CommandInfo* one = words.size() > 1 ? task::find_command(words[1]) : nullptr;
+    if (one != nullptr) return console.print(task::help_text(*one));
     return console.print(task::help_text() + "quit\n    Ends the machine.\n");
+  }
   const rtapi::Status done = task.perform(words);
   if (!done.ok() && !task.was_shown(done.error().message())) console.error(done.error().message());
 }
@@ -80,7 +83,7 @@ rtapi::Status run_prompt(SupervisedClock& clock, TaskLink& task, Console& consol
   while (!clock.stopped() && !typed.ended) {
     rtapi::WaitSpec spec;
     task.client().add_to(spec);
-    if (!task.client().poll().ok()) break;
+    if (const auto polled = task.client().poll(); !polled.ok()) return polled;
     task.show_messages();
     spec.watch_fd(STDIN_FILENO);
     clock.wait(spec);
@@ -95,6 +98,7 @@ rtapi::Status run_prompt(SupervisedClock& clock, TaskLink& task, Console& consol
       if (!clock.stopped()) editor.begin();
     }
   }
+  console.print("\n");
   return {};
 }
 

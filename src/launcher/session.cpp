@@ -25,6 +25,7 @@ namespace {
 
 /// Real time that a part may take to come up.
 constexpr int kStartPatience_ms = 20'000;
+constexpr int kDeathNotice_ms = 200;
 
 /// Command, interpreter and io: the threads of milltask that run on the instance's clock.
 constexpr int kTaskParticipants = 3;
@@ -68,6 +69,9 @@ int Session::run() {
   }
   Status result = start();
   if (result.ok()) result = operate();
+  // A closed connection is seen before the end of the process behind it; its name says more.
+  if (!result.ok() && result.error().code == Errc::dead && clock_ != nullptr)
+    (void)clock_->wait_until([] { return false; }, kDeathNotice_ms);
   const StopReason reason = clock_ != nullptr ? clock_->reason() : StopReason{};
   if (reason.kind == StopReason::Kind::part_died)
     console_.error(reason.text + "; taking the machine down");
@@ -274,7 +278,11 @@ Status Session::operate() {
 
 Status Session::stay_up() {
   if (at_terminal() && !screen_runs_) {
-    console_.print(plan_.machine_name + ": type G-code, 'help' for commands, Ctrl-D to end\n");
+    std::string text = plan_.machine_name + ": type G-code, 'help' for commands, Ctrl-D to end.\n";
+    task::TaskStatus status;
+    if (task_->status(status) && status.task_state != task::TaskState::on)
+      text += "Switch the machine on with: state estop-reset, state on, home (a line each).\n";
+    console_.print(text);
     return run_prompt(*clock_, *task_, console_);
   }
   console_.say(plan_.machine_name + " runs; end it with Ctrl-C or SIGTERM");

@@ -22,6 +22,7 @@ rtapi::Status TaskLink::perform(const std::vector<std::string>& words,
                                 const std::function<void()>& while_waiting, rtapi::Nanos every) {
   if (client_ == nullptr) return rtapi::fail(Errc::dead, "not connected to milltask");
   shown_.clear();
+  last_error_.clear();
   KERF_TRY(const std::uint64_t id, client_->send(words));
   for (;;) {
     rtapi::WaitSpec spec;
@@ -29,8 +30,8 @@ rtapi::Status TaskLink::perform(const std::vector<std::string>& words,
     const auto polled = client_->poll();
     show_messages();
     if (while_waiting) while_waiting();
-    if (client_->finished(id)) break;
     if (!polled.ok()) return polled;
+    if (client_->finished(id)) break;
     if (clock_.stopped()) return rtapi::fail(Errc::cancelled, "interrupted");
     if (every != rtapi::kForever) spec.wake_at((clock_.now() / every + 1) * every);
     clock_.wait(spec);
@@ -39,7 +40,9 @@ rtapi::Status TaskLink::perform(const std::vector<std::string>& words,
   const task::Reply reply = *client_->outcome(id);
   client_->forget(id);
   if (reply.state == task::CommandState::done) return {};
-  const std::string text = reply.text.empty() ? std::string(to_string(reply.state)) : reply.text;
+  std::string text = reply.text.empty() ? std::string(to_string(reply.state)) : reply.text;
+  // "aborted" says less than the error that led to it.
+  if (reply.state == task::CommandState::aborted && !last_error_.empty()) text = last_error_;
   return rtapi::fail(
       reply.state == task::CommandState::aborted ? Errc::cancelled : Errc::bad_argument, text);
 }
@@ -51,6 +54,7 @@ void TaskLink::show_messages() {
     const std::string text(message.text.view());
     if (message.kind == task::MessageKind::error) {
       shown_.insert(text);
+      last_error_ = text;
       console_.error(text);
     } else {
       console_.say(text);

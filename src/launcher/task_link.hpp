@@ -41,7 +41,8 @@ class TaskLink {
   SupervisedClock& clock_;
   Console& console_;
   std::unique_ptr<task::Client> client_;
-  std::set<std::string> shown_;
+  std::set<std::string> shown_;  ///< errors since the last command was sent
+  std::string last_error_;
 };
 
 }  // namespace kerf::launcher
