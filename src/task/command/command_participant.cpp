@@ -180,6 +180,33 @@ void CommandParticipant::say(MessageKind kind, const std::string& text, const st
   p_.shared.messages.newest.publish(message.number);
 }
 
+/// What motion waits for on its own, in words.
+void CommandParticipant::path_wait(WaitingFor& wait) {
+  if (status_.waiting_for != last_wait_) wait_since_ = now_;
+  last_wait_ = status_.waiting_for;
+  const std::string spindle = "spindle." + std::to_string(std::max(status_.waiting_index, 0));
+  const auto say_wait = [&](const char* object, const std::string& pin) {
+    wait.object = rtapi::FixedString<63>(object);
+    wait.pin = rtapi::FixedString<63>(pin);
+    wait.since_ns = wait_since_;
+  };
+  wait = {};
+  switch (last_wait_) {
+    case motion::PathWait::none: return;
+    case motion::PathWait::spindle_at_speed:
+      return say_wait("the spindle to be at speed", spindle + ".at-speed");
+    case motion::PathWait::orient:
+      return say_wait("the spindle to be oriented", spindle + ".is-oriented");
+    case motion::PathWait::dwell: return say_wait("the end of a dwell (G4)", "");
+    case motion::PathWait::hold: return say_wait("resume", "");
+    case motion::PathWait::feed_hold_pin:
+      return say_wait("the end of feed hold", "motion.feed-hold");
+    case motion::PathWait::feed_inhibit:
+      return say_wait("the end of feed inhibit", "motion.feed-inhibit");
+    case motion::PathWait::zero_override: return say_wait("a feed override above 0", "");
+  }
+}
+
 void CommandParticipant::write_status() {
   TaskStatus& s = shown_;
   s.pid = p_.pid;
@@ -228,6 +255,7 @@ void CommandParticipant::write_status() {
             std::begin(s.spindle_override));
   s.max_vel_mm_s = want_.max_vel_mm_s;
   s.waiting_for = view_.waiting_for;
+  if (s.waiting_for.object.empty()) path_wait(s.waiting_for);
   s.messages = messages_;
   s.errors = error_messages_;
   s.commands = counters_;

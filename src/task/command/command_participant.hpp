@@ -90,6 +90,7 @@ class CommandParticipant final : public rtapi::Participant {
   void take_reports();
   void update_pending();
   void write_status();
+  void path_wait(WaitingFor& wait);
   void say(MessageKind kind, const std::string& text, const std::string& file = {},
            std::int32_t line = 0);
   void write_intent() { p_.motion.intent.values.write(want_); }
@@ -161,7 +162,8 @@ class CommandParticipant final : public rtapi::Participant {
   std::map<Ticket, Pending> pending_;
   std::array<int, motion::kMaxJoints> joint_jog_owner_{};
   std::array<int, rtapi::kAxes> axis_jog_owner_{};
-  bool replied_{false};
+  motion::PathWait last_wait_{motion::PathWait::none};
+  rtapi::Nanos wait_since_{0};
 };
 
 }  // namespace kerf::task
