@@ -64,6 +64,7 @@ class Planner {
     const auto mb = reader_.integer("KERF", "SEGMENT_MB",
                                     {.fallback = 64, .min = 16, .max = 4096, .unit = "MiB"});
     plan_.segment_mb = static_cast<std::size_t>(mb);
+    reader_.known_key("KERF", "HEARTBEAT_TIMEOUT");  // of task
     plan_.rt_cpus = reader_.string("KERF", "RT_CPUS", "");
     if (plan_.rt_cpus.find_first_not_of("0123456789,- ") != std::string::npos) {
       reader_.complain("KERF", "RT_CPUS",

@@ -1,0 +1,156 @@
+#include "launcher/plan.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace kerf::launcher {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PlanTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    dir_ = testing::TempDir() + "plan_test_" + std::to_string(getpid());
+    fs::create_directories(dir_ + "/machine");
+    fs::create_directories(dir_ + "/library");
+    fs::create_directories(dir_ + "/mine");
+    for (const char* name :
+         {"machine/one.hal", "machine/two.hal", "machine/post.hal", "machine/end.hal",
+          "machine/both.hal", "library/both.hal", "library/sys.hal", "mine/two.hal"})
+      std::ofstream(dir_ + "/" + name) << "# empty\n";
+  }
+  void TearDown() override { fs::remove_all(dir_); }
+
+  LaunchPlan plan(const std::string& text, bool with_mine = false) {
+    auto loaded = ini::IniFile::parse(text, dir_ + "/machine/m.ini");
+    EXPECT_TRUE(loaded.ok);
+    HalSearch search{{}, {dir_ + "/library"}};
+    if (with_mine) search.first = {dir_ + "/mine"};
+    return make_plan(loaded.file, search);
+  }
+  static std::string messages(const LaunchPlan& plan) {
+    std::string out;
+    for (const auto& d : plan.diagnostics) out += d.message() + "\n";
+    return out;
+  }
+  std::string dir_;
+};
+
+TEST_F(PlanTest, FilesInOrderThenCommandsInOrder) {
+  const LaunchPlan p = plan(
+      "[HAL]\nHALCMD = start later\nHALFILE = two.hal\nHALFILE = one.hal\nHALCMD = setp a 1\n"
+      "POSTGUI_HALCMD = setp b 2\nPOSTGUI_HALFILE = post.hal\nSHUTDOWN = end.hal\n");
+  ASSERT_TRUE(p.ok) << messages(p);
+  ASSERT_EQ(p.hal.size(), 4U);
+  EXPECT_EQ(p.hal[0].text, dir_ + "/machine/two.hal");
+  EXPECT_EQ(p.hal[1].text, dir_ + "/machine/one.hal");
+  EXPECT_FALSE(p.hal[2].is_file);
+  EXPECT_EQ(p.hal[2].text, "start later");
+  EXPECT_EQ(p.hal[2].at.line, 2);
+  EXPECT_EQ(p.hal[3].text, "setp a 1");
+  ASSERT_EQ(p.postgui.size(), 2U);
+  EXPECT_EQ(p.postgui[0].text, dir_ + "/machine/post.hal");
+  EXPECT_EQ(p.postgui[1].text, "setp b 2");
+  ASSERT_EQ(p.shutdown.size(), 1U);
+}
+
+TEST_F(PlanTest, SearchesTheMachinesFolderBeforeTheLibrary) {
+  const LaunchPlan p = plan(
+      "[HAL]\nHALFILE = both.hal\nHALFILE = LIB:both.hal\nHALFILE = sys.hal\nHALFILE = " + dir_ +
+      "/machine/one.hal\nHALFILE = ./two.hal\n");
+  ASSERT_TRUE(p.ok) << messages(p);
+  EXPECT_EQ(p.hal[0].text, dir_ + "/machine/both.hal");
+  EXPECT_EQ(p.hal[1].text, dir_ + "/library/both.hal");
+  EXPECT_EQ(p.hal[2].text, dir_ + "/library/sys.hal");
+  EXPECT_EQ(p.hal[3].text, dir_ + "/machine/one.hal");
+  EXPECT_EQ(p.hal[4].text, dir_ + "/machine/two.hal");
+}
+
+TEST_F(PlanTest, FoldersOfTheCommandLineComeFirst) {
+  const LaunchPlan p = plan("[HAL]\nHALFILE = two.hal\nHALFILE = one.hal\n", true);
+  EXPECT_EQ(p.hal[0].text, dir_ + "/mine/two.hal");
+  EXPECT_EQ(p.hal[1].text, dir_ + "/machine/one.hal");
+}
+
+TEST_F(PlanTest, AMissingFileIsNamedWithPlaceAndNearestName) {
+  const LaunchPlan p = plan("[HAL]\nHALFILE = one.hal\nHALFILE = tow.hal\n");
+  EXPECT_FALSE(p.ok);
+  EXPECT_NE(
+      messages(p).find("m.ini:3: error: [HAL]HALFILE: no file 'tow.hal' in " + dir_ + "/machine"),
+      std::string::npos)
+      << messages(p);
+  EXPECT_NE(messages(p).find("did you mean 'two.hal'?"), std::string::npos);
+}
+
+TEST_F(PlanTest, TclFilesAreRefusedClearly) {
+  const LaunchPlan p = plan("[HAL]\nHALFILE = LIB:basic_sim.tcl -no_make_ddts\n");
+  EXPECT_FALSE(p.ok);
+  EXPECT_NE(messages(p).find(
+                "m.ini:2: error: [HAL]HALFILE = LIB:basic_sim.tcl -no_make_ddts: HAL files in Tcl"),
+            std::string::npos)
+      << messages(p);
+}
+
+TEST_F(PlanTest, NoHalFileAtAll) {
+  const LaunchPlan p = plan("[EMC]\nMACHINE = x\n");
+  EXPECT_FALSE(p.ok);
+  EXPECT_EQ(p.machine_name, "x");
+}
+
+TEST_F(PlanTest, KerfSection) {
+  const LaunchPlan p =
+      plan("[HAL]\nHALFILE = one.hal\n[KERF]\nCLOCK = Virtual\nSEGMENT_MB = 128\nRT_CPUS = 2-3\n");
+  ASSERT_TRUE(p.ok) << messages(p);
+  EXPECT_TRUE(p.virtual_time);
+  EXPECT_EQ(p.segment_mb, 128U);
+  EXPECT_EQ(p.rt_cpus, "2-3");
+}
+
+TEST_F(PlanTest, BadValuesOfTheKerfSection) {
+  const LaunchPlan p = plan(
+      "[HAL]\nHALFILE = one.hal\n[KERF]\nCLOCK = vritual\nSEGMENT_MB = 1\nRT_CPUS = all\nSEGMENT = "
+      "3\n");
+  EXPECT_FALSE(p.ok);
+  const std::string text = messages(p);
+  EXPECT_NE(text.find("m.ini:4: error"), std::string::npos) << text;
+  EXPECT_NE(text.find("m.ini:5: error"), std::string::npos) << text;
+  EXPECT_NE(text.find("m.ini:6: error"), std::string::npos) << text;
+  EXPECT_NE(text.find("m.ini:7: warning"), std::string::npos) << text;
+}
+
+TEST_F(PlanTest, KeysOfOthersInTheKerfSectionAreKnown) {
+  EXPECT_EQ(messages(plan("[HAL]\nHALFILE = one.hal\n[KERF]\nHEARTBEAT_TIMEOUT = 0.2\n")), "");
+}
+
+TEST_F(PlanTest, Programs) {
+  const LaunchPlan p = plan(
+      "[HAL]\nHALFILE = one.hal\nHALUI = halui\n[TASK]\nTASK = mytask\n[DISPLAY]\nDISPLAY = axis "
+      "-x \"a b\"\n"
+      "OPEN_FILE = part.ngc\n[APPLICATIONS]\nAPP = sim_pin one\nAPP = other\n");
+  EXPECT_EQ(p.task_program, "mytask");
+  EXPECT_EQ(p.halui, "halui");
+  EXPECT_EQ(p.display, (std::vector<std::string>{"axis", "-x", "a b"}));
+  EXPECT_EQ(p.open_file, dir_ + "/machine/part.ngc");
+  ASSERT_EQ(p.applications.size(), 2U);
+  EXPECT_EQ(p.applications[0], (std::vector<std::string>{"sim_pin", "one"}));
+  EXPECT_EQ(plan("[HAL]\nHALFILE = one.hal\n[DISPLAY]\nOPEN_FILE = \"\"\n").open_file, "");
+}
+
+TEST(SplitWords, QuotesKeepBlanks) {
+  EXPECT_EQ(split_words("  a  'b c'd \"\" e"), (std::vector<std::string>{"a", "b cd", "", "e"}));
+  EXPECT_TRUE(split_words(" \t ").empty());
+}
+
+TEST(ResolveFrom, RelativeAbsoluteAndHome) {
+  EXPECT_EQ(resolve_from("/a/b", "c/../d"), "/a/b/d");
+  EXPECT_EQ(resolve_from("/a/b", "/d"), "/d");
+  setenv("HOME", "/home/me", 1);
+  EXPECT_EQ(resolve_from("/a/b", "~/d"), "/home/me/d");
+}
+
+}  // namespace
+}  // namespace kerf::launcher
