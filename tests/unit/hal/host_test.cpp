@@ -1,5 +1,9 @@
 #include "hal/loader/host.hpp"
 
+#include <sched.h>
+
+#include <thread>
+
 #include "hal/client/user_component.hpp"
 #include "hal/loader/realtime_host.hpp"
 #include "rtapi/clock/local_scheduler.hpp"
@@ -158,6 +162,61 @@ TEST_F(ThreadTest, VirtualTimeCostsNothingAndShowsNothing) {
   EXPECT_EQ(value("fast.time"), "0");
   EXPECT_EQ(value("fast.threadbeat"), "5");
   EXPECT_EQ(view_->find_thread("fast")->cycles, 5U);
+}
+
+/// Runs the first thread's cycles without pause, as a realtime thread beside the commands would.
+class Spinner final : public HostDriver {
+ public:
+  void start(ThreadRunner& runner) {
+    runner_ = &runner;
+    runner.record().ticking.publish(1);
+    thread_ = std::thread([this] {
+      for (rtapi::Nanos t = 0; !stop_.requested(); t += runner_->period_ns()) {
+        runner_->run_cycle(t, t);
+        ::sched_yield();
+      }
+    });
+  }
+  void stop() {
+    stop_.request();
+    thread_.join();
+    runner_->record().ticking.publish(0);
+  }
+  bool wait_for_threads(int attempt) override {
+    ::sched_yield();
+    return attempt < 10'000'000;
+  }
+
+ private:
+  ThreadRunner* runner_{nullptr};
+  rtapi::StopWord stop_;
+  std::thread thread_;
+};
+
+TEST_F(ThreadTest, ListsAreSwappedUnderARunningThread) {
+  Spinner spinner;
+  host_->set_driver(&spinner);
+  ok({"addf", "a", "fast"});
+  ok({"start"});
+  spinner.start(*host_->threads().at(0));
+  for (int i = 0; i < 300; ++i) {
+    ok({"addf", "b", "fast", i % 2 == 0 ? "1" : "-1"});
+    ok({"addf", "c", "fast", "-2"});
+    ok({"unlinkp", "b.in"});
+    ok({"net", "ab", "b.in"});
+    ok({"delf", "b", "fast"});
+    ok({"delf", "c", "fast"});
+    if (i % 10 != 0) continue;
+    ok({"loadrt", "provider"});
+    ok({"unloadrt", "provider"});
+    ok({"unloadrt", "adder"});  // while `a` runs
+    ok({"loadrt", "adder", "names=a,b,c"});
+    ok({"net", "ab", "a.out", "b.in"});
+    ok({"addf", "a", "fast"});
+  }
+  spinner.stop();
+  host_->set_driver(nullptr);
+  EXPECT_EQ(value("a.out"), "1");
 }
 
 TEST_F(ThreadTest, ThreadsShowAsComponentsOfTheirOwn) {
