@@ -25,7 +25,8 @@ namespace {
 
 /// Stack that a realtime thread touches before its first cycle, so that no cycle takes a page fault.
 constexpr std::size_t kPrefaultedStack = 256U << 10U;
-constexpr std::size_t kStack = 1U << 20U;
+/// Address space only: nothing behind it is touched but what is used, and thread-local data of libraries lies in it too.
+constexpr std::size_t kStack = 8U << 20U;
 
 void sleep_until(Nanos t) noexcept {
   const timespec ts{static_cast<time_t>(t / kSecond), static_cast<long>(t % kSecond)};
