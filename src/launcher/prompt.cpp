@@ -82,7 +82,7 @@ rtapi::Status run_prompt(SupervisedClock& clock, TaskLink& task, Console& consol
   LineEditor editor(typed);
   while (!clock.stopped() && !typed.ended) {
     rtapi::WaitSpec spec;
-    task.client().add_to(spec);
+    task.add_to(spec);
     if (const auto polled = task.client().poll(); !polled.ok()) return polled;
     task.show_messages();
     spec.watch_fd(STDIN_FILENO);

@@ -288,7 +288,7 @@ Status Session::stay_up() {
   console_.say(plan_.machine_name + " runs; end it with Ctrl-C or SIGTERM");
   while (!clock_->stopped()) {
     rtapi::WaitSpec spec;
-    task_->client().add_to(spec);
+    task_->add_to(spec);
     (void)task_->client().poll();
     task_->show_messages();
     clock_->wait(spec);

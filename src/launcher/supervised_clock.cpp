@@ -18,12 +18,29 @@ using rtapi::WaitSpec;
 
 namespace {
 
-int g_signal_fd = -1;  // a signal handler can reach nothing else
+// A signal handler can reach nothing else.
+int g_signal_fd = -1;
+volatile sig_atomic_t g_signals = 0;
+rtapi::WaitClock* volatile g_clock = nullptr;
 
-void on_stop_signal(int) {
+/// Seconds after which a part that does not let the clock go is left behind.
+constexpr unsigned kPatience_s = 5;
+
+/// The launcher may wait for its turn on a virtual clock that somebody else blocks; this ends the wait all the same.
+void force_on(int) {
+  if (rtapi::WaitClock* clock = g_clock; clock != nullptr) clock->stop();
+}
+
+void on_stop_signal(int number) {
   const std::uint64_t one = 1;
   [[maybe_unused]] const ssize_t written = write(g_signal_fd, &one, sizeof one);
+  g_signals = g_signals + 1;
+  if (g_signals == 1)
+    (void)alarm(kPatience_s);
+  else
+    force_on(number);
 }
+
 void on_broken_pipe(int) {}
 
 bool take(int fd) {
@@ -40,6 +57,8 @@ int catch_stop_signals() {
   action.sa_handler = on_stop_signal;
   action.sa_flags = SA_RESTART;
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaction(number, &action, nullptr);
+  action.sa_handler = force_on;
+  sigaction(SIGALRM, &action, nullptr);
   // A handler, since "ignored" would be inherited by children.
   action.sa_handler = on_broken_pipe;
   sigaction(SIGPIPE, &action, nullptr);
@@ -55,9 +74,14 @@ SupervisedClock::SupervisedClock(rtapi::Segment& segment, std::unique_ptr<rtapi:
   itimerspec every{};
   every.it_value.tv_nsec = every.it_interval.tv_nsec = 1'000'000;
   timerfd_settime(tick_fd_, 0, &every, nullptr);
+  g_clock = clock_.get();
 }
 
-SupervisedClock::~SupervisedClock() { close(tick_fd_); }
+SupervisedClock::~SupervisedClock() {
+  (void)alarm(0);
+  g_clock = nullptr;
+  close(tick_fd_);
+}
 
 void SupervisedClock::wait(const WaitSpec& spec) {
   if (stopped()) return;
@@ -72,12 +96,13 @@ void SupervisedClock::wait(const WaitSpec& spec) {
 }
 
 void SupervisedClock::stop() noexcept {
-  if (!stopped()) reason_.kind = StopReason::Kind::signal;
+  if (reason_.kind == StopReason::Kind::none) reason_.kind = StopReason::Kind::signal;
 }
 
 void SupervisedClock::begin_teardown() {
   tearing_down_ = true;
   reason_ = {};
+  (void)alarm(kPatience_s);
 }
 
 void SupervisedClock::watch_child(Child& child, bool ends_session) {
@@ -91,6 +116,10 @@ void SupervisedClock::set_chore(std::function<void()> chore, Nanos period) {
 }
 
 void SupervisedClock::look() {
+  if (clock_->stopped()) {
+    stop();  // without our turn on the clock nothing else may be done
+    return;
+  }
   if (chore_ && clock_->now() >= next_chore_) {
     // Whole multiples, so that the moments do not depend on when the machine was started.
     next_chore_ = (clock_->now() / chore_period_ + 1) * chore_period_;

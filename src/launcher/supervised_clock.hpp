@@ -37,10 +37,11 @@ class SupervisedClock final : public rtapi::WaitClock {
   void stop() noexcept override;
   /// A signal came, or a watched process ended.
   [[nodiscard]] bool stopped() const noexcept override {
-    return reason_.kind != StopReason::Kind::none;
+    return reason_.kind != StopReason::Kind::none || clock_->stopped();
   }
   [[nodiscard]] const StopReason& reason() const { return reason_; }
-  /// From now on neither signals nor deaths end waits: the machine is being taken down.
+  /// From now on neither a signal nor deaths end waits: the machine is being taken down. What is not done after 5 s of real time,
+  /// or at a second signal, is left: stopped() then stays true.
   void begin_teardown();
 
   /// Watches a process. `ends_session`: its regular end is the user's wish (a screen), not a failure.

@@ -6,6 +6,10 @@ namespace kerf::launcher {
 
 using rtapi::Errc;
 
+namespace {
+constexpr rtapi::Nanos kMessageEvery = 100 * rtapi::kMillisecond;
+}
+
 rtapi::Status TaskLink::connect(rtapi::Segment& segment) {
   KERF_TRY(client_, task::Client::connect(segment));
   return {};
@@ -45,6 +49,13 @@ rtapi::Status TaskLink::perform(const std::vector<std::string>& words,
   if (reply.state == task::CommandState::aborted && !last_error_.empty()) text = last_error_;
   return rtapi::fail(
       reply.state == task::CommandState::aborted ? Errc::cancelled : Errc::bad_argument, text);
+}
+
+void TaskLink::add_to(rtapi::WaitSpec& spec) const {
+  if (clock_.is_virtual()) return client_->add_to(spec);
+  // Cells are looked at every millisecond in real time; messages for people can wait longer.
+  spec.watch_fd(client_->fd());
+  spec.wake_at(clock_.now() + kMessageEvery);
 }
 
 void TaskLink::show_messages() {

@@ -29,6 +29,9 @@ class TaskLink {
   /// Sends; what comes of it is seen in the messages only.
   rtapi::Status send(const std::vector<std::string>& words);
 
+  /// What an idle launcher waits for: messages and the end of the connection.
+  void add_to(rtapi::WaitSpec& spec) const;
+
   /// Shows messages that have come.
   void show_messages();
   /// True when an error with this text was shown already.

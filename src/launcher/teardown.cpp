@@ -19,7 +19,7 @@ void Session::tear_down() {
   console_.end_progress();
   if (clock_ != nullptr) {
     clock_->begin_teardown();
-    stop_machine();
+    if (!clock_->stopped()) stop_machine();
     clock_->set_chore({}, rtapi::kForever);
   }
   if (const rtapi::Status closed = recorder_.close(); !closed.ok())
@@ -47,7 +47,7 @@ void Session::stop_machine() {
     }
     task_->show_messages();
   }
-  if (!host_lives) return;
+  if (!host_lives || clock_->stopped()) return;
   hal_->set_keep_going(true);
   // Threads still run, so that drivers write what the file sets.
   for (const HalStep& step : plan_.shutdown) {

@@ -50,8 +50,8 @@ TEST(Child, AProgramThatIsNotThereIsAnError) {
 }
 
 TEST(Child, HasNoTerminalAndAGroupOfItsOwn) {
-  auto child =
-      Child::start({"sh", "-c", "read x && exit 1; [ $(ps -o pgid= -p $$) = $$ ] || exit 2"});
+  auto child = Child::start(
+      {"sh", "-c", "read x && exit 1; [ $(cut -d' ' -f5 /proc/$$/stat) = $$ ] || exit 2"});
   ASSERT_TRUE(child.ok());
   ASSERT_TRUE(soon([&] { return !child->running(); }));
   EXPECT_EQ(child->poll_exit()->number, 0);
