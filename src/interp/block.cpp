@@ -2,6 +2,7 @@
 // no code of the line uses. Manual: "Modal Groups", "Repeated Items", "Common Error Messages".
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "interp/core.hpp"
 
@@ -9,6 +10,8 @@ namespace kerf::interp {
 
 namespace {
 constexpr int kCancelMotion = 800;
+/// Of several words without a use the first in this order is named.
+constexpr std::string_view kCheckOrder = "abcd$efghijklmnopqrstuvwxyz@^";
 }  // namespace
 
 bool near_integer(double v, double& rounded) {
@@ -37,8 +40,39 @@ bool Core::build(const ParsedBlock& p, Block& b) {
     b.mask |= bit;
     b.value[w.letter] = v;
     b.at[w.letter] = w.at;
+    if (!check_word(name, v)) return false;
   }
-  return choose_motion(b) && check_letters(b);
+  return assign(p) && choose_motion(b) && check_letters(b);
+}
+
+// What is wrong with a word whatever the codes are.
+bool Core::check_word(char name, double v) {
+  double rounded = 0;
+  switch (name) {
+    case 's':
+      return v >= 0 || fail('s', "Write a positive speed; M4 turns the other way",
+                            "Negative spindle speed used");
+    case 'f': return v >= 0 || fail('f', "Write a positive feed", "Negative f word used");
+    case 't': return near_integer(v, rounded) || fail('t', "", "Non integer value for integer");
+    default: return true;
+  }
+}
+
+// "The nearest codes are G10 and G17".
+std::string Core::nearest_codes(char letter, int code) const {
+  std::string names;
+  for (const int step : {-1, 1}) {
+    for (int i = code + step; i >= 0 && i < 1000; i += step) {
+      const CodeRow* r = row(letter, i);
+      if (r == nullptr || r->last > r->code + 10) continue;  // user codes are no near name
+      names += names.empty() ? "The nearest codes are " : " and ";
+      names += letter == 'g' ? 'G' : 'M';
+      names += std::to_string(letter == 'g' ? i / 10 : i);
+      if (letter == 'g' && i % 10 != 0) names += '.' + std::to_string(i % 10);
+      break;
+    }
+  }
+  return names;
 }
 
 bool Core::add_code(Block& b, char letter, double value) {
@@ -59,8 +93,9 @@ bool Core::add_code(Block& b, char letter, double value) {
   const int code = static_cast<int>(rounded);
   const CodeRow* r = whole ? row(letter, code) : nullptr;
   if (r == nullptr) {
-    return g ? fail(0, "See the list of G-codes in the manual", "Unknown g code used")
-             : fail(0, "See the list of M-codes in the manual", "Unknown m code used: M%d", code);
+    const std::string near = nearest_codes(letter, code);
+    return g ? fail(0, near.c_str(), "Unknown g code used")
+             : fail(0, near.c_str(), "Unknown m code used: M%d", code);
   }
   for (int i = 0; i < b.row_count; ++i) {
     const auto n = static_cast<std::size_t>(i);
@@ -110,6 +145,13 @@ bool Core::choose_motion(Block& b) {
     if (b.motion->axes == AxisUse::none)
       return fail(0, "Write the move on a line of its own", "Cannot use axis values with g80");
   }
+  if (b.has('@') || b.has('^')) {
+    if (b.axis_by_other)
+      return fail(b.has('@') ? '@' : '^', "Write X and Y",
+                  "Polar coordinates can only be used for motion");
+  }
+  if (b.motion != nullptr && b.motion->axes == AxisUse::required && !b.has_axes())
+    return fail(0, "Write where to go, e.g. X0", "All axes missing with motion code");
   if (b.g53 && (b.motion == nullptr || (b.motion_code != 0 && b.motion_code != 10)))
     return fail(0, "Write G53 G0 or G53 G1", "Must use g0 or g1 with g53");
   return true;
@@ -120,19 +162,21 @@ bool Core::check_letters(const Block& b) {
   for (int i = 0; i < b.row_count; ++i) used |= b.rows[static_cast<std::size_t>(i)]->words;
   if (b.motion != nullptr) used |= b.motion->words;
   if (b.has('s')) used |= letters("$");
-  LetterMask left = b.mask & ~used;
-  for (std::size_t i = 0; left != 0; ++i, left >>= 1) {
-    if ((left & 1U) == 0) continue;
-    const char name = kLetterNames[i];
-    return fail(name, "Delete the word, or add the code that it belongs to", "%s",
-                unused_[i] != nullptr ? unused_[i] : "Word that no code of this line uses");
+  const LetterMask left = b.mask & ~used;
+  if (left != 0) {
+    for (const char name : kCheckOrder) {
+      const int i = letter_index(name);
+      if ((left >> i & 1U) == 0) continue;
+      const char* text = unused_[static_cast<std::size_t>(i)];
+      return fail(name, "Delete the word, or add the code that it belongs to", "%s",
+                  text != nullptr ? text : "Word that no code of this line uses");
+    }
   }
   return !b.has_axes() || check_axes(b);
 }
 
+// All values are found before any is stored (manual: "Numbered Parameters").
 bool Core::assign(const ParsedBlock& p) {
-  if (p.assignments.empty()) return true;
-  // All values are found before any is stored (manual: "Numbered Parameters").
   assigned_.clear();
   for (const Assignment& a : p.assignments) {
     double v = 0;
@@ -154,6 +198,10 @@ bool Core::assign(const ParsedBlock& p) {
     }
     assigned_.emplace_back(index, Value{v, nullptr});
   }
+  return true;
+}
+
+bool Core::store(const ParsedBlock& p) {
   for (std::size_t i = 0; i < assigned_.size(); ++i) {
     if (p.assignments[i].named)
       params.set_named(p.assignments[i].id, std::move(assigned_[i].second));

@@ -171,7 +171,7 @@ Outcome Core::execute_block(ParsedBlock& b) {
       b.comment != CommentKind::none)
     flows.started = true;
   if (b.flow != Flow::none) return run_flow(b);
-  if (!build(b, block_) || !assign(b) || !run_comment(b) || !run_rows(block_)) {
+  if (!build(b, block_) || !store(b) || !run_comment(b) || !run_rows(block_)) {
     undo_block();
     return Outcome::error;
   }
@@ -266,7 +266,6 @@ bool Core::integer(const Block& b, char letter, int otherwise, int& value) {
 
 bool Core::feed_word(const Block& b) {
   const double f = b['f'];
-  if (f < 0) return fail('f', "Write the feed as a positive number", "Negative f word used");
   state.feed_word = f;
   if (state.feed_mode == ProgramFeedMode::inverse_time) {
     state.feed = f;  // becomes a feed per minute with each move
@@ -281,9 +280,6 @@ bool Core::speed_word(const Block& b) {
   const double s = b['s'];
   int spindle = 0;
   if (!integer(b, '$', 0, spindle)) return false;
-  if (s < 0)
-    return fail('s', "Write the speed as a positive number; M4 turns the other way",
-                "Negative spindle speed used");
   if (spindle < -1 || spindle >= settings.spindles)
     return fail('$', "", "Spindle ($) number out of range in S Command\nnum_spindles =%d. $=%d",
                 settings.spindles, spindle);

@@ -166,7 +166,11 @@ class Core {
   [[nodiscard]] Outcome execute_block(ParsedBlock& b);
   [[nodiscard]] bool build(const ParsedBlock& p, Block& b);
   [[nodiscard]] bool add_code(Block& b, char letter, double value);
+  [[nodiscard]] bool undefined_name(std::uint32_t id, std::size_t at);
+  [[nodiscard]] std::string nearest_codes(char letter, int code) const;
+  [[nodiscard]] bool check_word(char name, double v);
   [[nodiscard]] bool assign(const ParsedBlock& p);
+  [[nodiscard]] bool store(const ParsedBlock& p);
   [[nodiscard]] bool choose_motion(Block& b);
   [[nodiscard]] bool check_letters(const Block& b);
   [[nodiscard]] bool run_rows(const Block& b);

@@ -49,34 +49,32 @@ struct Dialect {
 /// RS274NGC as LinuxCNC speaks it.
 [[nodiscard]] const Dialect& linuxcnc_dialect();
 
-/// Places in the order of execution (manual: "G-code Order of Execution").
-enum Order : std::int16_t {
-  kOrderComment = 10,
-  kOrderFeedMode = 20,
-  kOrderFeed = 30,
-  kOrderSpindleMode = 35,
-  kOrderSpeed = 40,
-  kOrderTool = 50,
-  kOrderIo = 60,
-  kOrderToolChange = 70,
-  kOrderSpindle = 80,
-  kOrderSaveState = 90,
-  kOrderCoolant = 100,
-  kOrderOverride = 110,
-  kOrderUser = 120,
-  kOrderDwell = 130,
-  kOrderPlane = 140,
-  kOrderUnits = 150,
-  kOrderCutterComp = 160,
-  kOrderToolOffset = 170,
-  kOrderCoordSystem = 180,
-  kOrderLathe = 185,
-  kOrderPath = 190,
-  kOrderDistance = 200,
-  kOrderRetract = 210,
-  kOrderReference = 220,
-  kOrderMotion = 230,
-  kOrderStop = 240,
-};
+// Places in the order of execution (manual: "G-code Order of Execution").
+inline constexpr std::int16_t kOrderComment = 10;
+inline constexpr std::int16_t kOrderFeedMode = 20;
+inline constexpr std::int16_t kOrderFeed = 30;
+inline constexpr std::int16_t kOrderSpindleMode = 35;
+inline constexpr std::int16_t kOrderSpeed = 40;
+inline constexpr std::int16_t kOrderTool = 50;
+inline constexpr std::int16_t kOrderIo = 60;
+inline constexpr std::int16_t kOrderToolChange = 70;
+inline constexpr std::int16_t kOrderSpindle = 80;
+inline constexpr std::int16_t kOrderSaveState = 90;
+inline constexpr std::int16_t kOrderCoolant = 100;
+inline constexpr std::int16_t kOrderOverride = 110;
+inline constexpr std::int16_t kOrderUser = 120;
+inline constexpr std::int16_t kOrderDwell = 130;
+inline constexpr std::int16_t kOrderPlane = 140;
+inline constexpr std::int16_t kOrderUnits = 150;
+inline constexpr std::int16_t kOrderCutterComp = 160;
+inline constexpr std::int16_t kOrderToolOffset = 170;
+inline constexpr std::int16_t kOrderCoordSystem = 180;
+inline constexpr std::int16_t kOrderLathe = 185;
+inline constexpr std::int16_t kOrderPath = 190;
+inline constexpr std::int16_t kOrderDistance = 200;
+inline constexpr std::int16_t kOrderRetract = 210;
+inline constexpr std::int16_t kOrderReference = 220;
+inline constexpr std::int16_t kOrderMotion = 230;
+inline constexpr std::int16_t kOrderStop = 240;
 
 }  // namespace kerf::interp

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "interp/core.hpp"
+#include "rtapi/base/suggest.hpp"
 
 namespace kerf::interp {
 
@@ -124,6 +125,16 @@ bool Core::read_named(std::uint32_t id, Value& value, bool& exists) {
   return false;
 }
 
+bool Core::undefined_name(std::uint32_t id, std::size_t at) {
+  const std::string& name = params.name(id);
+  std::vector<std::string_view> known = params.visible_names();
+  Predefined::add_names(known);
+  const std::string near = rtapi::nearest_name(name, known);
+  const std::string help = "Assign it first, or test it with EXISTS" +
+                           (near.empty() ? "" : "; did you mean #<" + near + ">?");
+  return fail_at(at, help.c_str(), "Named parameter #<%s> not defined", name.c_str());
+}
+
 bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
   double stack[kStack];
   int n = 0;
@@ -145,9 +156,7 @@ bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
       case Op::named: {
         Value v;
         bool exists = false;
-        if (!read_named(op->id, v, exists))
-          return fail_at(op->at, "Assign it first, or test it with EXISTS",
-                         "Named parameter #<%s> not defined", params.name(op->id).c_str());
+        if (!read_named(op->id, v, exists)) return undefined_name(op->id, op->at);
         stack[n++] = v.number;
         continue;
       }

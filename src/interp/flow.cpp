@@ -16,7 +16,7 @@ constexpr int kSkipLines = 2000;
 constexpr int kLongestSubFile = 200000;
 
 constexpr FlowMask kEndIf = flow_bit(Flow::endif);
-constexpr FlowMask kNextBranch = flow_bit(Flow::elseif) | flow_bit(Flow::else_) | kEndIf;
+constexpr FlowMask kNextBranch = flow_bit(Flow::elseif) | flow_bit(Flow::else_block) | kEndIf;
 
 const char* keyword(Flow f) {
   constexpr const char* kNames[] = {"",       "sub",       "endsub", "call",    "return",   "if",
@@ -26,9 +26,9 @@ const char* keyword(Flow f) {
 }
 
 FlowMask loop_end(Flow kind) {
-  return flow_bit(kind == Flow::repeat ? Flow::endrepeat
-                  : kind == Flow::do_  ? Flow::while_
-                                       : Flow::endwhile);
+  return flow_bit(kind == Flow::repeat_loop ? Flow::endrepeat
+                  : kind == Flow::do_loop   ? Flow::while_loop
+                                            : Flow::endwhile);
 }
 
 Loop* find_loop(Frame& f, const std::string& label) {
@@ -288,7 +288,7 @@ Outcome Core::continue_skip() {
     b.place = here;
     b.after = f.place;
     // A landing that computes something is searched again each time; the others become a jump.
-    if (s.origin != nullptr && b.flow != Flow::elseif && b.flow != Flow::while_) {
+    if (s.origin != nullptr && b.flow != Flow::elseif && b.flow != Flow::while_loop) {
       s.origin->jump = b.after;
       s.origin->jump_known = true;
     }
@@ -321,7 +321,7 @@ Outcome Core::land(ParsedBlock& b) {
     if (condition == 0) start_skip(b, std::string(b.label), kNextBranch);
     return Outcome::ok;
   }
-  if (b.flow == Flow::while_ && find_loop(f, b.label) != nullptr) return run_flow(b);
+  if (b.flow == Flow::while_loop && find_loop(f, b.label) != nullptr) return run_flow(b);
   return Outcome::ok;
 }
 
@@ -370,25 +370,25 @@ bool Core::flow_step(ParsedBlock& b, const std::string& label, double condition)
                     keyword(b.flow));
       return return_from_sub(!b.arguments.empty(), condition);
     case Flow::call: return call_sub(b, label);
-    case Flow::if_:
+    case Flow::if_block:
       if (condition == 0) start_skip(b, label, kNextBranch);
       return true;
     case Flow::elseif:
-    case Flow::else_: start_skip(b, label, kEndIf); return true;
+    case Flow::else_block: start_skip(b, label, kEndIf); return true;
     case Flow::endif: return true;
-    case Flow::do_:
+    case Flow::do_loop:
       close_loops(f, label, false);
-      f.loops.push_back({label, Flow::do_, b.place, b.after, 0});
+      f.loops.push_back({label, Flow::do_loop, b.place, b.after, 0});
       return true;
-    case Flow::while_: return run_while(b, label, condition != 0);
-    case Flow::repeat: {
+    case Flow::while_loop: return run_while(b, label, condition != 0);
+    case Flow::repeat_loop: {
       close_loops(f, label, false);
       const double n = std::floor(condition + kTolerance);
       if (n < 1)
-        start_skip(b, label, loop_end(Flow::repeat));
+        start_skip(b, label, loop_end(Flow::repeat_loop));
       else
-        f.loops.push_back(
-            {label, Flow::repeat, b.place, b.after, static_cast<std::int64_t>(std::min(n, 9e15))});
+        f.loops.push_back({label, Flow::repeat_loop, b.place, b.after,
+                           static_cast<std::int64_t>(std::min(n, 9e15))});
       return true;
     }
     default: return loop_end_step(b, label);
@@ -398,7 +398,7 @@ bool Core::flow_step(ParsedBlock& b, const std::string& label, double condition)
 bool Core::run_while(ParsedBlock& b, const std::string& label, bool condition) {
   Frame& f = flows.frames.back();
   Loop* loop = find_loop(f, label);
-  if (loop != nullptr && loop->kind == Flow::do_) {
+  if (loop != nullptr && loop->kind == Flow::do_loop) {
     if (condition) {
       f.place = loop->body;
       f.upcoming = nullptr;
@@ -410,37 +410,39 @@ bool Core::run_while(ParsedBlock& b, const std::string& label, bool condition) {
   }
   if (!condition) {
     if (loop != nullptr) close_loops(f, label, false);
-    start_skip(b, label, loop_end(Flow::while_));
+    start_skip(b, label, loop_end(Flow::while_loop));
     return true;
   }
   if (loop != nullptr)
     close_loops(f, label, true);
   else
-    f.loops.push_back({label, Flow::while_, b.place, b.after, 0});
+    f.loops.push_back({label, Flow::while_loop, b.place, b.after, 0});
   return true;
 }
 
 bool Core::loop_end_step(ParsedBlock& b, const std::string& label) {
   Frame& f = flows.frames.back();
   Loop* loop = find_loop(f, label);
-  const bool matches = loop != nullptr && (b.flow == Flow::break_ || b.flow == Flow::continue_ ||
-                                           loop_end(loop->kind) == flow_bit(b.flow));
+  const bool matches =
+      loop != nullptr && (b.flow == Flow::break_loop || b.flow == Flow::continue_loop ||
+                          loop_end(loop->kind) == flow_bit(b.flow));
   if (!matches) return undefined_label(b, label);
   close_loops(f, label, true);
   loop = &f.loops.back();
-  if (b.flow == Flow::break_ || (b.flow == Flow::continue_ && loop->kind == Flow::do_)) {
+  if (b.flow == Flow::break_loop ||
+      (b.flow == Flow::continue_loop && loop->kind == Flow::do_loop)) {
     const FlowMask end = loop_end(loop->kind);
-    if (b.flow == Flow::break_) f.loops.pop_back();
+    if (b.flow == Flow::break_loop) f.loops.pop_back();
     start_skip(b, label, end);
     return true;
   }
-  if (loop->kind == Flow::repeat) {
+  if (loop->kind == Flow::repeat_loop) {
     if (--loop->left > 0) {
       f.place = loop->body;
       f.upcoming = nullptr;
     } else {
       f.loops.pop_back();
-      if (b.flow == Flow::continue_) start_skip(b, label, loop_end(Flow::repeat));
+      if (b.flow == Flow::continue_loop) start_skip(b, label, loop_end(Flow::repeat_loop));
     }
     return true;
   }

@@ -25,7 +25,7 @@ void Interpreter::init() { core_->init(); }
 
 rtapi::Status Interpreter::open(const std::string& path) {
   auto source = open_file_source(path);
-  if (!source) return rtapi::Failure{source.error()};
+  if (!source) return rtapi::Failure<rtapi::Error>{source.error()};
   core_->open_main(path, std::move(*source));
   return {};
 }

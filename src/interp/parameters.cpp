@@ -74,6 +74,14 @@ const Value* ParameterTable::find(std::uint32_t id) const {
   return nullptr;
 }
 
+std::vector<std::string_view> ParameterTable::visible_names() const {
+  std::vector<std::string_view> names;
+  for (std::uint32_t id = 0; id < names_.size(); ++id) {
+    if (find(id) != nullptr) names.emplace_back(*names_[id].text);
+  }
+  return names;
+}
+
 ParameterTable::Slot ParameterTable::slot(std::uint32_t id) {
   Name& n = names_[id];
   if (n.global) return {&n.set, &n.value};

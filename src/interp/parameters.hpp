@@ -19,25 +19,23 @@ using rtapi::Pose;
 inline constexpr int kParameterCount = 5603;  ///< numbers 1 to 5602
 inline constexpr int kSubArguments = 30;      ///< #1-#30 are local to a sub
 
-/// Numbers with a meaning (manual: "Numbered Parameters").
-enum Param : std::int32_t {
-  kProbe = 5061,  ///< 5061-5069 result of G38.x
-  kProbeSuccess = 5070,
-  kG28Home = 5161,
-  kG30Home = 5181,
-  kG92Applied = 5210,
-  kG92Offset = 5211,
-  kCoordSystem = 5220,
-  kG5xOffset = 5221,  ///< + 20 * (system - 1); + 9 is R
-  kInputValue = 5399,
-  kToolNumber = 5400,  ///< -5413, read from the tool in the spindle
-  kToolLast = 5413,
-  kPosition = 5420,  ///< -5428, read from the interpreter's position
-  kPositionLast = 5428,
-  kDebugEnable = 5599,
-  kChangerFault = 5600,
-  kChangerReason = 5601,
-};
+// Numbers with a meaning (manual: "Numbered Parameters").
+inline constexpr int kProbe = 5061;  ///< 5061-5069 result of G38.x
+inline constexpr int kProbeSuccess = 5070;
+inline constexpr int kG28Home = 5161;
+inline constexpr int kG30Home = 5181;
+inline constexpr int kG92Applied = 5210;
+inline constexpr int kG92Offset = 5211;
+inline constexpr int kCoordSystem = 5220;
+inline constexpr int kG5xOffset = 5221;  ///< + 20 * (system - 1); + 9 is R
+inline constexpr int kInputValue = 5399;
+inline constexpr int kToolNumber = 5400;  ///< -5413, read from the tool in the spindle
+inline constexpr int kToolLast = 5413;
+inline constexpr int kPosition = 5420;  ///< -5428, read from the interpreter's position
+inline constexpr int kPositionLast = 5428;
+inline constexpr int kDebugEnable = 5599;
+inline constexpr int kChangerFault = 5600;
+inline constexpr int kChangerReason = 5601;
 
 /// A number, or a text (dialects with string parameters). The number of a text is 0.
 struct Value {
@@ -76,6 +74,8 @@ class ParameterTable {
   /// Null when there is none in the current scope.
   [[nodiscard]] const Value* find(std::uint32_t id) const;
   void set_named(std::uint32_t id, Value value);
+  /// Names that have a value here, for "did you mean".
+  [[nodiscard]] std::vector<std::string_view> visible_names() const;
   /// Scopes of local names: one per sub call. The outermost stays.
   void push_scope();
   void pop_scope();

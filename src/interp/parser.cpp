@@ -51,17 +51,17 @@ constexpr FlowRow kFlows[] = {
     {"endsub", Flow::endsub},
     {"call", Flow::call},
     {"return", Flow::ret},
-    {"if", Flow::if_},
+    {"if", Flow::if_block},
     {"elseif", Flow::elseif},
-    {"else", Flow::else_},
+    {"else", Flow::else_block},
     {"endif", Flow::endif},
-    {"while", Flow::while_},
+    {"while", Flow::while_loop},
     {"endwhile", Flow::endwhile},
-    {"do", Flow::do_},
-    {"repeat", Flow::repeat},
+    {"do", Flow::do_loop},
+    {"repeat", Flow::repeat_loop},
     {"endrepeat", Flow::endrepeat},
-    {"break", Flow::break_},
-    {"continue", Flow::continue_},
+    {"break", Flow::break_loop},
+    {"continue", Flow::continue_loop},
 };
 
 struct CommentRow {
@@ -310,7 +310,8 @@ bool Parser::flow() {
 
 bool Parser::flow_arguments() {
   const Flow f = out_->flow;
-  const bool needs = f == Flow::if_ || f == Flow::elseif || f == Flow::while_ || f == Flow::repeat;
+  const bool needs =
+      f == Flow::if_block || f == Flow::elseif || f == Flow::while_loop || f == Flow::repeat_loop;
   const std::size_t most = f == Flow::call                                ? kSubArguments
                            : needs || f == Flow::ret || f == Flow::endsub ? 1
                                                                           : 0;
@@ -326,10 +327,10 @@ bool Parser::flow_arguments() {
     out_->arguments.push_back(e);
   }
   if (needs && out_->arguments.empty())
-    return fail("Left bracket missing after '%s'", f == Flow::if_      ? "if"
-                                                   : f == Flow::elseif ? "elseif"
-                                                   : f == Flow::while_ ? "while"
-                                                                       : "repeat");
+    return fail("Left bracket missing after '%s'", f == Flow::if_block     ? "if"
+                                                   : f == Flow::elseif     ? "elseif"
+                                                   : f == Flow::while_loop ? "while"
+                                                                           : "repeat");
   while (pos_ < size_) {
     if (peek() != '(') return fail("Unexpected character after O-word");
     if (!comment()) return false;

@@ -112,6 +112,10 @@ Getter Predefined::find(std::string_view name) {
   return nullptr;
 }
 
+void Predefined::add_names(std::vector<std::string_view>& names) {
+  for (const Row& r : kRows) names.push_back(r.name);
+}
+
 Getter Predefined::by_id(std::uint32_t id, std::string_view name) {
   if (id >= known_.size()) known_.resize(id + 1);
   if (!known_[id]) known_[id] = find(name);

@@ -16,6 +16,8 @@ class Predefined {
   using Getter = double (*)(const Core&);
   /// Getter of the name (lower case, with its leading _), or null.
   [[nodiscard]] static Getter find(std::string_view name);
+  /// Adds all names, for "did you mean".
+  static void add_names(std::vector<std::string_view>& names);
   /// As find(), remembered by name id.
   [[nodiscard]] Getter by_id(std::uint32_t id, std::string_view name);
 

@@ -34,10 +34,10 @@ struct Program {
 
 struct Loop {
   std::string label;
-  Flow kind{Flow::while_};  ///< while_, do_, repeat
-  Place start;              ///< line of the O-word
-  Place body;               ///< line after it
-  std::int64_t left{0};     ///< repeats to do, this one included
+  Flow kind{Flow::while_loop};  ///< while_, do_, repeat
+  Place start;                  ///< line of the O-word
+  Place body;                   ///< line after it
+  std::int64_t left{0};         ///< repeats to do, this one included
 };
 
 /// A sub call, or the main program.

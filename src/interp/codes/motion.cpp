@@ -39,8 +39,7 @@ void inverse_time_feed(Core& c, const Block& b, double linear_mm, double angular
 namespace {
 
 bool straight(Core& c, const Block& b, int code) {
-  if (!b.has_axes())
-    return c.fail(0, "Write where to go, e.g. X0", "All axes missing with motion code");
+  // Without axis words: a move to where the machine stands, which sets the motion mode.
   Pose end;
   if (!c.target(b, end)) return false;
   if (code == 0) {
@@ -60,8 +59,6 @@ bool straight(Core& c, const Block& b, int code) {
 }
 
 bool probe(Core& c, const Block& b, int code) {
-  if (!b.has_axes())
-    return c.fail(0, "Write where to probe to, e.g. Z-10", "All axes missing with motion code");
   if (c.state.cutter_comp != 400)
     return c.fail(0, "Write G40 before", "Cannot probe with cutter radius comp on");
   if (c.state.feed_mode == ProgramFeedMode::inverse_time)
@@ -98,8 +95,8 @@ bool cancel_motion(Core& c, const Block&, int) {
 }
 
 constexpr CodeRow kRows[] = {
-    {'g', 0, 0, 1, kOrderMotion, straight, 0, AxisUse::required},
-    {'g', 10, 10, 1, kOrderMotion, straight, 0, AxisUse::required},
+    {'g', 0, 0, 1, kOrderMotion, straight, 0, AxisUse::optional},
+    {'g', 10, 10, 1, kOrderMotion, straight, 0, AxisUse::optional},
     {'g', 40, 40, 0, kOrderDwell, dwell, letters("p"), AxisUse::none},
     {'g', 382, 385, 1, kOrderMotion, probe, 0, AxisUse::required},
     // Only changes where G0 and G1 go (Core::target).

@@ -63,6 +63,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"G38.2 F10", "All axes missing with motion code"},
         Wrong{"G91 G53 G0 X1", "Cannot use g53 incremental"},
         Wrong{"G53 G81 X1 Z-1 R1 F1", "Must use g0 or g1 with g53"},
+        Wrong{"G81", "All axes missing with motion code"},
+        Wrong{"G92 @1", "Polar coordinates can only be used for motion"},
         Wrong{"G4", "Dwell time missing with g4"},
         Wrong{"G10 L9 P1", "Line with G10 does not have L0, L1, L10, L11, L2, or L20"},
         Wrong{"G10 L2 P10", "P value out of range (0-9) with G10 L2"},
@@ -117,6 +119,28 @@ TEST(Block, ErrorNamesTheWordsColumn) {
   EXPECT_EQ(rig.interp.error().column, 16);
   EXPECT_NE(rig.interp.error().message().find("MDI:1:16: Q word with no G5"), std::string::npos);
   EXPECT_FALSE(rig.interp.error().help.empty());
+}
+
+TEST(Block, UnknownCodesAndNamesGetTheNearestKnownOnes) {
+  Rig rig;
+  (void)rig.mdi("G12 X1");
+  EXPECT_EQ(rig.interp.error().help, "The nearest codes are G10 and G17");
+  (void)rig.mdi("M54");
+  EXPECT_EQ(rig.interp.error().help, "The nearest codes are M53 and M60");
+  (void)rig.mdi("#<depth>=3");
+  (void)rig.mdi("#1=#<dpeth>");
+  EXPECT_NE(rig.interp.error().help.find("did you mean #<depth>?"), std::string::npos);
+  (void)rig.mdi("#1=#<_metrc>");
+  EXPECT_NE(rig.interp.error().help.find("#<_metric>"), std::string::npos);
+}
+
+TEST(Block, G0AndG1AloneSetTheModeWithAMoveToWhereTheMachineStands) {
+  Rig rig;
+  EXPECT_EQ(rig.mdi("G0"), "STRAIGHT_TRAVERSE(0.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000)\n");
+  EXPECT_EQ(rig.mdi("G1"), "error: Cannot do g1 with zero feed rate");
+  EXPECT_EQ(
+      rig.mdi("G1 F10"),
+      "SET_FEED_RATE(10.0000)\nSTRAIGHT_FEED(0.0000, 0.0000, 0.0000, 0.0000, 0.0000, 0.0000)\n");
 }
 
 TEST(Block, WordsMayStandInAnyOrderWithBlanksAnywhere) {
