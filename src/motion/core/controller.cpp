@@ -67,6 +67,7 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
   take_homing(in, orders);
   take_jogs(in, orders);
   move(in, orders, dt);
+  finish_abort(orders);
   double factors[kMaxSpindles];
   for (std::size_t n = 0; n < kMaxSpindles; ++n)
     factors[n] =
@@ -228,14 +229,17 @@ void Controller::take_requests(const Orders& orders) noexcept {
   }
 }
 
-/// Abort: stop where we are, then forget all that is older, then say so.
+/// Abort: stop where we are; then finish_abort() forgets all that is older and says so.
 void Controller::stop_everything(const Orders& orders) noexcept {
   const bool abort = orders.abort_epoch != acked_epoch_;
   if (!abort && !closing_down_) return;
   homing_.stop(joints_, joint_);
   for (std::size_t j = 0; j < joints_; ++j) joint_[j].mover.stop();
   for (AxisMover& axis : axis_) axis.stop();
-  if (!abort || !at_rest()) return;
+}
+
+void Controller::finish_abort(const Orders& orders) noexcept {
+  if (orders.abort_epoch == acked_epoch_ || !at_rest()) return;
   executor_.drop_before(orders.abort_epoch);
   spindles_.abort_orient();
   acked_epoch_ = orders.abort_epoch;

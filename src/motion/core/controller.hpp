@@ -55,6 +55,7 @@ class Controller {
   [[nodiscard]] bool machine_fault(const Inputs& in, const Orders& orders) noexcept;
   [[nodiscard]] bool joint_fault(std::size_t j, const Orders& orders) noexcept;
   void stop_everything(const Orders& orders) noexcept;
+  void finish_abort(const Orders& orders) noexcept;
   void settle() noexcept;
   void take_requests(const Orders& orders) noexcept;
 

@@ -10,8 +10,8 @@ constexpr double kTwoPi = 6.283185307179586476925;
 /// Below this XYZ (or UVW) do not count as moving when other axes do, so that rounding never turns a rotary feed into a
 /// linear one.
 constexpr double kMetricLength = 1e-7;
-/// An end nearer than this to the start is the start: a full circle (mm).
-constexpr double kFullCircleChord = 1e-7;
+/// An end on the ray from the centre through the start, within this (mm), is a full turn.
+constexpr double kFullCircleAcross = 1e-7;
 constexpr double kSmallestRadius = 1e-9;
 
 double norm3(double x, double y, double z) noexcept { return std::sqrt(x * x + y * y + z * z); }
@@ -114,9 +114,9 @@ bool make_arc(const Pose& start, const ArcMove& move, Curve& out) noexcept {
   out.side[0] = out.normal[1] * out.radial[2] - out.normal[2] * out.radial[1];
   out.side[1] = out.normal[2] * out.radial[0] - out.normal[0] * out.radial[2];
   out.side[2] = out.normal[0] * out.radial[1] - out.normal[1] * out.radial[0];
-  double angle = std::atan2(dot3(to, out.side), dot3(to, out.radial));
-  const double chord = norm3(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
-  if (chord < kFullCircleChord) {
+  const double across = dot3(to, out.side), along = dot3(to, out.radial);
+  double angle = std::atan2(across, along);
+  if (along > 0 && std::abs(across) < kFullCircleAcross) {
     angle = kTwoPi;
   } else if (angle <= 0) {
     angle += kTwoPi;

@@ -90,6 +90,16 @@ TEST(Geometry, EqualEndsAreAFullCircleAndTurnsAddToIt) {
   EXPECT_NEAR(c.angle, 2.5 * kPi, 1e-14);
 }
 
+TEST(Geometry, AnEndOnTheRayOfTheStartIsAFullTurnOfASpiral) {
+  Curve c;
+  const double k = 1.7 / std::sqrt(2.0);
+  for (const double e : {-1e-15, 0.0, 1e-15}) {
+    ASSERT_TRUE(make_arc({.x = std::sqrt(0.5), .y = std::sqrt(0.5)},
+                         arc({.x = k, .y = k + e}, 0, 0, 0, 0, 0, 1), c));
+    EXPECT_NEAR(c.angle, 2 * kPi, 1e-12);
+  }
+}
+
 TEST(Geometry, ClockwiseIsTheOppositeNormal) {
   Curve c;
   ASSERT_TRUE(make_arc({.x = 10}, arc({.y = -10}, 0, 0, 0, 0, 0, -1), c));

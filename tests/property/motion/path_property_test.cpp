@@ -1,0 +1,143 @@
+// Random programs under random overrides, holds and aborts: limits, path and ends (PLANNER.md 7).
+#include <gtest/gtest.h>
+
+#include "property/motion/random_program.hpp"
+
+namespace kerf::motion {
+namespace {
+
+using test::deviation;
+using test::Oracle;
+using test::Random;
+using test::Rig;
+
+struct Program {
+  std::vector<PathItems::Variant> move;
+  std::vector<Pose> start, end;
+};
+
+Program random_program(const Rig& rig, const Pose& from, Random& r, int moves) {
+  Program p;
+  Pose at = from, end;
+  for (int i = 0; i < moves; ++i) {
+    p.move.push_back(test::random_move(rig, at, r, end));
+    p.start.push_back(at);
+    p.end.push_back(end);
+    at = end;
+  }
+  return p;
+}
+
+/// One program on one machine; operators meddle.
+void run_program(unsigned seed) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Random r(seed);
+  Rig rig(test::random_axes(r));
+  test::random_limits(rig, r);
+  rig.ready();
+  Oracle oracle;
+  oracle.watch(rig);
+  Program program = random_program(rig, rig.status().pos_cmd, r, r.integer(2, 8));
+  std::uint64_t first = rig.seq + 1;
+  for (const auto& m : program.move) ASSERT_TRUE(rig.push(m));
+  int aborts = r.integer(0, 2);
+  bool meddle = true;
+  double worst = 0;
+  for (int cycle = 0; cycle < 400000; ++cycle) {
+    if (meddle && r.chance(0.01))
+      rig.intent.feed_override = r.chance(0.1) ? 0.0 : r.uniform(0.05, 2.5);
+    if (meddle && r.chance(0.01)) rig.intent.rapid_override = r.uniform(0.1, 1);
+    if (meddle && r.chance(0.003)) rig.orders.hold = !rig.orders.hold;
+    if (cycle == 20000) {
+      meddle = rig.orders.hold = false;
+      rig.intent.feed_override = rig.intent.rapid_override = 1;
+    }
+    if (aborts > 0 && r.chance(0.002)) {
+      --aborts;
+      const double speed = rig.status().vel_mm_s;
+      const MoveSpan* span = rig.controller->executor().move();
+      const double acc = span != nullptr ? span->acc : 1e9;
+      rig.abort();
+      int cycles = 0;
+      const std::uint64_t item = rig.status().current_seq;
+      while (rig.status().acked_epoch != rig.orders.abort_epoch) {
+        rig.cycle();
+        oracle.watch(rig);
+        ASSERT_LE(++cycles, speed / acc / Rig::kPeriod + 2);
+        if (item >= first)
+          worst = std::max(worst, deviation(program.move[item - first], program.start[item - first],
+                                            rig.status().pos_cmd));
+      }
+      ASSERT_TRUE(rig.status().path_empty);
+      program = random_program(rig, rig.status().pos_cmd, r, r.integer(1, 5));
+      first = rig.seq + 1;
+      for (const auto& m : program.move) ASSERT_TRUE(rig.push(m));
+      continue;
+    }
+    rig.cycle();
+    oracle.watch(rig);
+    const MotionStatus& s = rig.status();
+    if (rig.controller->executor().move() != nullptr) {
+      const std::size_t i = s.current_seq - first;
+      worst = std::max(worst, deviation(program.move[i], program.start[i], s.pos_cmd));
+    }
+    if (s.executed_seq == rig.seq && s.path_empty) break;
+  }
+  EXPECT_EQ(rig.status().executed_seq, rig.seq) << "the end was not reached";
+  EXPECT_EQ(rig.status().pos_cmd, program.end.back());
+  EXPECT_LE(oracle.vel, 1.0001);
+  EXPECT_LE(oracle.acc, 1.001);
+  EXPECT_LE(worst, 1e-9);
+  EXPECT_TRUE(rig.faults.empty()) << static_cast<int>(rig.faults[0].fault) << " value "
+                                  << rig.faults[0].value << " limit " << rig.faults[0].limit;
+}
+
+TEST(PathProperty, AnyProgramKeepsLimitsAndPathAndReachesItsEnd) {
+  const int count = test::property_count(300);
+  for (int i = 1; i <= count; ++i) {
+    run_program(static_cast<unsigned>(i));
+    if (HasFatalFailure() || HasNonfatalFailure()) break;
+  }
+}
+
+/// Cycles for a program at a constant override.
+int cycles_for(unsigned seed, double override_factor) {
+  Random r(seed);
+  Rig rig(test::random_axes(r));
+  test::random_limits(rig, r);
+  rig.config.max_feed_override = 4;
+  rig.apply_config();
+  rig.ready();
+  const Program program = random_program(rig, rig.status().pos_cmd, r, 4);
+  rig.intent.feed_override = override_factor;
+  for (const auto& m : program.move) (void)rig.push(m);
+  return rig.finish(4000000);
+}
+
+TEST(PathProperty, ALargerOverrideIsNeverSlower) {
+  const int count = test::property_count(40);
+  for (int i = 1; i <= count; ++i) {
+    int before = 1 << 30;
+    for (const double k : {0.2, 0.5, 1.0, 1.5, 4.0}) {
+      const int now = cycles_for(static_cast<unsigned>(i), k);
+      ASSERT_GT(now, 0) << "seed " << i;
+      ASSERT_LE(now, before) << "seed " << i << " override " << k;
+      before = now;
+    }
+  }
+}
+
+TEST(PathProperty, SplittingALineOnlyAddsItsStops) {
+  // Two halves of a line take as long as two lines: the rest of a cycle is never lost at a corner.
+  Rig one, two;
+  one.ready();
+  two.ready();
+  one.line({.x = 7.123}, 60);
+  two.line({.x = 3.5}, 60);
+  two.line({.x = 7.123}, 60);
+  const int a = one.finish(), b = two.finish();
+  EXPECT_NEAR(b - a, 60 / 1000.0 / Rig::kPeriod, 1.01);
+}
+
+}  // namespace
+}  // namespace kerf::motion
