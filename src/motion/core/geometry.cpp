@@ -51,6 +51,17 @@ Frame frame_at(const Curve& c, double phi) noexcept {
   return f;
 }
 
+/// First derivative by the angle, given the frame there.
+Pose slope_in(const Curve& c, const Frame& f, double phi) noexcept {
+  const double r = c.radius + c.growth * phi;
+  Pose d;
+  for (std::size_t i = 0; i < 3; ++i) {
+    d[i] = c.axial * c.normal[i] + c.growth * f.along[i] + r * f.across[i];
+  }
+  for (std::size_t i = 3; i < rtapi::kAxes; ++i) d[i] = (c.end[i] - c.start[i]) / c.angle;
+  return d;
+}
+
 }  // namespace
 
 bool is_finite(const Pose& p) noexcept {
@@ -169,16 +180,7 @@ Pose arc_point(const Curve& c, double phi) noexcept {
   return p;
 }
 
-Pose arc_slope(const Curve& c, double phi) noexcept {
-  const Frame f = frame_at(c, phi);
-  const double r = c.radius + c.growth * phi;
-  Pose d;
-  for (std::size_t i = 0; i < 3; ++i) {
-    d[i] = c.axial * c.normal[i] + c.growth * f.along[i] + r * f.across[i];
-  }
-  for (std::size_t i = 3; i < rtapi::kAxes; ++i) d[i] = (c.end[i] - c.start[i]) / c.angle;
-  return d;
-}
+Pose arc_slope(const Curve& c, double phi) noexcept { return slope_in(c, frame_at(c, phi), phi); }
 
 Pose point_at(const Curve& c, double s) noexcept {
   if (s <= 0) return c.start;
@@ -197,7 +199,7 @@ void derivatives_at(const Curve& c, double s, Pose& first, Pose& second) noexcep
   const double speed = arc_speed(c, r);
   const double rate = 1.0 / speed, rate2 = -r * c.growth / (speed * speed * speed * speed);
   const Frame f = frame_at(c, phi);
-  const Pose slope = arc_slope(c, phi);
+  const Pose slope = slope_in(c, f, phi);
   first = slope * rate;
   second = slope * rate2;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -221,7 +223,8 @@ void extent_of(const Curve& c, Pose& low, Pose& high) noexcept {
     const double phi1 = c.angle * k / samples;
     const Pose slope1 = arc_slope(c, phi1);
     for (std::size_t i = 0; i < 3; ++i) {
-      if (slope0[i] * slope1[i] > 0) continue;
+      if (slope1[i] == 0 && slope0[i] != 0) take(i, arc_point(c, phi1)[i]);
+      if (slope0[i] * slope1[i] >= 0) continue;
       double a = phi0, b = phi1;
       for (int n = 0; n < 40; ++n) {
         const double mid = 0.5 * (a + b);

@@ -10,7 +10,7 @@ namespace {
 constexpr double kLimitTolerance = 1e-6;
 /// Share of the straight-line acceleration that a curve keeps for speeding up when the feed cannot be had whole.
 constexpr double kTangentialShare = 0.6;
-constexpr double kSampleAngle = 0.07;  ///< rad between samples of an arc
+constexpr double kSampleAngle = 0.1;  ///< rad between samples of an arc
 constexpr int kMostSamples = 4096;
 constexpr int kGeneralSamples = 65;  ///< of any curve under kinematics that mix axes
 constexpr double kGeneralShare =
@@ -179,24 +179,21 @@ bool ceilings_of(const Curve& curve, const Kinematics& kinematics, const Machine
   out = {speed, straight_acc};
   if (largest_curl <= 0) return true;
   const double feed = std::min(speed, wanted_speed), x = feed * feed;
-  double left = straight_acc;
+  // Either the whole feed with what it leaves for speeding up, or the tangential share with what that leaves for curvature.
+  const double tangential = kTangentialShare * straight_acc;
+  double left = straight_acc, most = speed * speed;
   (void)for_each_row(sampler, [&](const Row& r) {
+    const double usable = sampler.share() * r.max_acc;
     if (r.rate > 0)
-      left = std::min(left, (sampler.share() * r.max_acc - x * r.curl) / r.rate);
-    else if (x * r.curl > r.max_acc * sampler.share())
+      left = std::min(left, (usable - x * r.curl) / r.rate);
+    else if (x * r.curl > usable)
       left = 0;
+    if (r.curl > 0) most = std::min(most, (usable - tangential * r.rate) / r.curl);
   });
-  if (left >= kTangentialShare * straight_acc) {
+  if (left >= tangential)
     out = {feed, left};
-    return true;
-  }
-  out.acc = kTangentialShare * straight_acc;
-  double most = speed * speed;
-  (void)for_each_row(sampler, [&](const Row& r) {
-    if (r.curl > 0)
-      most = std::min(most, (sampler.share() * r.max_acc - out.acc * r.rate) / r.curl);
-  });
-  out.speed = std::sqrt(std::max(most, 0.0));
+  else
+    out = {std::sqrt(std::max(most, 0.0)), tangential};
   return true;
 }
 
