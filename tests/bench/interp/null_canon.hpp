@@ -7,7 +7,7 @@
 
 namespace kerf::interp {
 
-class NullCanon final : public Canon {
+class NullCanon : public Canon {
  public:
   std::uint64_t moves{0};
   void next_block(const SourceLine&) override {}

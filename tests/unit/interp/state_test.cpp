@@ -3,6 +3,7 @@
 
 #include <type_traits>
 
+#include "bench/interp/null_canon.hpp"
 #include "rig.hpp"
 
 namespace kerf::interp {
@@ -55,80 +56,21 @@ TEST(State, ActiveCodesAsClientsKnowThem) {
 
 /// Looks at the interpreter while a call is delivered.
 TEST(State, IsAlreadyThatOfTheBlockDuringDelivery) {
-  char* text = nullptr;
-  std::size_t size = 0;
-  std::FILE* out = open_memstream(&text, &size);
   struct World final : public Environment {
   } world;
-  TextCanon printer(out);
   Interpreter* seen = nullptr;
   struct Peek {
     std::int32_t motion{-1}, line{-1};
     SourceLine source;
   } peek;
-  class PeekCanon final : public Canon {
+  class PeekCanon final : public NullCanon {
    public:
     PeekCanon(Interpreter*& i, Peek& p) : interp_(i), peek_(p) {}
-    void next_block(const SourceLine& s) override { peek_.source = s, sequence = s.sequence; }
+    void next_block(const SourceLine& s) override { peek_.source = s; }
     void straight_feed(const Pose&) override {
-      peek_.motion = interp_->modal().motion, peek_.line = interp_->modal().line;
+      peek_.motion = interp_->modal().motion;
+      peek_.line = interp_->modal().line;
     }
-    int sequence{0};
-    void use_length_units(Units) override {}
-    void select_plane(Plane) override {}
-    void set_g5x_offset(int, const Pose&) override {}
-    void set_g92_offset(const Pose&) override {}
-    void set_xy_rotation(double) override {}
-    void use_tool_length_offset(const Pose&) override {}
-    void set_feed_rate(double, double) override {}
-    void set_feed_mode(int, FeedMode) override {}
-    void set_feed_reference() override {}
-    void set_motion_control_mode(PathMode, double) override {}
-    void set_naivecam_tolerance(double) override {}
-    void start_speed_feed_sync(int, double, bool) override {}
-    void stop_speed_feed_sync() override {}
-    void straight_traverse(const Pose&) override {}
-    void arc_feed(const Arc&) override {}
-    void straight_probe(const Pose&, ProbeKind) override {}
-    void turn_probe_on() override {}
-    void turn_probe_off() override {}
-    void rigid_tap(const Pose&, double) override {}
-    void dwell(double) override {}
-    void set_spindle_speed(int, double) override {}
-    void set_spindle_mode(int, double) override {}
-    void start_spindle(int, SpindleDirection) override {}
-    void stop_spindle(int) override {}
-    void orient_spindle(int, double, int) override {}
-    void wait_orient_complete(int, double) override {}
-    void select_tool(int) override {}
-    void start_change() override {}
-    void change_tool() override {}
-    void change_tool_number(int) override {}
-    void set_tool_table_entry(const Tool&) override {}
-    void reload_tooldata() override {}
-    void set_mist(bool) override {}
-    void set_flood(bool) override {}
-    void set_motion_output_bit(int, bool) override {}
-    void set_motion_output_value(int, double) override {}
-    void set_aux_output_bit(int, bool) override {}
-    void set_aux_output_value(int, double) override {}
-    void wait_input(int, bool, WaitMode, double) override {}
-    void enable_feed_override(bool) override {}
-    void enable_speed_override(int, bool) override {}
-    void enable_adaptive_feed(bool) override {}
-    void enable_feed_hold(bool) override {}
-    void program_stop() override {}
-    void optional_program_stop() override {}
-    void pallet_shuttle() override {}
-    void program_end() override {}
-    void on_reset() override {}
-    void user_mcode(int, std::string_view, double, double) override {}
-    void comment(std::string_view) override {}
-    void message(std::string_view) override {}
-    void print(std::string_view) override {}
-    void log_open(std::string_view, bool) override {}
-    void log(std::string_view) override {}
-    void log_close() override {}
 
    private:
     Interpreter*& interp_;
@@ -145,8 +87,6 @@ TEST(State, IsAlreadyThatOfTheBlockDuringDelivery) {
   EXPECT_EQ(peek.source.line, 2);
   EXPECT_EQ(peek.source.sequence, 7);
   EXPECT_EQ(peek.source.call_level, 0);
-  std::fclose(out);
-  std::free(text);
 }
 
 }  // namespace

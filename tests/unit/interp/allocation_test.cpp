@@ -1,0 +1,48 @@
+// The plain path (numbers, moves) takes no memory from the heap once it is warm.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+#include <string>
+
+#include "bench/interp/null_canon.hpp"
+#include "interp/interpreter.hpp"
+
+namespace {
+unsigned long allocations = 0;  // single-threaded test program
+}  // namespace
+
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+namespace kerf::interp {
+namespace {
+
+TEST(Allocation, PlainLinesAndLoopsNeedNone) {
+  std::string program = "F1000\n";
+  for (int i = 0; i < 2000; ++i)
+    program += "N" + std::to_string(i) + " G1 X" + std::to_string(i) +
+               ".25 Y[1+2] (c)\nG2 X5 Y5 R5000\nG0 X0 Y0\n";
+  program += "#1=0\no1 while [#1 lt 3000]\n#1=[#1+1]\nG1 X[sin[#1]] Y#1\no1 endwhile\nM2\n";
+  Environment world;
+  NullCanon canon;
+  Interpreter interp(world, canon);
+  interp.init();
+  ASSERT_TRUE(interp.open_text("plain", program).ok());
+  for (int i = 0; i < 20; ++i) ASSERT_EQ(interp.execute_next(), Outcome::ok);
+  unsigned long before = allocations;
+  for (int i = 0; i < 5900; ++i) ASSERT_EQ(interp.execute_next(), Outcome::ok);
+  EXPECT_EQ(allocations - before, 0U) << "straight lines and arcs";
+  for (int i = 0; i < 200; ++i) ASSERT_EQ(interp.execute_next(), Outcome::ok);
+  before = allocations;
+  for (int i = 0; i < 9000; ++i) ASSERT_EQ(interp.execute_next(), Outcome::ok);
+  EXPECT_EQ(allocations - before, 0U) << "turns of a loop";
+}
+
+}  // namespace
+}  // namespace kerf::interp
