@@ -44,76 +44,83 @@ struct Commander::Row {
   const char* help;
 };
 
-const Commander::Row Commander::kCommands[] = {
-    {"loadrt", 1, kAny, false, &Commander::load_realtime, "loadrt NAME [PARAMETER=VALUE ...]",
-     "Loads a realtime component."},
-    {"loadusr", 1, kAny, false, &Commander::load_user,
-     "loadusr [-W | -Wn NAME | -w [-i]] PROGRAM [ARGUMENT ...]",
-     "Starts a program. -W waits until its component is ready, -Wn gives that component's name, -w "
-     "waits for the end of the "
-     "program, -i ignores its exit status."},
-    {"waitusr", 1, 1, false, &Commander::wait_user, "waitusr NAME",
-     "Waits until a user component has left HAL."},
-    {"unload", 1, 1, false, &Commander::unload, "unload NAME | all",
-     "Unloads a component of either kind."},
-    {"unloadrt", 1, 1, false, &Commander::unload_realtime, "unloadrt NAME | all",
-     "Unloads a realtime component."},
-    {"unloadusr", 1, 1, false, &Commander::unload_user, "unloadusr NAME | all",
-     "Asks a user component to end."},
-    {"lock", 0, 1, false, &Commander::forward, "lock [none | tune | all]",
-     "Forbids changes of HAL."},
-    {"unlock", 0, 1, false, &Commander::forward, "unlock [tune | all]",
-     "Allows changes of HAL again."},
-    {"net", 1, kAny, true, &Commander::net, "net SIGNAL PIN ...",
-     "Links pins to a signal, which is made if need be. All pins are linked or none."},
-    {"linkpp", 2, 2, true, &Commander::link_pins, "linkpp PIN PIN",
-     "Links two pins by a signal named as the first."},
-    {"linkps", 2, 2, true, &Commander::link, "linkps PIN SIGNAL", "Links a pin to a signal."},
-    {"linksp", 2, 2, true, &Commander::link, "linksp SIGNAL PIN", "Links a signal to a pin."},
-    {"unlinkp", 1, 1, false, &Commander::forward, "unlinkp PIN",
-     "Takes a pin off its signal; it keeps the value."},
-    {"newsig", 2, 2, false, &Commander::forward, "newsig SIGNAL TYPE", "Makes a signal."},
-    {"delsig", 1, 1, false, &Commander::forward, "delsig SIGNAL",
-     "Deletes a signal; its pins are unlinked."},
-    {"setp", 2, 2, false, &Commander::set_item, "setp NAME VALUE, or NAME = VALUE",
-     "Sets a writable parameter or an unlinked input pin."},
-    {"getp", 1, 1, false, &Commander::get_item, "getp NAME",
-     "Prints the value of a parameter or pin."},
-    {"ptype", 1, 1, false, &Commander::item_type, "ptype NAME",
-     "Prints the type of a parameter or pin."},
-    {"sets", 2, 2, false, &Commander::forward, "sets SIGNAL VALUE",
-     "Sets a signal that no pin writes."},
-    {"gets", 1, 1, false, &Commander::get_signal, "gets SIGNAL", "Prints the value of a signal."},
-    {"stype", 1, 1, false, &Commander::signal_type, "stype SIGNAL", "Prints the type of a signal."},
-    {"addf", 2, 3, false, &Commander::forward, "addf FUNCTION THREAD [POSITION]",
-     "Adds a function to a thread: at the end, at a position from the front (1, 2 ...) or from the "
-     "end (-1, -2 ...)."},
-    {"delf", 2, 2, false, &Commander::forward, "delf FUNCTION THREAD",
-     "Takes a function out of a thread."},
-    {"show", 0, kAny, false, &Commander::show,
-     "show [comp | pin | sig | param | funct | thread | alias | all] [PATTERN ...]",
-     "Prints items of HAL, all or those that match."},
-    {"list", 1, kAny, false, &Commander::list,
-     "list comp | pin | sig | param | funct | thread [PATTERN ...]", "Prints names on one line."},
-    {"status", 0, 1, false, &Commander::status, "status [lock | mem | all]",
-     "Prints the state of HAL itself."},
-    {"start", 0, 0, false, &Commander::forward, "start",
-     "Lets the realtime threads run their functions."},
-    {"stop", 0, 0, false, &Commander::forward, "stop",
-     "Stops the functions of the realtime threads."},
-    {"source", 1, 1, false, &Commander::source, "source FILE",
-     "Does the commands of another file."},
-    {"sleep", 1, 1, false, &Commander::sleep, "sleep SECONDS",
-     "Waits; on the virtual clock, virtual seconds."},
-    {"echo", 0, 0, false, &Commander::echo_on, "echo", "Prints commands before they are done."},
-    {"unecho", 0, 0, false, &Commander::echo_off, "unecho", "Ends echo."},
-    {"print", 0, 1, false, &Commander::print, "print [MESSAGE]",
-     "Prints file, line and a message."},
-    {"debug", 1, 1, false, &Commander::debug, "debug LEVEL", "Sets the level of messages, 0 to 5."},
-    {"help", 0, 1, false, &Commander::help, "help [COMMAND]", "Explains commands."},
-    {"quit", 0, 0, false, &Commander::quit, "quit", "Ends the reading of commands."},
-    {"exit", 0, 0, false, &Commander::quit, "exit", "Ends the reading of commands."},
-};
+std::span<const Commander::Row> Commander::rows() {
+  static constexpr Row kRows[] = {
+      {"loadrt", 1, kAny, false, &Commander::load_realtime, "loadrt NAME [PARAMETER=VALUE ...]",
+       "Loads a realtime component."},
+      {"loadusr", 1, kAny, false, &Commander::load_user,
+       "loadusr [-W | -Wn NAME | -w [-i]] PROGRAM [ARGUMENT ...]",
+       "Starts a program. -W waits until its component is ready, -Wn gives that component's name, "
+       "-w "
+       "waits for the end of the "
+       "program, -i ignores its exit status."},
+      {"waitusr", 1, 1, false, &Commander::wait_user, "waitusr NAME",
+       "Waits until a user component has left HAL."},
+      {"unload", 1, 1, false, &Commander::unload, "unload NAME | all",
+       "Unloads a component of either kind."},
+      {"unloadrt", 1, 1, false, &Commander::unload_realtime, "unloadrt NAME | all",
+       "Unloads a realtime component."},
+      {"unloadusr", 1, 1, false, &Commander::unload_user, "unloadusr NAME | all",
+       "Asks a user component to end."},
+      {"lock", 0, 1, false, &Commander::forward, "lock [none | tune | all]",
+       "Forbids changes of HAL."},
+      {"unlock", 0, 1, false, &Commander::forward, "unlock [tune | all]",
+       "Allows changes of HAL again."},
+      {"net", 1, kAny, true, &Commander::net, "net SIGNAL PIN ...",
+       "Links pins to a signal, which is made if need be. All pins are linked or none."},
+      {"linkpp", 2, 2, true, &Commander::link_pins, "linkpp PIN PIN",
+       "Links two pins by a signal named as the first."},
+      {"linkps", 2, 2, true, &Commander::link, "linkps PIN SIGNAL", "Links a pin to a signal."},
+      {"linksp", 2, 2, true, &Commander::link, "linksp SIGNAL PIN", "Links a signal to a pin."},
+      {"unlinkp", 1, 1, false, &Commander::forward, "unlinkp PIN",
+       "Takes a pin off its signal; it keeps the value."},
+      {"newsig", 2, 2, false, &Commander::forward, "newsig SIGNAL TYPE", "Makes a signal."},
+      {"delsig", 1, 1, false, &Commander::forward, "delsig SIGNAL",
+       "Deletes a signal; its pins are unlinked."},
+      {"setp", 2, 2, false, &Commander::set_item, "setp NAME VALUE, or NAME = VALUE",
+       "Sets a writable parameter or an unlinked input pin."},
+      {"getp", 1, 1, false, &Commander::get_item, "getp NAME",
+       "Prints the value of a parameter or pin."},
+      {"ptype", 1, 1, false, &Commander::item_type, "ptype NAME",
+       "Prints the type of a parameter or pin."},
+      {"sets", 2, 2, false, &Commander::forward, "sets SIGNAL VALUE",
+       "Sets a signal that no pin writes."},
+      {"gets", 1, 1, false, &Commander::get_signal, "gets SIGNAL", "Prints the value of a signal."},
+      {"stype", 1, 1, false, &Commander::signal_type, "stype SIGNAL",
+       "Prints the type of a signal."},
+      {"addf", 2, 3, false, &Commander::forward, "addf FUNCTION THREAD [POSITION]",
+       "Adds a function to a thread: at the end, at a position from the front (1, 2 ...) or from "
+       "the "
+       "end (-1, -2 ...)."},
+      {"delf", 2, 2, false, &Commander::forward, "delf FUNCTION THREAD",
+       "Takes a function out of a thread."},
+      {"show", 0, kAny, false, &Commander::show,
+       "show [comp | pin | sig | param | funct | thread | alias | all] [PATTERN ...]",
+       "Prints items of HAL, all or those that match."},
+      {"list", 1, kAny, false, &Commander::list,
+       "list comp | pin | sig | param | funct | thread [PATTERN ...]", "Prints names on one line."},
+      {"status", 0, 1, false, &Commander::status, "status [lock | mem | all]",
+       "Prints the state of HAL itself."},
+      {"start", 0, 0, false, &Commander::forward, "start",
+       "Lets the realtime threads run their functions."},
+      {"stop", 0, 0, false, &Commander::forward, "stop",
+       "Stops the functions of the realtime threads."},
+      {"source", 1, 1, false, &Commander::source, "source FILE",
+       "Does the commands of another file."},
+      {"sleep", 1, 1, false, &Commander::sleep, "sleep SECONDS",
+       "Waits; on the virtual clock, virtual seconds."},
+      {"echo", 0, 0, false, &Commander::echo_on, "echo", "Prints commands before they are done."},
+      {"unecho", 0, 0, false, &Commander::echo_off, "unecho", "Ends echo."},
+      {"print", 0, 1, false, &Commander::print, "print [MESSAGE]",
+       "Prints file, line and a message."},
+      {"debug", 1, 1, false, &Commander::debug, "debug LEVEL",
+       "Sets the level of messages, 0 to 5."},
+      {"help", 0, 1, false, &Commander::help, "help [COMMAND]", "Explains commands."},
+      {"quit", 0, 0, false, &Commander::quit, "quit", "Ends the reading of commands."},
+      {"exit", 0, 0, false, &Commander::quit, "exit", "Ends the reading of commands."},
+  };
+  return kRows;
+}
 
 Commander::Commander(Session& session, IniLookup ini, CommandSink* sink)
     : session_(session),
@@ -123,13 +130,13 @@ Commander::Commander(Session& session, IniLookup ini, CommandSink* sink)
 
 std::vector<std::string> Commander::command_names() {
   std::vector<std::string> out;
-  for (const Row& row : kCommands) out.emplace_back(row.name);
+  for (const Row& row : rows()) out.emplace_back(row.name);
   return out;
 }
 
 std::string Commander::help_text(std::string_view command) {
   std::string out;
-  for (const Row& row : kCommands) {
+  for (const Row& row : rows()) {
     if (command.empty()) {
       out += "  " + std::string(row.name) +
              std::string(12 - std::min<std::size_t>(11, std::strlen(row.name)), ' ') + row.help +
@@ -249,7 +256,7 @@ bool Commander::run_words(Words words) {
 bool Commander::run(std::vector<std::string> words) {
   if (words.empty()) return true;
   if (words.size() == 3 && words[1] == "=") words = {"setp", words[0], words[2]};
-  for (const Row& row : kCommands) {
+  for (const Row& row : rows()) {
     if (words[0] != row.name) continue;
     if (row.arrows) std::erase_if(words, [](const std::string& w) { return is_arrow(w); });
     const std::size_t given = words.size() - 1;

@@ -67,7 +67,7 @@ class Commander {
   using Words = std::span<const std::string>;
   using Done = rtapi::Status;
   struct Row;
-  static const Row kCommands[];
+  static std::span<const Row> rows();
 
   /// One line of several, put together from those that end in a backslash.
   struct LineJoiner;

@@ -24,7 +24,7 @@ Result<pid_t> start_program(std::span<const std::string> argv, const rtapi::Segm
   std::vector<std::string> copy(argv.begin(), argv.end());
   for (auto& word : copy) args.push_back(word.data());
   args.push_back(nullptr);
-  const std::string instance = segment.instance();
+  const std::string& instance = segment.instance();
   const std::string run_id(segment.header().run_id.view());
   int report[2];
   // The pipe closes by exec; what comes through it is the errno of a failed one.

@@ -80,7 +80,7 @@ Result<std::string> substitute(std::string_view text, const IniLookup& ini) {
         std::size_t after = close + 1;
         KERF_TRY(const bool found, take_name(text, after, name));
         if (found) {
-          const std::string variable = "[" + section + "]" + name;
+          const std::string variable = std::string("[").append(section).append("]").append(name);
           if (!ini)
             return fail(Errc::not_found,
                         "Ini variable '" + variable + "' is used, but no INI file was given (-i).");

@@ -35,30 +35,33 @@ struct Host::Row {
   Reply (Host::*run)(Words argv);
 };
 
-const Host::Row Host::kCommands[] = {
-    {"loadrt", 1, SIZE_MAX, lock_load, &Host::load},
-    {"unloadrt", 1, 1, lock_load, &Host::unload},
-    {"net", 1, SIZE_MAX, lock_config, &Host::net},
-    {"newsig", 2, 2, lock_config, &Host::new_signal},
-    {"delsig", 1, 1, lock_config, &Host::delete_signal},
-    {"linkps", 2, 2, lock_config, &Host::link_pin_signal},
-    {"linksp", 2, 2, lock_config, &Host::link_signal_pin},
-    {"linkpp", 2, 2, lock_config, &Host::link_pins},
-    {"unlinkp", 1, 1, lock_config, &Host::unlink},
-    {"setp", 2, 2, lock_params, &Host::set_item},
-    {"sets", 2, 2, lock_params, &Host::set_signal},
-    {"addf", 2, 3, lock_config, &Host::add_function},
-    {"delf", 2, 2, lock_config, &Host::delete_function},
-    {"start", 0, 0, lock_run, &Host::start},
-    {"stop", 0, 0, lock_run, &Host::stop},
-    {"lock", 0, 1, 0, &Host::lock},
-    {"unlock", 0, 1, 0, &Host::unlock},
-    {"comp-new", 1, 1, 0, &Host::component_new},
-    {"pin-new", 4, 5, 0, &Host::pin_new},
-    {"param-new", 4, 5, 0, &Host::param_new},
-    {"comp-ready", 1, 1, 0, &Host::component_ready},
-    {"comp-exit", 1, 1, 0, &Host::component_exit},
-};
+std::span<const Host::Row> Host::rows() {
+  static constexpr Row kRows[] = {
+      {"loadrt", 1, SIZE_MAX, lock_load, &Host::load},
+      {"unloadrt", 1, 1, lock_load, &Host::unload},
+      {"net", 1, SIZE_MAX, lock_config, &Host::net},
+      {"newsig", 2, 2, lock_config, &Host::new_signal},
+      {"delsig", 1, 1, lock_config, &Host::delete_signal},
+      {"linkps", 2, 2, lock_config, &Host::link_pin_signal},
+      {"linksp", 2, 2, lock_config, &Host::link_signal_pin},
+      {"linkpp", 2, 2, lock_config, &Host::link_pins},
+      {"unlinkp", 1, 1, lock_config, &Host::unlink},
+      {"setp", 2, 2, lock_params, &Host::set_item},
+      {"sets", 2, 2, lock_params, &Host::set_signal},
+      {"addf", 2, 3, lock_config, &Host::add_function},
+      {"delf", 2, 2, lock_config, &Host::delete_function},
+      {"start", 0, 0, lock_run, &Host::start},
+      {"stop", 0, 0, lock_run, &Host::stop},
+      {"lock", 0, 1, 0, &Host::lock},
+      {"unlock", 0, 1, 0, &Host::unlock},
+      {"comp-new", 1, 1, 0, &Host::component_new},
+      {"pin-new", 4, 5, 0, &Host::pin_new},
+      {"param-new", 4, 5, 0, &Host::param_new},
+      {"comp-ready", 1, 1, 0, &Host::component_ready},
+      {"comp-exit", 1, 1, 0, &Host::component_exit},
+  };
+  return kRows;
+}
 
 Result<std::unique_ptr<Host>> Host::create(rtapi::Segment& segment, const rtapi::Clock& clock,
                                            ModuleSource& modules, HostDriver* driver) {
@@ -71,7 +74,7 @@ Host::~Host() { unload_all(); }
 
 Reply Host::command(Words argv, std::uint64_t client, std::int64_t pid) {
   if (argv.empty()) return {};
-  for (const Row& row : kCommands) {
+  for (const Row& row : rows()) {
     if (argv[0] != row.name) continue;
     const std::size_t given = argv.size() - 1;
     if (given < row.min || given > row.max) {
@@ -89,7 +92,7 @@ Reply Host::command(Words argv, std::uint64_t client, std::int64_t pid) {
     return (this->*row.run)(argv.subspan(1));
   }
   std::vector<std::string> known;
-  for (const Row& row : kCommands) known.emplace_back(row.name);
+  for (const Row& row : rows()) known.emplace_back(row.name);
   return bad(Errc::not_found,
              "Unknown command " + quoted(argv[0]) + rtapi::did_you_mean(argv[0], known));
 }

@@ -127,7 +127,7 @@ class Host {
   };
   using Words = std::span<const std::string>;
   struct Row;
-  static const Row kCommands[];
+  static std::span<const Row> rows();
 
   Host(const rtapi::Clock& clock, ModuleSource& modules, HostDriver* driver)
       : clock_(clock), modules_(modules), driver_(driver) {}

@@ -199,7 +199,7 @@ void Host::destroy(Loaded& l) {
   for (const auto& service : l.services) services_.erase(service);
   for (const auto& block : l.blocks) segment().drop_block(block.c_str());
   registry_->remove_component(*l.record);
-  for (const auto& m : l.memory) ::operator delete(m.data, m.bytes, std::align_val_t(m.align));
+  for (const auto& m : l.memory) ::operator delete(m.data, std::align_val_t(m.align));
   l.memory.clear();
   modules_.close(l.module);
   registry_->reclaim();

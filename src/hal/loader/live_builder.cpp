@@ -75,7 +75,12 @@ std::string LiveBuilder::unknown_arg() const {
     if (asked_.count(name) > 0) continue;
     std::vector<std::string> known(asked_.begin(), asked_.end());
     for (const char* own : {"count", "names", "personality"}) known.emplace_back(own);
-    return "Unknown parameter `" + name + "=" + text + "'" + rtapi::did_you_mean(name, known);
+    return std::string("Unknown parameter `")
+        .append(name)
+        .append("=")
+        .append(text)
+        .append("'")
+        .append(rtapi::did_you_mean(name, known));
   }
   return {};
 }

@@ -53,7 +53,7 @@ Result<const Module*> DlopenSource::open(std::string_view name) {
   if (name.empty() || name.find('/') != std::string_view::npos) return unknown(name, names());
   for (const auto& folder : folders_) {
     for (const auto& file : {std::string(name), with(name, '_', '-'), with(name, '-', '_')}) {
-      const std::string path = folder + "/" + file + ".so";
+      const std::string path = std::string(folder).append("/").append(file).append(".so");
       if (::access(path.c_str(), F_OK) != 0) continue;
       void* handle = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
       if (handle == nullptr) {

@@ -61,7 +61,7 @@ void print_help() {
 
 /// False: exit with `status`.
 bool parse_options(int argc, char** argv, Options& o, int& status) {
-  static const option kLong[] = {{"instance", required_argument, nullptr, 'n'},
+  static constexpr option kLong[] = {{"instance", required_argument, nullptr, 'n'},
                                  {"virtual", no_argument, nullptr, 'v'},
                                  {"cpu", required_argument, nullptr, 'c'},
                                  {"segment-mb", required_argument, nullptr, 'm'},
