@@ -7,6 +7,7 @@ IoControl::IoControl(IoLink& link, rtapi::Cell& to_io, IoPins& pins, ToolStore& 
     : link_(link), to_io_(to_io), pins_(pins), tools_(tools), random_(random_changer) {
   read_spindle();
   pins_.write(out_);
+  link_.publish(state_);
 }
 
 void IoControl::read_spindle() {

@@ -5,7 +5,7 @@ namespace kerf::io {
 rtapi::Status ToolStore::load() {
   if (file_.empty()) return {};
   const std::lock_guard change(writer_);
-  KERF_TRY(ToolTable table, ToolTable::load(file_, unit_mm_));
+  KERF_TRY(ToolTable table, ToolTable::load(file_, unit_mm_, random_));
   const std::lock_guard lock(mutex_);
   table_ = std::make_shared<const ToolTable>(std::move(table));
   return {};

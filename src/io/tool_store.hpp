@@ -16,7 +16,8 @@ namespace kerf::io {
 class ToolStore {
  public:
   /// No file: the table starts empty and is not saved.
-  ToolStore(std::string file, double unit_mm) : file_(std::move(file)), unit_mm_(unit_mm) {}
+  ToolStore(std::string file, double unit_mm, bool random = false)
+      : file_(std::move(file)), unit_mm_(unit_mm), random_(random) {}
 
   /// Reads the file (again). On error the present table stays in force.
   rtapi::Status load();
@@ -31,6 +32,7 @@ class ToolStore {
 
   std::string file_;
   double unit_mm_;
+  bool random_;
   mutable std::mutex mutex_;  ///< guards table_; held for pointer copies only
   std::mutex writer_;         ///< one change at a time, so that none is lost
   std::shared_ptr<const ToolTable> table_{std::make_shared<const ToolTable>()};

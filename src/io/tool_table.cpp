@@ -124,7 +124,7 @@ class LineReader {
 }  // namespace
 
 rtapi::Result<ToolTable> ToolTable::parse(std::string_view text, const std::string& file,
-                                          double unit_mm) {
+                                          double unit_mm, bool random) {
   ToolTable table;
   std::string complaints;
   int line = 0;
@@ -158,6 +158,13 @@ rtapi::Result<ToolTable> ToolTable::parse(std::string_view text, const std::stri
                       " is defined twice; tool numbers must be unique");
       continue;
     }
+    if (const ToolEntry* other = random ? table.find_pocket(entry.pocket) : nullptr;
+        other != nullptr) {
+      reader.complain("tool T" + std::to_string(entry.number) + " is in pocket P" +
+                      std::to_string(entry.pocket) + ", where T" + std::to_string(other->number) +
+                      " is already");
+      continue;
+    }
     table.lines_.push_back({static_cast<int>(table.tools_.size()), {}});
     table.tools_.push_back(entry);
   }
@@ -165,9 +172,9 @@ rtapi::Result<ToolTable> ToolTable::parse(std::string_view text, const std::stri
   return table;
 }
 
-rtapi::Result<ToolTable> ToolTable::load(const std::string& file, double unit_mm) {
+rtapi::Result<ToolTable> ToolTable::load(const std::string& file, double unit_mm, bool random) {
   KERF_TRY(const std::string text, read_file(file));
-  return parse(text, file, unit_mm);
+  return parse(text, file, unit_mm, random);
 }
 
 std::string ToolTable::text(double unit_mm) const {

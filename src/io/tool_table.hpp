@@ -37,10 +37,13 @@ class ToolTable {
   static constexpr int kMaxPocket = 1000;
 
   /// `unit_mm`: mm in one machine unit. Every complaint of the file stands in one error, a line each, with file and line.
+  /// `random`: for a random changer, where no two tools can be in one pocket; on others P is the user's own.
   [[nodiscard]] static rtapi::Result<ToolTable> parse(std::string_view text,
-                                                      const std::string& file, double unit_mm);
+                                                      const std::string& file, double unit_mm,
+                                                      bool random = false);
   /// not_found, system, or syntax as parse().
-  [[nodiscard]] static rtapi::Result<ToolTable> load(const std::string& file, double unit_mm);
+  [[nodiscard]] static rtapi::Result<ToolTable> load(const std::string& file, double unit_mm,
+                                                     bool random = false);
 
   /// What save() writes; parse() of it gives the same table.
   [[nodiscard]] std::string text(double unit_mm) const;

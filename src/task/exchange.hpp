@@ -111,12 +111,8 @@ class Exchange {
   }
 
   // --- both ---
-  [[nodiscard]] InterpreterView view() const {
-    InterpreterView out;
-    while (!view_.read(out)) {
-    }
-    return out;
-  }
+  /// Leaves `out` as it is when the interpreter thread is in the middle of a write for long.
+  void read_view(InterpreterView& out) const { (void)view_.read(out); }
   [[nodiscard]] std::size_t queued() const {
     const std::lock_guard lock(mutex_);
     return orders_.size();

@@ -115,7 +115,8 @@ rtapi::Status Task::prepare() {
   p.shared = *shared;
   p.shared->ready.publish(0);
 
-  p.tools = std::make_unique<io::ToolStore>(p.setup.tools.table_file, p.setup.linear_unit_mm);
+  p.tools = std::make_unique<io::ToolStore>(p.setup.tools.table_file, p.setup.linear_unit_mm,
+                                            p.setup.tools.random_changer);
   KERF_CHECK(p.tools->load());
   p.link =
       std::make_unique<io::IoLink>(p.shared->to_io, p.shared->to_command, p.shared->to_interpreter);
@@ -147,7 +148,13 @@ rtapi::Status Task::connect() {
   p.interpreter = std::make_unique<InterpreterParticipant>(
       InterpreterParticipant::Parts{*p.motion, *p.shared, *p.exchange, *p.link, *p.tools, p.setup,
                                     *p.environment, p.segment.instance()});
-  KERF_CHECK(p.interpreter->init());
+  if (auto begun = p.interpreter->init(); !begun.ok()) {
+    rtapi::Error error = begun.error();
+    const ini::Entry* code = p.ini.find("RS274NGC", "RS274NGC_STARTUP_CODE");
+    if (error.code == Errc::syntax && code != nullptr && error.at.file.empty())
+      error.at = {rtapi::FixedString<160>(code->at.file), code->at.line, 0};
+    return rtapi::Failure<rtapi::Error>{error};
+  }
   p.command = std::make_unique<CommandParticipant>(CommandParticipant::Parts{
       *p.motion, *p.shared, *p.exchange, *p.link, p.setup, p.options.pid});
   if (p.options.listen)

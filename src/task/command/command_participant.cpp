@@ -43,7 +43,7 @@ void CommandParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   beat();
   take_faults();
   take_reports();
-  view_ = p_.exchange.view();
+  p_.exchange.read_view(view_);
   update_machine();
   serve_clients();
   update_pending();
@@ -65,19 +65,29 @@ void CommandParticipant::take_faults() {
   const std::uint64_t newest = p_.motion.faults.newest.observe();
   if (newest > faults_seen_ + motion::FaultLog::kSlots)
     faults_seen_ = newest - motion::FaultLog::kSlots;
-  bool stop = false;
+  std::string stop;
   while (faults_seen_ < newest) {
     ++faults_seen_;
     motion::FaultRecord fault;
     if (!p_.motion.faults.slot[faults_seen_ % motion::FaultLog::kSlots].read(fault) ||
         fault.number != faults_seen_)
       continue;
-    const bool program = fault.tag.line > 0 && view_.running_program;
-    say(MessageKind::error, fault_text(fault, p_.setup),
-        program ? std::string(view_.file.view()) : std::string(), program ? fault.tag.line : 0);
-    stop = stop || ends_program(fault.fault);
+    const bool placed = fault.tag.line > 0 && !view_.idle;
+    last_fault_ = fault_text(fault, p_.setup);
+    say(MessageKind::error, last_fault_, placed ? std::string(view_.source.view()) : std::string(),
+        placed ? fault.tag.line : 0);
+    if (stop.empty() && ends_program(fault.fault)) stop = last_fault_;
   }
-  if (stop && !view_.idle) abort_all();
+  if (stop.empty() || view_.idle) return;
+  abort_all();
+  // Whoever asked for what was running learns why it ended.
+  std::vector<Ticket> ended;
+  for (const auto& [ticket, pending] : pending_)
+    if (pending.order && pending.begun) ended.push_back(ticket);
+  for (const Ticket ticket : ended) {
+    if (is_program(pending_.at(ticket).command)) ++programs_ended_;
+    reply(ticket, CommandState::error, stop);
+  }
 }
 
 void CommandParticipant::take_reports() {
@@ -112,6 +122,12 @@ void CommandParticipant::take_reports() {
       case Report::Kind::program_end: break;
     }
   }
+}
+
+std::string CommandParticipant::homing_failure(const Pending& pending) const {
+  if (faults_seen_ != pending.fault_mark) return last_fault_;
+  return pending.joint < 0 ? "not all joints are homed: HOME ALL homes those with a HOME_SEQUENCE"
+                           : "joint " + std::to_string(pending.joint) + " was not homed";
 }
 
 bool CommandParticipant::idle() const {
@@ -153,7 +169,7 @@ void CommandParticipant::update_pending() {
         const bool homed =
             pending.joint < 0 ? status_.all_homed : status_.joint[pending.joint].homed;
         reply(ticket, homed ? CommandState::done : CommandState::error,
-              homed ? std::string() : "homing did not succeed; see the operator messages");
+              homed ? std::string() : homing_failure(pending));
         break;
       }
       case CommandId::unhome:

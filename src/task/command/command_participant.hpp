@@ -87,6 +87,10 @@ class CommandParticipant final : public rtapi::Participant {
   // command_participant.cpp
   void beat();
   void take_faults();
+  [[nodiscard]] std::string homing_failure(const Pending& pending) const;
+  [[nodiscard]] static bool is_program(CommandId command) noexcept {
+    return command == CommandId::run || command == CommandId::step;
+  }
   void take_reports();
   void update_pending();
   void write_status();
@@ -127,6 +131,7 @@ class CommandParticipant final : public rtapi::Participant {
   void do_spindle(Ticket ticket, const Request& request);
   void do_switch(Ticket ticket, const Request& request);
   void do_digital_out(Ticket ticket, const Request& request);
+  [[nodiscard]] bool other_orders(Ticket ticket) const;
   void post(Order::Kind kind, Ticket ticket, const std::string& text);
   bool refuse_unless_homed(Ticket ticket, const char* text);
   Ticket internal_ticket(CommandId command);
@@ -143,6 +148,7 @@ class CommandParticipant final : public rtapi::Participant {
   std::uint64_t beats_{0};
   std::uint32_t epoch_{1};
   std::uint64_t faults_seen_{0};
+  std::string last_fault_;
   std::uint64_t messages_{0}, error_messages_{0};
   TaskState state_{TaskState::estop};
   TaskMode mode_{TaskMode::manual};

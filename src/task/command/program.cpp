@@ -76,11 +76,13 @@ bool CommandParticipant::refuse_unless_homed(Ticket ticket, const char* text) {
   return true;
 }
 
+bool CommandParticipant::other_orders(Ticket ticket) const {
+  return std::any_of(pending_.begin(), pending_.end(),
+                     [ticket](const auto& p) { return p.first != ticket && p.second.order; });
+}
+
 void CommandParticipant::do_program(Ticket ticket, const Request& request) {
-  const auto order_runs = [this, ticket] {
-    return std::any_of(pending_.begin(), pending_.end(),
-                       [ticket](const auto& p) { return p.first != ticket && p.second.order; });
-  };
+  const auto order_runs = [this, ticket] { return other_orders(ticket); };
   switch (request.command->id) {
     case CommandId::open:
       if (order_runs() || !view_.idle)
@@ -109,6 +111,8 @@ void CommandParticipant::do_program(Ticket ticket, const Request& request) {
       return post(Order::Kind::run, ticket, {});
     }
     case CommandId::pause:
+      if (view_.idle && !order_runs())
+        return reply(ticket, CommandState::error, "nothing runs that could pause");
       p_.motion.intent.hold.publish(1);
       p_.exchange.paused.set(1);
       stepping_release_ = false;

@@ -81,7 +81,7 @@ bool InterpreterParticipant::tool_order_ended() {
   tool_order_ = 0;
   waiting_for_ = {};
   if (state.finished_well) return true;
-  fail_here(std::string(state.failure.view()));
+  fail_at(prepare_tag_, std::string(state.failure.view()));
   return false;
 }
 
@@ -90,6 +90,7 @@ bool InterpreterParticipant::run_aside(TaskItem& item) {
     if (tool_order_ != 0) return false;
     tool_order_ = p_.io.order(Kind::prepare, tool->number, epoch_);
     tool_order_is_prepare_ = true;
+    prepare_tag_ = item.tag;
     waiting_for_.object =
         rtapi::FixedString<63>("tool " + std::to_string(tool->number) + " to be prepared");
     waiting_for_.pin = rtapi::FixedString<63>("iocontrol.0.tool-prepared");

@@ -203,6 +203,8 @@ bool InterpreterParticipant::read_block() {
     history_.add(record);
   }
   canon_.new_tag();
+  if (p_.setup.tools.at_g30)
+    canon_.set_g30(interp_.parameters().pose(interp::kG30Home, p_.setup.linear_unit_mm));
   const std::size_t before = list_.size();
   ++run_.blocks;
   Outcome outcome = Outcome::ok;
@@ -273,6 +275,8 @@ bool InterpreterParticipant::synchronise_if_due() {
       const io::IoState io = p_.io.state();
       state.tool_in_spindle = io.tool_in_spindle;
       state.pocket_in_spindle = io.pocket_in_spindle;
+      // The way to the change position was the canon's own; the interpreter knows nothing of it.
+      state.machine_position = status_.pos_cmd;
       break;
     }
     case SyncReason::probe:
@@ -330,9 +334,13 @@ void InterpreterParticipant::finish_ticket(CommandState state, const std::string
 }
 
 void InterpreterParticipant::fail_here(const std::string& text) {
-  const BlockRecord& at = history_.present();
-  fail(text, run_.mdi ? std::string() : interp_.file_name(static_cast<std::uint32_t>(at.tag.file)),
-       at.tag.line);
+  // A barrier in progress is where the machine stands; the history may not have followed yet.
+  fail_at(barrier_.begun && !list_.empty() ? list_.front().tag : history_.present().tag, text);
+}
+
+void InterpreterParticipant::fail_at(const motion::SourceTag& tag, const std::string& text) {
+  fail(text, run_.mdi ? std::string() : interp_.file_name(static_cast<std::uint32_t>(tag.file)),
+       tag.line);
 }
 
 void InterpreterParticipant::fail(const std::string& text, const std::string& file,

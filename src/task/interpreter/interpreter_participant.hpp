@@ -103,6 +103,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   /// The program cannot go on.
   void fail(const std::string& text, const std::string& file, std::int32_t line);
   void fail_here(const std::string& text);
+  void fail_at(const motion::SourceTag& tag, const std::string& text);
 
   // barriers.cpp
   bool pump(rtapi::WaitSpec& next);
@@ -145,6 +146,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   std::deque<Aside> asides_;
   std::uint64_t tool_order_{0};  ///< in progress at io
   bool tool_order_is_prepare_{false};
+  motion::SourceTag prepare_tag_;
   double input_value_{0};
   UserProgram user_;
   std::FILE* log_{nullptr};

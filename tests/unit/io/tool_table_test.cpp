@@ -67,6 +67,15 @@ TEST(ToolTable, errors_name_file_line_and_what_was_expected_all_at_once) {
   EXPECT_THAT(complaint("T1 P\n"), HasSubstr("expected a whole number"));
 }
 
+TEST(ToolTable, two_tools_in_one_pocket_are_wrong_on_random_changers_only) {
+  const std::string text = "T1 P5\nT2 P5\n";
+  EXPECT_TRUE(ToolTable::parse(text, "tool.tbl", 1.0, false).ok());
+  const auto random = ToolTable::parse(text, "tool.tbl", 1.0, true);
+  ASSERT_FALSE(random.ok());
+  EXPECT_THAT(random.error().message(),
+              HasSubstr("tool.tbl:2: tool T2 is in pocket P5, where T1 is already"));
+}
+
 TEST(ToolTable, put_replaces_and_adds_and_keeps_remarks) {
   auto table = parse("T1 P1 Z1 ;keep me\n");
   ToolEntry entry = *table.find(1);

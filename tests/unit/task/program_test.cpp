@@ -375,7 +375,9 @@ TEST(Program, fault_of_motion_ends_the_program) {
   const auto run = rig.start_text("G0 X1\nG0 X2\nM2\n");
   rig.run_for(1.5);
   rig.fake->raise(motion::Fault::following_error, 1);
-  EXPECT_EQ(rig.wait(run, 0.2).state, State::aborted);
+  const Reply end = rig.wait(run, 0.2);
+  EXPECT_EQ(end.state, State::error);
+  EXPECT_THAT(end.text, HasSubstr("following error"));
   const std::string said = rig.messages();
   EXPECT_THAT(said, HasSubstr("joint 1 following error"));
   EXPECT_THAT(said, HasSubstr("test.ngc:2"));
@@ -391,6 +393,74 @@ TEST(Program, heartbeat_never_pauses) {
     EXPECT_GT(rig.fake->beats_seen, last);
     last = rig.fake->beats_seen;
   }
+}
+
+TEST(Program, pause_of_nothing_is_refused) {
+  Rig rig;
+  rig.ready();
+  EXPECT_EQ(rig.command({"pause"}).state, State::error);
+  EXPECT_EQ(rig.command({"mdi", "G0 X1"}, 1).state, State::done);
+}
+
+TEST(Program, failed_homing_says_so) {
+  Rig rig;
+  rig.power_on();
+  rig.fake->homes = false;
+  const auto home = rig.send({"home", "1"});
+  rig.run_for(0.001);
+  rig.fake->raise(motion::Fault::home_no_switch, 1);
+  const Reply r = rig.wait(home);
+  EXPECT_EQ(r.state, State::error);
+  EXPECT_THAT(r.text, HasSubstr("joint 1 homing: no switch"));
+  EXPECT_THAT(rig.command({"home", "3"}).text, HasSubstr("joint 3 does not exist"));
+}
+
+TEST(Program, g10_l1_changes_and_saves_the_tool_table) {
+  Rig rig;
+  rig.ready();
+  EXPECT_EQ(rig.command({"mdi", "G10 L1 P1 Z12.5"}).state, State::done);
+  EXPECT_THAT(rig.folder.read("tool.tbl"), HasSubstr("T1 P1 Z12.5 D6 ;mill"));
+  EXPECT_EQ(rig.command({"mdi", "G43 H1 G0 Z0"}).state, State::done);
+  EXPECT_EQ(rig.fake->status.pos_cmd.z, 12.5);
+  rig.folder.write("tool.tbl", "T1 P1 Z3\n");
+  rig.does({"tool-table"});
+  EXPECT_EQ(rig.command({"mdi", "G43 H1 G0 Z0"}).state, State::done);
+  EXPECT_EQ(rig.fake->status.pos_cmd.z, 3);
+  rig.folder.write("tool.tbl", "T1\n");
+  EXPECT_THAT(rig.command({"tool-table"}).text, HasSubstr("tool.tbl:1: no pocket number"));
+}
+
+TEST(Program, change_position_comes_before_the_change) {
+  std::string ini = kMillIni;
+  ini.replace(ini.find("TOOL_TABLE"), 0,
+              "TOOL_CHANGE_QUILL_UP = 1\nTOOL_CHANGE_POSITION = 7 8 9\n");
+  Rig rig(ini);
+  rig.ready();
+  EXPECT_EQ(rig.run_text("G0 X1 Z-5\nT1 M6\nG0 X2\nM2\n").state, State::done);
+  const auto moves = rig.fake->executed<motion::LinearMove>();
+  ASSERT_EQ(moves.size(), 4u);
+  EXPECT_EQ(moves[1].end.z, 0);
+  EXPECT_EQ(moves[1].kind, motion::MotionKind::tool_change);
+  EXPECT_EQ(moves[2].end, (rtapi::Pose{7, 8, 9, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(moves[3].end, (rtapi::Pose{2, 8, 9, 0, 0, 0, 0, 0, 0}));
+}
+
+TEST(Program, bad_startup_code_names_its_line) {
+  std::string ini = kMillIni;
+  ini.replace(ini.find("PARAMETER_FILE"), 0, "RS274NGC_STARTUP_CODE = G17 G999\n");
+  TempFolder folder;
+  folder.write("tool.tbl", "");
+  const auto loaded = ini::IniFile::load(folder.write("test.ini", ini));
+  const auto segment = rtapi::Segment::in_memory();
+  ASSERT_TRUE(segment->make<motion::MotionShared>(motion::kMotionBlock, motion::kMotionAbi).ok());
+  FakePins pins;
+  TaskOptions options;
+  options.pins = &pins;
+  options.listen = false;
+  Task task(loaded.file, *segment, nullptr, options);
+  const auto started = task.start();
+  ASSERT_FALSE(started.ok());
+  EXPECT_THAT(started.error().message(), HasSubstr("test.ini:7: [RS274NGC]RS274NGC_STARTUP_CODE"));
 }
 
 TEST(Program, task_without_motion_says_what_is_missing) {
