@@ -62,11 +62,11 @@ void print_help() {
 /// False: exit with `status`.
 bool parse_options(int argc, char** argv, Options& o, int& status) {
   static constexpr option kLong[] = {{"instance", required_argument, nullptr, 'n'},
-                                 {"virtual", no_argument, nullptr, 'v'},
-                                 {"cpu", required_argument, nullptr, 'c'},
-                                 {"segment-mb", required_argument, nullptr, 'm'},
-                                 {"help", no_argument, nullptr, 'h'},
-                                 {nullptr, 0, nullptr, 0}};
+                                     {"virtual", no_argument, nullptr, 'v'},
+                                     {"cpu", required_argument, nullptr, 'c'},
+                                     {"segment-mb", required_argument, nullptr, 'm'},
+                                     {"help", no_argument, nullptr, 'h'},
+                                     {nullptr, 0, nullptr, 0}};
   o.instance = rtapi::default_instance();
   if (const char* cpus = std::getenv("KERF_RT_CPUS"); cpus != nullptr && *cpus != '\0')
     o.cpu = std::atoi(cpus);
@@ -219,6 +219,12 @@ int run(const Options& o, Supervisor& supervisor, rtapi::Segment& segment, bool&
   hal::DlopenSource modules;
   hal::RealDriver driver(segment, **clock, o.cpu);
   auto host = hal::Host::create(segment, **clock, modules, is_virtual ? nullptr : &driver);
+  if (!host.ok() && host.error().code == rtapi::Errc::exists) {
+    rtapi::log_message(rtapi::Level::error,
+                       "instance '%s' has a realtime host already; 'halrun -U' ends it",
+                       o.instance.c_str());
+    return 1;
+  }
   if (!host.ok()) return fail(host.error());
   auto server = hal::Server::open(**host, segment, o.instance);
   if (!server.ok()) return fail(server.error());
