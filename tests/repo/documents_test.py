@@ -71,6 +71,12 @@ class Documents(unittest.TestCase):
         self.assertIsNotNone(match)
         self.assertLessEqual(len(match.group(1).splitlines()), 10)
 
+    def test_pages_named_in_texts_exist(self):
+        pattern = re.compile(r"(?<![\w/.-])(?:docs/[a-z0-9_/-]+|[A-Z]{4,})\.md\b")
+        missing = [f"{file.relative_to(TOP)} names {page}" for file in tracked("*.md", "*.hpp", "*.cpp", "scripts", "cmake")
+                   for page in pattern.findall(file.read_text(errors="replace")) if not (TOP / page).is_file()]
+        self.assertEqual(missing, [])
+
     def test_no_machine_paths(self):
         """Nothing in the tree names folders of a developer's machine."""
         for file in tracked("*.md", "scripts", "configs", "nc_files", "src", "components", "docs"):

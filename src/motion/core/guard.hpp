@@ -9,7 +9,7 @@
 
 namespace kerf::motion {
 
-/// The oracle of DESIGN.md 4.5. By the mean value theorem differences of a correct motion never pass its limits; the
+/// The oracle. By the mean value theorem differences of a correct motion never pass its limits; the
 /// allowances are for rounding only. It reports the first break after each enable, and nothing more until the next.
 class Guard {
  public:
