@@ -64,6 +64,7 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
   stop_everything(orders);
   switch_mode(orders);
   watch_jog_stop(in);
+  watch_probe(in);
   take_homing(in, orders);
   take_jogs(in, orders);
   move(in, orders, dt);

@@ -22,9 +22,10 @@ class Controller {
   Controller(const Kinematics& kinematics, SpanRing& spans, FaultRing& planner_faults,
              std::int32_t joints, std::int32_t spindles) noexcept;
 
-  /// New limits; only at_rest(), since moves under way were planned with the old ones.
+  /// New limits; only while may_configure(), since moves under way were planned with the old ones.
   void configure(const MachineConfig& config) noexcept;
   [[nodiscard]] bool at_rest() const noexcept;
+  [[nodiscard]] bool may_configure() const noexcept { return at_rest() && executor_.idle(); }
 
   void step(const Inputs& in, const Orders& orders, double dt, std::int64_t now_ns) noexcept;
 
@@ -70,6 +71,7 @@ class Controller {
   void take_homing(const Inputs& in, const Orders& orders) noexcept;
   void take_unhome(std::int32_t which) noexcept;
   void watch_jog_stop(const Inputs& in) noexcept;
+  void watch_probe(const Inputs& in) noexcept;
   void move(const Inputs& in, const Orders& orders, double dt) noexcept;
   void move_joints() noexcept;
   [[nodiscard]] bool jogging() const noexcept;
@@ -94,7 +96,7 @@ class Controller {
   AxisConfig axis_limit_[rtapi::kAxes];  ///< of the axis and of the joints that it moves alone
 
   bool configured_{false}, enabled_{false}, armed_{true}, closing_down_{false};
-  bool jog_stop_before_{false}, jog_dead_before_{false};
+  bool jog_stop_before_{false}, jog_dead_before_{false}, probe_before_{false};
   MotionMode mode_{MotionMode::free}, refused_mode_{MotionMode::free};
   Pose pose_, pose_fb_;
   std::uint32_t acked_epoch_{0};

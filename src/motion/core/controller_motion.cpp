@@ -100,6 +100,20 @@ void Controller::watch_jog_stop(const Inputs& in) noexcept {
   if (dead) guard_.follow(joints_, joint_);
 }
 
+/// A probe that touches while it should not ends jogs and homing ([TRAJ]NO_PROBE_JOG_ERROR, NO_PROBE_HOME_ERROR allow it).
+void Controller::watch_probe(const Inputs& in) noexcept {
+  const bool touched = in.probe && !probe_before_;
+  probe_before_ = in.probe;
+  if (!touched || !enabled_) return;
+  const bool homing = homing_.active() && !config_.probe_error_inhibit_home;
+  const bool jog = jogging() && !config_.probe_error_inhibit_jog;
+  if (!homing && !jog) return;
+  raise(faults_, Fault::probe_unexpected);
+  homing_.stop(joints_, joint_);
+  for (std::size_t j = 0; j < joints_; ++j) joint_[j].mover.stop();
+  for (AxisMover& axis : axis_) axis.stop();
+}
+
 void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
   const Intent& want = *orders.values;
   const bool ready = enabled_ && !closing_down_ && orders.abort_epoch == acked_epoch_ &&
@@ -107,6 +121,8 @@ void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
   for (std::size_t j = 0; j < joints_; ++j) {
     if (want.joint_jog[j].seq == joint_jog_seen_[j]) continue;
     const JointConfig& c = config_.joint[j];
+    // Joints that home together would be racked by a jog of one of them (manual, HOME_SEQUENCE).
+    const bool bound = !joint_[j].homed && c.home_sequence < 0;
     double low = c.min_limit, high = c.max_limit;
     const double here = joint_[j].mover.position();
     if (!joint_[j].homed) {
@@ -119,7 +135,7 @@ void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
       if (joint_[j].neg_limit) low = here;
       if (joint_[j].pos_limit) high = here;
     }
-    take_jog(want.joint_jog[j], joint_jog_seen_[j], ready && mode_ == MotionMode::free,
+    take_jog(want.joint_jog[j], joint_jog_seen_[j], ready && mode_ == MotionMode::free && !bound,
              joint_[j].mover, static_cast<std::int32_t>(j), c.max_vel, low, high);
   }
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {

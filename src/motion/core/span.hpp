@@ -47,7 +47,8 @@ struct ServoView {
   std::uint64_t place{
       0};     ///< raised whenever the machine came to stand elsewhere than where the path led
   Pose pose;  ///< commanded position; what a path that begins now begins from
-  bool takes_moves{false};  ///< enabled, in coordinated mode
+  std::uint64_t config_version{0};  ///< of the limits that the servo goes by; the shell knows it
+  bool takes_moves{false};          ///< enabled, in coordinated mode
   bool reserved[7]{};
 };
 

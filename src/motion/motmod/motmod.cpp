@@ -152,7 +152,7 @@ void Motmod::command_handler(const hal::Period&) noexcept {
   if (controller_ == nullptr) return;
   const IntentCell& cell = shared_->intent;
   const std::uint64_t config_version = shared_->config.version();
-  if (config_version != config_version_ && controller_->at_rest()) {
+  if (config_version != config_version_ && controller_->may_configure()) {
     // A writer in the middle of a write is asked again in the next cycle.
     MachineConfig config;
     if (shared_->config.read(config, 2)) {
@@ -162,7 +162,6 @@ void Motmod::command_handler(const hal::Period&) noexcept {
       for (std::size_t j = 0; j < kMaxJoints; ++j)
         joint_scale_[j] = config.joint[j].rotary ? 1.0 : scale_;
       if (config.axis_mask != 0) axis_mask_ = config.axis_mask;
-      link_->cell.notify();
     }
   }
   const std::uint64_t version = cell.values.version();
@@ -198,7 +197,9 @@ void Motmod::publish() noexcept {
     log.newest.publish(record.number);
   }
   shared_->status.write(controller_->status());
-  tell_planner(*link_, controller_->view(), last_view_);
+  ServoView view = controller_->view();
+  view.config_version = config_version_;
+  tell_planner(*link_, view, last_view_);
   if (controller_->changed()) shared_->status_cell.notify();
 }
 

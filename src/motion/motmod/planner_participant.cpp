@@ -5,17 +5,19 @@ namespace kerf::motion {
 void PlannerParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   next.watch(shared_.path_cell);
   next.watch(link_.cell);
-  const std::uint64_t version = shared_.config.version();
-  if (version != config_version_) {
+  ServoView view;
+  const bool seen = link_.view.version() != 0 && link_.view.read(view);
+  // Planner and servo go by the same limits: the servo takes new ones over when nothing is under way.
+  if (seen && view.config_version != config_version_ &&
+      shared_.config.version() == view.config_version) {
     MachineConfig config;
     if (shared_.config.read(config)) {
       planner_.configure(config);
-      config_version_ = version;
+      config_version_ = view.config_version;
     }
   }
   // Until the machine is described and the servo has said where it stands, items wait.
-  ServoView view;
-  if (config_version_ == 0 || link_.view.version() == 0 || !link_.view.read(view)) {
+  if (config_version_ == 0 || !seen) {
     link_.waits.set(static_cast<std::uint32_t>(Planner::Waits::servo));
     return;
   }
@@ -30,7 +32,8 @@ void tell_planner(PlannerLink& link, const ServoView& view, ServoView& last) noe
   // What the planner waits for is looked at in every cycle, so nothing is lost when it begins to wait just now.
   const auto waits = static_cast<Planner::Waits>(link.waits.get());
   bool wake = view.acked_epoch != last.acked_epoch || view.void_epoch != last.void_epoch ||
-              view.place != last.place || view.takes_moves != last.takes_moves;
+              view.place != last.place || view.takes_moves != last.takes_moves ||
+              view.config_version != last.config_version;
   if (waits == Planner::Waits::room) wake = wake || link.spans.size() <= SpanRing::capacity() / 2;
   if (waits == Planner::Waits::servo) wake = wake || view.executed_seq != link.seen.get();
   last = view;

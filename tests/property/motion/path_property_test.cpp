@@ -1,4 +1,4 @@
-// Random programs under random overrides, holds and aborts: limits, path and ends (PLANNER.md 7).
+// Random programs under random overrides, holds and aborts: limits, path and ends.
 #include <gtest/gtest.h>
 
 #include "property/motion/random_program.hpp"
@@ -29,10 +29,11 @@ Program random_program(const Rig& rig, const Pose& from, Random& r, int moves) {
 }
 
 /// One program on one machine; operators meddle.
-void run_program(unsigned seed) {
+void run_program(unsigned seed, bool core_xy = false) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   Random r(seed);
   Rig rig(test::random_axes(r));
+  rig.kinematics.core_xy = core_xy;
   test::random_limits(rig, r);
   rig.ready();
   Oracle oracle;
@@ -96,6 +97,14 @@ TEST(PathProperty, AnyProgramKeepsLimitsAndPathAndReachesItsEnd) {
   const int count = test::property_count(300);
   for (int i = 1; i <= count; ++i) {
     run_program(static_cast<unsigned>(i));
+    if (HasFatalFailure() || HasNonfatalFailure()) break;
+  }
+}
+
+TEST(PathProperty, KinematicsThatMixAxesKeepTheLimitsOfTheirJoints) {
+  const int count = test::property_count(100);
+  for (int i = 1; i <= count; ++i) {
+    run_program(static_cast<unsigned>(i), true);
     if (HasFatalFailure() || HasNonfatalFailure()) break;
   }
 }

@@ -50,8 +50,11 @@ inline void random_limits(Rig& rig, Random& r) {
     c.min_limit = -1e5;
     c.max_limit = 1e5;
     c.ferror = c.min_ferror = 1e9;
-    AxisConfig& a = rig.config.axis[rig.kinematics.axis_of_joint(static_cast<std::int32_t>(j))];
-    a = AxisConfig{.min_limit = -1e5, .max_limit = 1e5, .max_vel = 1e9, .max_acc = 1e9};
+  }
+  for (AxisConfig& a : rig.config.axis) {
+    a.min_limit = -1e5;
+    a.max_limit = 1e5;
+    a.max_vel = a.max_acc = 1e9;
   }
   rig.config.max_feed_override = r.chance(0.5) ? 1.0 : 2.0;
   rig.apply_config();

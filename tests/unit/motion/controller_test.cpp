@@ -279,6 +279,33 @@ TEST(Jog, AbortAndJogStopPinEndJogs) {
   EXPECT_TRUE(rig.faults.empty());
 }
 
+TEST(Jog, AProbeContactEndsItUnlessAllowed) {
+  for (const bool allowed : {false, true}) {
+    Rig rig;
+    rig.config.probe_error_inhibit_jog = allowed;
+    rig.apply_config();
+    rig.enable();
+    jog(rig, 0, JogIntent::Kind::continuous, 50);
+    rig.run(100);
+    rig.in.probe = true;
+    rig.run(60);
+    EXPECT_EQ(rig.status().jogging, allowed);
+    EXPECT_EQ(rig.saw(Fault::probe_unexpected), !allowed);
+    EXPECT_FALSE(rig.saw(Fault::limit_acceleration));
+  }
+}
+
+TEST(Jog, AJointOfAGantryIsNotJoggedAloneBeforeItIsHomed) {
+  Rig rig;
+  rig.config.joint[1].home_sequence = -1;
+  rig.apply_config();
+  rig.enable();
+  jog(rig, 1, JogIntent::Kind::continuous, 50);
+  rig.run(60);
+  EXPECT_TRUE(rig.saw(Fault::jog_while_not_ready));
+  EXPECT_EQ(rig.status().joint[1].pos_cmd, 0);
+}
+
 TEST(Jog, OffAHardLimitOnlyTheWayBackIsOpen) {
   Rig rig;
   rig.in.joint[0].pos_limit = true;

@@ -22,14 +22,22 @@ class RigKinematics final : public Kinematics {
   [[nodiscard]] bool forward(const JointVector& q, Pose& p) const noexcept override {
     for (std::size_t j = axes_.size(); j > 0; --j)
       p[static_cast<std::size_t>(axes_[j - 1])] = q[j - 1];
+    if (core_xy) {
+      p.x = 0.5 * (q[0] + q[1]);
+      p.y = 0.5 * (q[0] - q[1]);
+    }
     return true;
   }
   [[nodiscard]] bool inverse(const Pose& p, JointVector& q) const noexcept override {
     for (std::size_t j = 0; j < axes_.size(); ++j) q[j] = p[static_cast<std::size_t>(axes_[j])];
+    if (core_xy) {
+      q[0] = p.x + p.y;
+      q[1] = p.x - p.y;
+    }
     return true;
   }
   [[nodiscard]] std::int32_t axis_of_joint(std::int32_t j) const noexcept override {
-    return axes_[static_cast<std::size_t>(j)];
+    return core_xy && j < 2 ? -1 : axes_[static_cast<std::size_t>(j)];
   }
   [[nodiscard]] std::uint32_t axis_mask() const noexcept override {
     std::uint32_t mask = 0;
@@ -37,6 +45,7 @@ class RigKinematics final : public Kinematics {
     return mask;
   }
   KinematicsType kind{KinematicsType::identity};
+  bool core_xy{false};  ///< joints 0 and 1 move X+Y and X-Y
 
  private:
   std::vector<int> axes_;

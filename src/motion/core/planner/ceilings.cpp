@@ -81,9 +81,13 @@ class Sampler {
       sampled_length_ *= 6.4 / angle;
       angle = 6.4;
     }
-    samples_ = static_cast<int>(std::min(angle / kSampleAngle, kMostSamples - 2.0)) + 2;
+    // Samples are even in length; on a spiral the angle between them is largest at the small end.
+    const double r0 = curve_.radius, r1 = curve_.radius + curve_.growth * curve_.angle;
+    const double uneven = curve_.growth == 0 ? 1.0 : std::max(r0, r1) / std::min(r0, r1);
+    const double spread = angle * uneven;
+    samples_ = static_cast<int>(std::min(spread / kSampleAngle, kMostSamples - 2.0)) + 2;
     // A sinusoid passes the larger of two neighbouring samples by 1/cos(half the step) at most.
-    share_ = std::cos(0.5 * angle / (samples_ - 1));
+    share_ = std::cos(std::min(0.5 * spread / (samples_ - 1), 0.5));
     if (curve_.growth != 0) share_ *= 0.999;
   }
 
