@@ -1,4 +1,4 @@
-"""The sample programs are read by our rs274, stay within the sample machine's travel, and M101 does what it says."""
+"""The sample programs are read by our rs274 and cut what they say, M101 does too; generated pages are up to date."""
 import os
 import pathlib
 import re
@@ -8,6 +8,7 @@ import unittest
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
 RS274 = pathlib.Path(os.environ.get("KERF_BUILD_DIR", TOP / "build/dev")).resolve() / "bin/rs274"
+MDI = RS274.parent / "mdi"
 MILL = TOP / "configs/sim/mill"
 
 
@@ -49,6 +50,13 @@ class Programs(unittest.TestCase):
         self.assertIn("ARC_FEED(49.0000, 30.0000, 45.0000, 30.0000, 1, -1.0000", lines)
         # The outline's last level.
         self.assertIn("ARC_FEED(93.0000, 52.0000, 82.0000, 52.0000, -1, -8.0000", lines)
+
+
+@unittest.skipUnless(MDI.is_file(), "mdi is not built")
+class GeneratedPages(unittest.TestCase):
+    def test_protocol(self):
+        self.assertEqual((TOP / "docs/protocol.md").read_text(), run([MDI, "--protocol"]).stdout,
+                         "stale: mdi --protocol >docs/protocol.md")
 
 
 class UserCode(unittest.TestCase):
