@@ -26,6 +26,7 @@ constexpr const char* kUsage =
     "Exit status 1 when a line failed or the machine is not there.\n"
     "\n"
     "  --instance NAME   instance; default: KERF_INSTANCE, else by user id\n"
+    "  --protocol        print the commands of task as a page of Markdown\n"
     "  --no-wait         do not wait for the end of a line before sending the next\n"
     "\n"
     "A line that begins with a colon is a command of task, such as :state on, :home, :status;\n"
@@ -193,6 +194,10 @@ int read_options(int argc, char** argv, Options& options) {
     const std::string word = argv[i];
     if (word == "--help" || word == "-h") {
       std::fputs(kUsage, stdout);
+      return 1;
+    }
+    if (word == "--protocol") {
+      std::fputs(task::protocol_markdown().c_str(), stdout);
       return 1;
     }
     if (word == "--no-wait") {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "rtapi/shm/socket.hpp"
+#include "task/api/message_reader.hpp"
 #include "task/command/fault_text.hpp"
 
 namespace kerf::task {
@@ -41,6 +42,7 @@ void CommandParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   (void)p_.motion.status.read(status_);
   io_ = p_.io.state();
   beat();
+  p_.exchange.read_view(view_);  // a fault of the first block finds the program running
   take_faults();
   take_reports();
   p_.exchange.read_view(view_);
@@ -178,6 +180,13 @@ void CommandParticipant::update_pending() {
       default: break;
     }
   }
+}
+
+std::vector<OperatorMessage> CommandParticipant::newest_messages(std::uint64_t cursor) const {
+  constexpr std::size_t kMost = 100;
+  auto all = read_messages(p_.shared.messages, cursor);
+  if (all.size() > kMost) all.erase(all.begin(), all.end() - static_cast<std::ptrdiff_t>(kMost));
+  return all;
 }
 
 void CommandParticipant::say(MessageKind kind, const std::string& text, const std::string& file,

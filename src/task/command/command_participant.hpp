@@ -95,6 +95,8 @@ class CommandParticipant final : public rtapi::Participant {
   void update_pending();
   void write_status();
   void path_wait(WaitingFor& wait);
+  /// As many as fit into one packet.
+  [[nodiscard]] std::vector<OperatorMessage> newest_messages(std::uint64_t cursor) const;
   void say(MessageKind kind, const std::string& text, const std::string& file = {},
            std::int32_t line = 0);
   void write_intent() { p_.motion.intent.values.write(want_); }
@@ -152,8 +154,9 @@ class CommandParticipant final : public rtapi::Participant {
   std::uint64_t messages_{0}, error_messages_{0};
   TaskState state_{TaskState::estop};
   TaskMode mode_{TaskMode::manual};
-  bool enabling_{false};          ///< drives asked for, not there yet
-  bool resetting_{false};         ///< estop reset asked for
+  bool enabling_{false};   ///< drives asked for, not there yet
+  bool resetting_{false};  ///< estop reset asked for
+  bool was_jogging_{false};
   bool stepping_release_{false};  ///< a step runs to the end of the block that was held
   std::uint64_t step_tag_{0};
   CommandCounters counters_;

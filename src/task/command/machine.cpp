@@ -55,6 +55,12 @@ void CommandParticipant::update_machine() {
   } else if (state_ == TaskState::on && !status_.enabled) {
     go_off();
   }
+  // Overriding limits is for one jog off the switch.
+  if (was_jogging_ && !status_.jogging && want_.override_limits) {
+    want_.override_limits = false;
+    write_intent();
+  }
+  was_jogging_ = status_.jogging;
   if (stepping_release_ && (status_.current.id != step_tag_ || status_.path_empty)) {
     stepping_release_ = false;
     if (!status_.path_empty) {

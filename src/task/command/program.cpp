@@ -43,8 +43,7 @@ void CommandParticipant::execute(Ticket ticket, const Request& request, int clie
     case CommandId::wait: return;
     case CommandId::errors: {
       auto cursor = static_cast<std::uint64_t>(std::max(0, request.integer("since")));
-      return reply(ticket, CommandState::done,
-                   format_messages(read_messages(p_.shared.messages, cursor)));
+      return reply(ticket, CommandState::done, format_messages(newest_messages(cursor)));
     }
     case CommandId::message: {
       const std::string& kind = request.text("kind");

@@ -15,6 +15,8 @@ namespace {
 
 constexpr std::size_t kListLimit = 64;  ///< items read ahead of the ring
 constexpr int kWorkPerStep = 256;       ///< so that the clock is looked at
+constexpr int kSilentBlocks = 4096;     ///< blocks in a row that ask nothing of the machine ...
+constexpr rtapi::Nanos kSilentTime = 100'000;  ///< ... cost this time
 constexpr rtapi::Nanos kModeTime = 2 * rtapi::kSecond;
 constexpr double kSamePlace =
     1e-6;  ///< mm, degrees: closer than this the machine stands where the program thinks
@@ -114,6 +116,7 @@ void InterpreterParticipant::follow_abort() {
   pending_seq_ = 0;
   stopped_ = false;
   ring_full_ = false;
+  waiting_for_ = {};
   user_.terminate();
   if (run_.active) finish_ticket(CommandState::aborted, "aborted");
   run_ = {};
@@ -158,7 +161,10 @@ void InterpreterParticipant::work(rtapi::WaitSpec& next) {
     moved = next_order() || moved;
     if (!moved) return;
   }
-  next.wake_at(now_);
+  // A program that computes without end (waiting for a pin in a loop) must let time pass, or nothing ever changes.
+  const bool computes = silent_blocks_ >= kSilentBlocks;
+  if (computes) silent_blocks_ = 0;
+  next.wake_at(computes ? now_ + kSilentTime : now_);
 }
 
 bool InterpreterParticipant::motion_ready() const {
@@ -214,6 +220,7 @@ bool InterpreterParticipant::read_block() {
   } else {
     outcome = interp_.execute_next();
   }
+  silent_blocks_ = list_.size() > before ? 0 : silent_blocks_ + 1;
   take_outcome(outcome, before);
   if (stepping && list_.size() > before) run_.step_block_read = true;
   return true;
@@ -362,6 +369,7 @@ void InterpreterParticipant::fail(const std::string& text, const std::string& fi
     finish_ticket(CommandState::error, shown);
     list_.clear();
     barrier_ = {};
+    waiting_for_ = {};
     interp_.abort();
     run_ = {};
     history_.reset(interp_.modal(), canon_.state());

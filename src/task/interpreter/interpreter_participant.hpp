@@ -140,6 +140,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   std::uint64_t last_seq_{0};
   std::uint64_t pending_seq_{0};  ///< last item queued under this epoch
   bool pushed_{false};
+  int silent_blocks_{0};
   bool ring_full_{false};
   Run run_;
   Barrier barrier_;

@@ -37,6 +37,7 @@ TEST_P(AbortInWait, ends_within_100_ms) {
   EXPECT_LE(rig.seconds() - begin, 0.1);
   EXPECT_EQ(rig.outcome(run).state, State::aborted);
   EXPECT_EQ(rig.outcome(abort).state, State::done);
+  EXPECT_EQ(rig.status().waiting_for.object.view(), "");
   EXPECT_FALSE(rig.pins.out.tool_change);
   EXPECT_FALSE(rig.pins.out.tool_prepare);
   EXPECT_GT(rig.fake->spindle_stops, 0u);
@@ -55,6 +56,17 @@ INSTANTIATE_TEST_SUITE_P(All, AbortInWait,
                                            Wait{"tool_change", "T1 M6"}, Wait{"user_mcode", "M110"},
                                            Wait{"orient", "M19 R90 Q20"}),
                          [](const auto& p) { return std::string(p.param.name); });
+
+TEST(Abort, endless_loop_lets_time_pass_and_ends) {
+  Rig rig;
+  rig.ready();
+  const auto run = rig.start_text("o1 while [1]\n#1 = [#1 + 1]\no1 endwhile\nM2\n");
+  rig.run_for(0.2);
+  EXPECT_FALSE(rig.finished(run));
+  rig.does({"abort"});
+  EXPECT_EQ(rig.outcome(run).state, State::aborted);
+  EXPECT_EQ(rig.command({"mdi", "G0 X1"}).state, State::done);
+}
 
 TEST(Abort, full_queue_is_dropped) {
   Rig rig;

@@ -368,6 +368,18 @@ TEST(Program, jogs_stop_on_request_and_need_their_mode) {
   EXPECT_EQ(rig.fake->intent.axis_jog[1].target, -12);
 }
 
+TEST(Program, overriding_limits_lasts_one_jog) {
+  Rig rig;
+  rig.power_on();
+  rig.does({"override-limits", "on"});
+  rig.does({"jog", "0", "5"});
+  rig.run_for(0.05);
+  EXPECT_TRUE(rig.status().override_limits);
+  rig.does({"jog-stop"});
+  rig.run_for(0.05);
+  EXPECT_FALSE(rig.status().override_limits);
+}
+
 TEST(Program, fault_of_motion_ends_the_program) {
   Rig rig;
   rig.ready();

@@ -1,0 +1,115 @@
+// Canonical calls to path items, without interpreter or motion.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "task/interpreter/canon_to_path.hpp"
+
+namespace kerf::task {
+namespace {
+
+using interp::Pose;
+
+struct Bench {
+  template <class T>
+  T last() const {
+    EXPECT_FALSE(list.empty());
+    EXPECT_TRUE(is_path(list.back()));
+    const auto& body = std::get<PathBody>(list.back().body);
+    EXPECT_TRUE(std::holds_alternative<T>(body));
+    return std::get<T>(body);
+  }
+  std::deque<TaskItem> list;
+  ToolConfig tools;
+  CanonToPath canon{list, tools};
+};
+
+TEST(Canon, feed_follows_the_metric_of_the_move) {
+  Bench b;
+  b.canon.set_feed_rate(600, 1200);
+  b.canon.straight_feed({.x = 1});
+  EXPECT_DOUBLE_EQ(b.last<motion::LinearMove>().vel_mm_s, 10);
+  b.canon.straight_feed({.x = 1, .a = 90});
+  EXPECT_DOUBLE_EQ(b.last<motion::LinearMove>().vel_mm_s, 20)
+      << "degrees per second, rotary axes alone";
+  b.canon.straight_feed({.x = 1, .a = 180, .u = 5});
+  EXPECT_DOUBLE_EQ(b.last<motion::LinearMove>().vel_mm_s, 10) << "UVW count as linear";
+  b.canon.set_spindle_speed(0, 100);
+  b.canon.set_feed_mode(0, interp::FeedMode::per_revolution);
+  b.canon.set_feed_rate(0.3, 0.3);
+  b.canon.straight_feed({.x = 2, .a = 180, .u = 5});
+  EXPECT_DOUBLE_EQ(b.last<motion::LinearMove>().vel_mm_s, 0.5);
+}
+
+TEST(Canon, moves_of_no_length_vanish_but_full_circles_do_not) {
+  Bench b;
+  b.canon.straight_traverse({});
+  b.canon.straight_feed({});
+  EXPECT_TRUE(b.list.empty());
+  b.canon.set_feed_rate(60, 60);
+  b.canon.arc_feed({.end = {}, .center = {5, 0, 0}, .turns = 1});
+  EXPECT_EQ(b.list.size(), 1u);
+}
+
+TEST(Canon, arcs_turn_right_handed_about_their_normal_in_all_planes) {
+  for (const auto plane : {interp::Plane::xy, interp::Plane::xz, interp::Plane::yz}) {
+    for (const int turns : {1, -1, 3, -3}) {
+      for (const double rotation : {0.0, 30.0}) {
+        Bench b;
+        b.canon.set_xy_rotation(rotation);
+        b.canon.set_g5x_offset(1, {.x = 100, .y = 50, .z = -20});
+        b.canon.arc_feed(
+            {.end = {.x = 1, .y = 2, .z = 3}, .center = {4, 5, 6}, .plane = plane, .turns = turns});
+        const auto arc = b.last<motion::ArcMove>();
+        EXPECT_EQ(arc.turns, std::abs(turns));
+        const auto normal = b.canon.state().frame.normal(plane);
+        double dot = 0, length = 0;
+        for (std::size_t i = 0; i < 3; ++i)
+          dot += normal[i] * arc.normal[i], length += arc.normal[i] * arc.normal[i];
+        EXPECT_NEAR(length, 1, 1e-12);
+        EXPECT_NEAR(dot, turns > 0 ? 1 : -1, 1e-12);
+        const auto back = b.canon.state().frame.to_program(
+            Pose{arc.centre[0], arc.centre[1], arc.centre[2], 0, 0, 0, 0, 0, 0});
+        EXPECT_NEAR(back.x, 4, 1e-12);
+        EXPECT_NEAR(back.y, 5, 1e-12);
+        EXPECT_NEAR(back.z, 6, 1e-12);
+      }
+    }
+  }
+}
+
+TEST(Canon, surface_speed_becomes_a_factor) {
+  Bench b;
+  b.canon.set_spindle_mode(0, 2500);
+  b.canon.set_spindle_speed(0, 60000);  // mm/min of surface
+  b.canon.start_spindle(0, interp::SpindleDirection::clockwise);
+  const auto change = b.last<motion::SpindleChange>();
+  EXPECT_NEAR(change.css_factor / 10, 60000 / (2 * M_PI * 10), 1e-9) << "rpm at 10 mm";
+  EXPECT_EQ(change.css_max_rpm, 2500);
+  b.canon.set_spindle_mode(0, 0);
+  b.canon.set_spindle_speed(0, 800);
+  EXPECT_EQ(b.last<motion::SpindleChange>().speed_rpm, 800);
+  EXPECT_EQ(b.last<motion::SpindleChange>().css_factor, 0);
+}
+
+TEST(Canon, what_is_not_there_yet_is_an_error_in_its_place) {
+  Bench b;
+  b.canon.next_block(
+      {.file_id = 1, .line = 7, .sequence = -1, .call_level = 0, .file = "x.ngc", .text = "G33.1"});
+  b.canon.rigid_tap({}, 1);
+  ASSERT_EQ(b.list.size(), 1u);
+  const auto& error = std::get<ProgramError>(b.list.back().body);
+  EXPECT_EQ(error.line, 7);
+  EXPECT_NE(error.text.find("G33.1"), std::string::npos);
+}
+
+TEST(Canon, user_mcode_words_are_text) {
+  Bench b;
+  b.canon.user_mcode(100, "/x/M100", 123.456, -1);
+  const auto& run = std::get<UserMcodeRun>(b.list.back().body);
+  EXPECT_EQ(run.p, "123.456000");
+  EXPECT_EQ(run.q, "-1.000000");
+}
+
+}  // namespace
+}  // namespace kerf::task
