@@ -40,7 +40,7 @@ void Controller::fill_status(const Inputs& in, const Orders& orders, double dt,
   MotionStatus& s = status_;
   ++s.cycle;
   s.time_ns = now_ns;
-  s.servo_period_ns = static_cast<std::int64_t>(dt * 1e9 + 0.5);
+  s.servo_period_ns = std::llround(dt * 1e9);
   s.acked_epoch = acked_epoch_;
   s.mode = mode_;
   executor_.fill(s);

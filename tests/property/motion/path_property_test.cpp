@@ -101,6 +101,11 @@ TEST(PathProperty, AnyProgramKeepsLimitsAndPathAndReachesItsEnd) {
   }
 }
 
+/// 19: a spiral that ends on the ray of its start; 270, 492: limits between the samples of spirals and tilted helices.
+TEST(PathProperty, SeedsThatFailedOnce) {
+  for (const unsigned seed : {18U, 19U, 270U, 492U}) run_program(seed);
+}
+
 TEST(PathProperty, KinematicsThatMixAxesKeepTheLimitsOfTheirJoints) {
   const int count = test::property_count(100);
   for (int i = 1; i <= count; ++i) {

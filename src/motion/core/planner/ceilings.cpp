@@ -58,7 +58,8 @@ class Sampler {
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
       if ((axes_of(kinematics_.axis_mask(), config_) >> i & 1U) == 0) continue;
       const AxisConfig& a = config_.axis[i];
-      rows[count++] = {std::abs(d1[i]), std::abs(d2[i]), a.max_vel, a.max_acc};
+      rows[count++] = {std::abs(d1[i]) + rate_between_[i], std::abs(d2[i]) + curl_between_[i],
+                       a.max_vel, a.max_acc};
     }
     return true;
   }
@@ -83,12 +84,23 @@ class Sampler {
     }
     // Samples are even in length; on a spiral the angle between them is largest at the small end.
     const double r0 = curve_.radius, r1 = curve_.radius + curve_.growth * curve_.angle;
-    const double uneven = curve_.growth == 0 ? 1.0 : std::max(r0, r1) / std::min(r0, r1);
-    const double spread = angle * uneven;
+    const double large = std::max(r0, r1), small = std::min(r0, r1);
+    const double spread = curve_.growth == 0 ? angle : angle * large / small;
     samples_ = static_cast<int>(std::min(spread / kSampleAngle, kMostSamples - 2.0)) + 2;
-    // A sinusoid passes the larger of two neighbouring samples by 1/cos(half the step) at most.
-    share_ = std::cos(std::min(0.5 * spread / (samples_ - 1), 0.5));
-    if (curve_.growth != 0) share_ *= 0.999;
+    if (curve_.growth != 0) share_ = 0.998;
+    bound_between_samples(spread / (samples_ - 1), large, small);
+  }
+
+  /// Between two samples a function passes its chord by h^2/8 of its second derivative at most; q' and q'' of an axis are
+  /// sinusoids of the angle about a constant.
+  void bound_between_samples(double step, double large, double small) noexcept {
+    const double speed =
+        std::sqrt(small * small + curve_.growth * curve_.growth + curve_.axial * curve_.axial);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double amplitude = large * std::hypot(curve_.radial[i], curve_.side[i]);
+      rate_between_[i] = step * step / 8.0 * amplitude / speed;
+      curl_between_[i] = rate_between_[i] / speed;
+    }
   }
 
   bool joint_rows(double s, const Pose& d1, const Pose& d2, Row* rows,
@@ -99,7 +111,8 @@ class Sampler {
         const auto axis =
             static_cast<std::size_t>(kinematics_.axis_of_joint(static_cast<std::int32_t>(j)));
         const JointConfig& c = config_.joint[j];
-        rows[count++] = {std::abs(d1[axis]), std::abs(d2[axis]), c.max_vel, c.max_acc};
+        rows[count++] = {std::abs(d1[axis]) + rate_between_[axis],
+                         std::abs(d2[axis]) + curl_between_[axis], c.max_vel, c.max_acc};
       }
       return true;
     }
@@ -126,6 +139,7 @@ class Sampler {
   int samples_{1};
   double sampled_length_{0};
   double share_{1};
+  double rate_between_[rtapi::kAxes]{}, curl_between_[rtapi::kAxes]{};
 };
 
 /// Calls f(row) for every row of every sample. False: no solution somewhere.
