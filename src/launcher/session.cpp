@@ -69,8 +69,8 @@ int Session::run() {
   }
   Status result = start();
   if (result.ok()) result = operate();
-  // A closed connection is seen before the end of the process behind it; its name says more.
-  if (!result.ok() && result.error().code == Errc::dead && clock_ != nullptr)
+  // A closed connection, and what fails by it, is seen before the end of the process behind it; that says more.
+  if (!result.ok() && clock_ != nullptr)
     (void)clock_->wait_until([] { return false; }, kDeathNotice_ms);
   const StopReason reason = clock_ != nullptr ? clock_->reason() : StopReason{};
   if (reason.kind == StopReason::Kind::part_died)

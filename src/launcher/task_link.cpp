@@ -1,5 +1,6 @@
 #include "launcher/task_link.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace kerf::launcher {
@@ -49,6 +50,13 @@ rtapi::Status TaskLink::perform(const std::vector<std::string>& words,
   if (reply.state == task::CommandState::aborted && !last_error_.empty()) text = last_error_;
   return rtapi::fail(
       reply.state == task::CommandState::aborted ? Errc::cancelled : Errc::bad_argument, text);
+}
+
+bool TaskLink::was_shown(const std::string& text) const {
+  return std::any_of(shown_.begin(), shown_.end(), [&](const std::string& shown) {
+    return shown.size() >= text.size() &&
+           shown.compare(shown.size() - text.size(), text.size(), text) == 0;
+  });
 }
 
 void TaskLink::add_to(rtapi::WaitSpec& spec) const {

@@ -34,8 +34,8 @@ class TaskLink {
 
   /// Shows messages that have come.
   void show_messages();
-  /// True when an error with this text was shown already.
-  [[nodiscard]] bool was_shown(const std::string& text) const { return shown_.count(text) != 0; }
+  /// True when an error with this text, or with its place before this text, was shown already.
+  [[nodiscard]] bool was_shown(const std::string& text) const;
   [[nodiscard]] bool status(task::TaskStatus& out) const { return client_->status(out); }
   [[nodiscard]] task::Client& client() { return *client_; }
   void close() { client_.reset(); }

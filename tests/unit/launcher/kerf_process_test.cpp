@@ -1,0 +1,201 @@
+// kerf with its true processes: from the INI file to the drawing, and every way in which it may end.
+#include "kerf_process.hpp"
+
+#include <cstdio>
+#include <random>
+
+namespace kerf::launcher {
+namespace {
+
+using test::Kerf;
+using test::Mill;
+
+const std::string kFirstPart = std::string(KERF_SOURCE_DIR) + "/nc_files/examples/first_part.ngc";
+
+testing::AssertionResult contains(const std::string& text, const std::string& part) {
+  if (text.find(part) != std::string::npos) return testing::AssertionSuccess();
+  return testing::AssertionFailure() << "'" << part << "' is not in:\n" << text;
+}
+
+TEST(KerfOnce, TwoVirtualRunsAreByteIdentical) {
+  std::string log[2], svg[2];
+  for (int i = 0; i < 2; ++i) {
+    Mill mill("once" + std::to_string(i));
+    Kerf kerf(
+        mill, "once",
+        {"--virtual", "--once", "--program", kFirstPart, "--log-joints", mill.path("joints.log")});
+    ASSERT_EQ(kerf.wait_exit(), 0) << kerf.output();
+    EXPECT_TRUE(contains(kerf.output(), "first_part.ngc"));
+    EXPECT_TRUE(contains(kerf.output(), "machine time"));
+    EXPECT_TRUE(contains(kerf.output(), "peak acceleration / limit"));
+    EXPECT_EQ(kerf.output().find("not recorded"), std::string::npos) << kerf.output();
+    EXPECT_EQ(kerf.leftovers(), "");
+    log[i] = test::read_file(mill.path("joints.log"));
+    svg[i] = test::read_file(mill.path("once.svg"));
+  }
+  EXPECT_GT(log[0].size(), 1'000'000U);
+  EXPECT_TRUE(log[0] == log[1]) << "the joint logs differ";
+  EXPECT_TRUE(svg[0] == svg[1]) << "the drawings differ";
+  EXPECT_TRUE(contains(svg[0], "<g id='isometric'>"));
+}
+
+TEST(KerfOnce, TwoInstancesAtOnceDoNotMeet) {
+  Mill mill_a("pair_a"), mill_b("pair_b");
+  Kerf a(mill_a, "paira",
+         {"--virtual", "--once", "--program", kFirstPart, "--log-joints", mill_a.path("j.log")});
+  Kerf b(mill_b, "pairb",
+         {"--virtual", "--once", "--program", kFirstPart, "--log-joints", mill_b.path("j.log")});
+  EXPECT_EQ(a.wait_exit(), 0) << a.output();
+  EXPECT_EQ(b.wait_exit(), 0) << b.output();
+  EXPECT_TRUE(test::read_file(mill_a.path("j.log")) == test::read_file(mill_b.path("j.log")));
+  EXPECT_EQ(a.leftovers() + b.leftovers(), "");
+}
+
+TEST(KerfOnce, RealTime) {
+  Mill mill("real");
+  mill.change("CLOCK = real", "CLOCK = real\nHEARTBEAT_TIMEOUT = 10");  // a busy test computer
+  const std::string program = mill.write("p.ngc", "G21 G90\nG0 X5 Y5\nG1 X10 F1200\nM2\n");
+  Kerf kerf(mill, "real", {"--once", "--program", program});
+  EXPECT_EQ(kerf.wait_exit(), 0) << kerf.output();
+  EXPECT_TRUE(contains(kerf.output(), "machine time"));
+  EXPECT_EQ(kerf.leftovers(), "");
+}
+
+TEST(KerfOnce, PausesDoNotHoldItWhenNobodyIsThere) {
+  Mill mill("pause");
+  const std::string program = mill.write("p.ngc", "G21 G90\nM0\nG1 X10 F1200\nM60\nG0 X0\nM2\n");
+  Kerf kerf(mill, "pause", {"--virtual", "--once", "--program", program});
+  EXPECT_EQ(kerf.wait_exit(), 0) << kerf.output();
+  EXPECT_TRUE(contains(kerf.output(), "pauses at line 2; nobody is there, so it goes on"));
+}
+
+struct BadProgram {
+  const char* text;
+  const char* message;
+};
+class KerfBadProgram : public testing::TestWithParam<BadProgram> {};
+TEST_P(KerfBadProgram, EndsWithItsMessage) {
+  Mill mill("badprogram");
+  const std::string program = mill.write("p.ngc", GetParam().text);
+  Kerf kerf(mill, "badp", {"--virtual", "--once", "--program", program});
+  EXPECT_EQ(kerf.wait_exit(), 1) << kerf.output();
+  EXPECT_TRUE(contains(kerf.output(), program + GetParam().message));
+  EXPECT_EQ(kerf.leftovers(), "");
+}
+INSTANTIATE_TEST_SUITE_P(All, KerfBadProgram,
+                         testing::Values(BadProgram{"G21\nG1 Xfoo F100\nM2\n", ":2"},
+                                         BadProgram{"G21 G90\nG53 G0 X500\nM2\n", ":2: axis X"},
+                                         BadProgram{"G21\n\nT99 M6\nM2\n", ":3"}));
+
+struct BadFile {
+  const char* from;  ///< in the INI file
+  const char* to;
+  const char* hal;   ///< content of bad.hal
+  const char* line;  ///< of the INI file that the message names; "" none
+  const char* message;
+};
+class KerfBadFile : public testing::TestWithParam<BadFile> {};
+TEST_P(KerfBadFile, IsNamedWithItsPlace) {
+  const BadFile& bad = GetParam();
+  Mill mill("badfile");
+  mill.write("bad.hal", bad.hal);
+  mill.change(bad.from, bad.to);
+  Kerf kerf(mill, "badf", {"--virtual", "--once"});
+  EXPECT_EQ(kerf.wait_exit(), 1) << kerf.output();
+  EXPECT_TRUE(contains(kerf.output(), bad.message));
+  if (*bad.line != '\0') {
+    EXPECT_TRUE(
+        contains(kerf.output(), mill.ini() + ":" + std::to_string(mill.line_of(bad.line)) + ": "));
+  }
+  EXPECT_EQ(kerf.leftovers(), "");
+}
+INSTANTIATE_TEST_SUITE_P(
+    All, KerfBadFile,
+    testing::Values(BadFile{"HALFILE = spindle.hal", "HALFILE = spindel.hal", "",
+                            "HALFILE = spindel.hal", "did you mean 'spindle.hal'?"},
+                    BadFile{"HALFILE = spindle.hal", "HALFILE = spindle.tcl", "",
+                            "HALFILE = spindle.tcl", "not supported yet"},
+                    BadFile{"CLOCK = real", "CLOCK = rael", "", "CLOCK = rael", "real"},
+                    BadFile{"HALFILE = panel.hal", "HALFILE = bad.hal",
+                            "\nnet x motion.in-positon\n", "HALFILE = bad.hal",
+                            "bad.hal:2: Pin 'motion.in-positon' does not exist; did you mean "
+                            "'motion.in-position'?"},
+                    BadFile{"HALFILE = panel.hal", "HALFILE = bad.hal", "loadrt and22\n",
+                            "HALFILE = bad.hal", "bad.hal:1: "},
+                    BadFile{"HALFILE = mill.hal", "HALFILE = bad.hal", "# no motion\n", "", ""},
+                    BadFile{"[TASK]\nTASK = milltask", "[TASK]\nTASK = miltask", "", "",
+                            "cannot start 'miltask'"}));
+
+TEST(KerfStays, UntilASignalAndRefusesASecondOfItsName) {
+  Mill mill("stays");
+  mill.change("[DISPLAY]", "[DISPLAY]\nDISPLAY = no-such-screen");
+  Kerf first(mill, "stays", {});
+  ASSERT_TRUE(first.wait_output("simulated mill runs")) << first.output();
+  EXPECT_TRUE(contains(first.output(), "no-such-screen: not found: staying in the terminal"));
+  Mill other("stays2");
+  Kerf second(other, "stays", {});
+  EXPECT_EQ(second.wait_exit(), 1);
+  EXPECT_TRUE(contains(second.output(), "in use by process " + std::to_string(first.pid())));
+  EXPECT_EQ(first.parts("milltask").size(), 1U);
+  first.signal(SIGTERM);
+  EXPECT_EQ(first.wait_exit(), 0) << first.output();
+  EXPECT_EQ(first.leftovers(), "");
+}
+
+TEST(KerfStays, AnInterruptedProgramIsAFailure) {
+  Mill mill("interrupt");
+  Kerf kerf(mill, "interrupt", {"--speed", "5", "--once", "--program", kFirstPart});
+  ASSERT_TRUE(kerf.wait_output("running first_part.ngc")) << kerf.output();
+  kerf.signal(SIGINT);
+  EXPECT_EQ(kerf.wait_exit(), 1);
+  EXPECT_TRUE(contains(kerf.output(), "interrupted"));
+  EXPECT_EQ(kerf.leftovers(), "");
+}
+
+TEST(KerfStays, TheEndOfTheScreenIsTheEndOfTheMachine) {
+  Mill mill("screen");
+  mill.change("[DISPLAY]", "[DISPLAY]\nDISPLAY = sh -c \"sleep 0.2\"");
+  const std::string screen =
+      mill.write("screen", "#!/bin/sh\n[ \"$1\" = -ini ] && [ -f \"$2\" ] && exit 0\nexit 5\n");
+  chmod(screen.c_str(), 0755);
+  mill.change("sh -c \"sleep 0.2\"", screen);
+  Kerf kerf(mill, "screen", {});
+  EXPECT_EQ(kerf.wait_exit(), 0) << kerf.output();
+  EXPECT_EQ(kerf.leftovers(), "");
+}
+
+TEST(KerfKilled, NothingIsLeftAndTheNextStartWorks) {
+  Mill mill("killed");
+  std::mt19937 random(20261121);
+  std::uniform_int_distribution<int> delay_ms(0, 700);
+  const char* const victims[] = {"rtapi_app", "milltask", "kerf"};
+  for (int round = 0; round < 21; ++round) {
+    const std::string victim = victims[round % 3];
+    std::vector<std::string> arguments{"--once", "--program", kFirstPart};
+    if (round % 2 == 0) arguments.insert(arguments.end(), {"--speed", "20"});
+    Kerf kerf(mill, "killed", arguments);
+    const int delay = delay_ms(random);
+    SCOPED_TRACE(victim + " after " + std::to_string(delay) + " ms, round " +
+                 std::to_string(round));
+    pause_ms(delay);
+    if (victim == "kerf") {
+      kerf.signal(SIGKILL);
+      EXPECT_EQ(kerf.wait_exit(), 128 + SIGKILL);
+    } else {
+      std::vector<pid_t> found;
+      for (int i = 0; i < 400 && (found = kerf.parts(victim)).empty(); ++i) pause_ms(5);
+      ASSERT_EQ(found.size(), 1U) << kerf.output();
+      kill(found[0], SIGKILL);
+      EXPECT_EQ(kerf.wait_exit(), 1) << kerf.output();
+      EXPECT_TRUE(contains(kerf.output(), victim + " (process " + std::to_string(found[0]) +
+                                              ") was killed by signal 9"));
+    }
+    EXPECT_EQ(kerf.leftovers(), "");
+  }
+  const std::string program = mill.write("p.ngc", "G21 G90\nG0 X5\nM2\n");
+  Kerf kerf(mill, "killed", {"--virtual", "--once", "--program", program});
+  EXPECT_EQ(kerf.wait_exit(), 0) << kerf.output();
+}
+
+}  // namespace
+}  // namespace kerf::launcher
