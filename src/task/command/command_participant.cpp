@@ -76,7 +76,9 @@ void CommandParticipant::take_faults() {
       continue;
     const bool placed = fault.tag.line > 0 && !view_.idle;
     last_fault_ = fault_text(fault, p_.setup);
-    say(MessageKind::error, last_fault_, placed ? std::string(view_.source.view()) : std::string(),
+    // Before the first block is executed, the source is unknown and can only be the program.
+    const auto& source = view_.source.empty() ? view_.file : view_.source;
+    say(MessageKind::error, last_fault_, placed ? std::string(source.view()) : std::string(),
         placed ? fault.tag.line : 0);
     if (stop.empty() && ends_program(fault.fault)) stop = last_fault_;
   }
