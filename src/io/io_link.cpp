@@ -19,6 +19,14 @@ void IoLink::request_reset() {
   to_io_.notify();
 }
 
+void IoLink::confirm() {
+  {
+    const std::lock_guard lock(mutex_);
+    ++wishes_.confirmations;
+  }
+  to_io_.notify();
+}
+
 void IoLink::abort(std::uint32_t epoch) {
   {
     const std::lock_guard lock(mutex_);

@@ -43,6 +43,7 @@ struct IoState {
 /// What task wants. Coolant has two masters, the program and the operator; an abort voids what older epochs still ask.
 struct IoWishes {
   bool estop{true};
+  std::uint32_t confirmations{0};   ///< grows with each confirm()
   std::uint32_t reset_requests{0};  ///< grows with each request to clear the estop
   bool flood{false}, mist{false};
   std::uint32_t abort_epoch{0};
@@ -60,6 +61,8 @@ class IoLink {
   void abort(std::uint32_t epoch);
   /// Ignored when an abort newer than `epoch` has come.
   void set_coolant(std::uint32_t epoch, std::optional<bool> flood, std::optional<bool> mist);
+  /// The operator says that the tool is there: ends the handshake in progress as its pin would.
+  void confirm();
   /// Gives the order's number; it has ended when state().finished_order has come to it. 0: voided by an abort.
   std::uint64_t order(ToolOrder::Kind kind, int tool, std::uint32_t epoch);
   [[nodiscard]] IoState state() const;

@@ -21,8 +21,14 @@ void IoControl::read_spindle() {
 
 void IoControl::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   next.watch(to_io_);
-  const IoInputs in = pins_.read();
+  IoInputs in = pins_.read();
   const IoWishes wishes = link_.wishes();
+  if (wishes.confirmations != confirmations_seen_) {
+    confirmations_seen_ = wishes.confirmations;
+    // Only of a question that has been asked.
+    in.tool_prepared = in.tool_prepared || (started_ && out_.tool_prepare);
+    in.tool_changed = in.tool_changed || (started_ && out_.tool_change);
+  }
   const IoOutputs before = out_;
   estop_chain(in, wishes, now);
   out_.coolant_flood = wishes.flood;

@@ -53,6 +53,7 @@ class IoControl final : public rtapi::Participant {
   IoState state_;
   std::uint32_t resets_seen_{0};
   std::uint32_t abort_seen_{0};
+  std::uint32_t confirmations_seen_{0};
   rtapi::Nanos request_end_{0};
   bool started_{false};  ///< the order in progress has set its pins
 };

@@ -101,6 +101,11 @@ constexpr CommandInfo kCommands[]{
     {CommandId::override_limits, "override-limits",
      "Allows jogging off a hard limit switch until the next jog ends.", kSwitchArgs},
     {CommandId::tool_table, "tool-table", "Reads the tool table file again (idle machine).", {}},
+    {CommandId::tool_changed,
+     "tool-changed",
+     "The operator has changed (or prepared) the tool that is waited for: as "
+     "iocontrol.0.tool-changed does.",
+     {}},
     {CommandId::digital_out, "digital-out", "Sets a motion.digital-out-NN at once.", kOutputArgs},
     {CommandId::wait, "wait", "Done when nothing runs any more and the machine is at rest.", {}},
     {CommandId::errors, "errors", "Gives the operator messages behind a cursor, as JSON text.",

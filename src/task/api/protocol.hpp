@@ -50,6 +50,7 @@ enum class CommandId : std::uint8_t {
   block_delete,
   override_limits,
   tool_table,
+  tool_changed,
   digital_out,
   wait,
   errors,

@@ -23,6 +23,11 @@ void CommandParticipant::execute(Ticket ticket, const Request& request, int clie
     case CommandId::resume:
     case CommandId::tool_table: return do_program(ticket, request);
     case CommandId::step: return do_step(ticket);
+    case CommandId::tool_changed:
+      if (!io_.waiting_changed && !io_.waiting_prepared)
+        return reply(ticket, CommandState::error, "no tool change is waited for");
+      p_.io.confirm();
+      return reply(ticket, CommandState::done);
     case CommandId::abort: {
       abort_all();
       pending_[ticket].epoch = epoch_;

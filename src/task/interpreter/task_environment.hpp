@@ -38,6 +38,10 @@ class TaskEnvironment final : public interp::Environment {
   HalReader hal_;
 };
 
+/// User M-codes, as run by task: P and Q are their two arguments ("%f", -1.000000 when absent). Their environment has besides
+/// ours: KERF_INSTANCE, KERF_FILE and KERF_LINE of the block, KERF_STATE ("auto" or "mdi"), and KERF_X ... KERF_W, the position in
+/// the work coordinate system in machine units. Exit status 0 goes on, any other stops the program.
+///
 /// Looks for the program of a user M-code: PROGRAM_PREFIX, USER_M_PATH, SUBROUTINE_PATH, each time anew, so that a program
 /// that is added while the machine runs is found. `cause` names which of the documented causes it is.
 [[nodiscard]] interp::UserMcode find_user_mcode(const ProgramPaths& paths, int number);

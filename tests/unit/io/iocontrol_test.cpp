@@ -158,6 +158,23 @@ TEST(IoControl, abort_ends_the_handshake_and_turns_coolant_off) {
   EXPECT_EQ(b.link.order(Kind::prepare, 1, 1), 0u);
 }
 
+TEST(IoControl, operator_s_word_counts_as_the_pin_and_only_once) {
+  Bench b;
+  b.link.confirm();
+  b.run(0.02);
+  const auto t = b.order(Kind::prepare, 1);
+  EXPECT_FALSE(b.ended(t)) << "a word that came before the question is no answer";
+  b.link.confirm();
+  b.run(0.02);
+  EXPECT_TRUE(b.ended(t));
+  const auto m6 = b.order(Kind::change);
+  EXPECT_FALSE(b.ended(m6));
+  b.link.confirm();
+  b.run(0.02);
+  EXPECT_TRUE(b.ended(m6));
+  EXPECT_EQ(b.pins.out.tool_number, 1);
+}
+
 TEST(IoControl, m61_only_renames) {
   Bench b;
   b.order(Kind::set_number, 30);

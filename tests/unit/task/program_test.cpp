@@ -252,6 +252,19 @@ TEST(Program, tool_change_takes_its_handshake) {
   EXPECT_EQ(rig.fake->status.pos_cmd.z, 25) << "G43 takes the offset of the tool in the spindle";
 }
 
+TEST(Program, operator_confirms_a_tool_change) {
+  Rig rig;
+  rig.ready();
+  EXPECT_EQ(rig.command({"tool-changed"}).state, State::error);
+  rig.pins.changes = false;
+  const auto change = rig.send({"mdi", "T1 M6"});
+  rig.run_for(0.5);
+  EXPECT_FALSE(rig.finished(change));
+  rig.does({"tool-changed"});
+  EXPECT_EQ(rig.wait(change).state, State::done);
+  EXPECT_EQ(rig.status().tool_in_spindle, 1);
+}
+
 TEST(Program, unknown_tool_is_an_error_with_its_line) {
   Rig rig;
   rig.ready();
