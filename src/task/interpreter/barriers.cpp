@@ -103,7 +103,7 @@ bool InterpreterParticipant::run_aside(TaskItem& item) {
     report.message = message->kind;
     report.text = message->text;
     report.line = item.tag.line;
-    p_.exchange.report(std::move(report));
+    reports_.push_back(std::move(report));
   } else if (const auto* print = std::get_if<PrintText>(&item.body)) {
     std::printf("%s\n", print->text.c_str());
     std::fflush(stdout);
@@ -126,7 +126,7 @@ void InterpreterParticipant::log_text(const LogText& log) {
   Report report;
   report.message = MessageKind::error;
   report.text = "cannot open the log file " + log.text;
-  p_.exchange.report(std::move(report));
+  reports_.push_back(std::move(report));
 }
 
 /// False: it failed.
@@ -161,11 +161,11 @@ bool InterpreterParticipant::begin_barrier(TaskItem& item) {
       Report report;
       report.message = MessageKind::error;
       report.text = "the parameter file is not saved: " + saved.error().message();
-      p_.exchange.report(std::move(report));
+      reports_.push_back(std::move(report));
     }
     Report report;
     report.kind = Report::Kind::program_end;
-    p_.exchange.report(std::move(report));
+    reports_.push_back(std::move(report));
   } else if (const auto* error = std::get_if<ProgramError>(&item.body)) {
     fail(error->text, error->file, error->line);
     return false;

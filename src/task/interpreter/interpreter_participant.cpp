@@ -103,6 +103,9 @@ void InterpreterParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   if (user_.running()) user_.add_to(next);
   if (pushed_) p_.motion.path_cell.notify();
   show();
+  // Behind the view, so that whoever hears of an end also sees it.
+  for (Report& report : reports_) p_.exchange.report(std::move(report));
+  reports_.clear();
 }
 
 void InterpreterParticipant::follow_abort() {
@@ -337,7 +340,7 @@ void InterpreterParticipant::finish_ticket(CommandState state, const std::string
   report.ticket = std::exchange(run_.ticket, 0);
   report.state = state;
   report.text = text;
-  p_.exchange.report(std::move(report));
+  reports_.push_back(std::move(report));
 }
 
 void InterpreterParticipant::fail_here(const std::string& text) {
@@ -365,7 +368,7 @@ void InterpreterParticipant::fail(const std::string& text, const std::string& fi
   if (quiet) {
     report.kind = Report::Kind::message;
     const std::string shown = report.text;
-    p_.exchange.report(std::move(report));
+    reports_.push_back(std::move(report));
     finish_ticket(CommandState::error, shown);
     list_.clear();
     barrier_ = {};
@@ -377,7 +380,7 @@ void InterpreterParticipant::fail(const std::string& text, const std::string& fi
   }
   report.kind = Report::Kind::failed;
   report.ticket = std::exchange(run_.ticket, 0);
-  p_.exchange.report(std::move(report));
+  reports_.push_back(std::move(report));
   run_.failed = true;
 }
 
@@ -433,7 +436,7 @@ void InterpreterParticipant::begin_run(const Order& order) {
   Report report;
   report.kind = Report::Kind::begun;
   report.ticket = order.ticket;
-  p_.exchange.report(std::move(report));
+  reports_.push_back(std::move(report));
 }
 
 }  // namespace kerf::task

@@ -157,6 +157,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   double progress_{0};
   WaitingFor waiting_for_;
   InterpreterView view_;
+  std::vector<Report> reports_;  ///< of this step
 };
 
 }  // namespace kerf::task
