@@ -17,7 +17,7 @@ namespace kerf::launcher {
 namespace {
 
 /// Children of a dead launcher end by themselves; those that do not are ended after this time.
-constexpr int kPatience_ms = 400;
+constexpr int kPatienceMs = 400;
 
 [[noreturn]] void watch(int fd, const std::string& instance, const std::string& run_id) {
   (void)setsid();
@@ -30,7 +30,7 @@ constexpr int kPatience_ms = 400;
     n = read(fd, &word, 1);
   } while (n < 0 && errno == EINTR);
   if (n == 0) {
-    (void)end_processes_of_run(run_id, kPatience_ms);
+    (void)end_processes_of_run(run_id, kPatienceMs);
     (void)rtapi::Segment::remove(instance);
   }
   _exit(0);

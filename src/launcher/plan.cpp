@@ -94,7 +94,7 @@ class Planner {
     name = ini::expand_tilde(name);
     if (!name.empty() && name.front() == '/') dirs = {""};
     for (const std::string& dir : dirs) {
-      const std::string path = resolve_from(dir, name);
+      std::string path = resolve_from(dir, name);
       if (is_file(path)) return path;
     }
     std::vector<std::string> known;

@@ -82,6 +82,7 @@ std::string describe_exit(const ExitState& state) {
 
 rtapi::Result<Child> Child::start(const std::vector<std::string>& words, bool terminal) {
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
   int report[2];
@@ -189,7 +190,9 @@ std::string find_program(const std::string& name) {
   while (!rest.empty()) {
     const std::size_t colon = rest.find(':');
     const std::string dir = rest.substr(0, colon);
-    if (!dir.empty() && usable(dir + "/" + name)) return dir + "/" + name;
+    std::string full = dir;
+    full.append("/").append(name);
+    if (!dir.empty() && usable(full)) return full;
     rest = colon == std::string::npos ? "" : rest.substr(colon + 1);
   }
   return {};

@@ -9,6 +9,7 @@
 
 #include "launcher/svg.hpp"
 #include "motion/api/shared.hpp"
+#include "rtapi/clock/real_clock.hpp"
 
 namespace kerf::launcher {
 
@@ -82,7 +83,7 @@ void ProgramRun::watch() {
     if (!status.waiting_for.pin.empty())
       progress.waiting += " (" + std::string(status.waiting_for.pin.view()) + ")";
   }
-  p_.console.progress(progress, to_seconds(p_.clock.now()));
+  p_.console.progress(progress, to_seconds(rtapi::monotonic_now()));
   answer_pause(status);
 }
 

@@ -8,7 +8,7 @@
 namespace kerf::launcher {
 
 namespace {
-constexpr double kRedrawEvery_s = 0.1;
+constexpr double kRedrawEveryS = 0.1;
 constexpr int kStepPercent = 10;
 
 std::string times(const ProgressState& state) {
@@ -59,7 +59,7 @@ std::string progress_line(const ProgressState& state, int width) {
 
 std::string ProgressPrinter::update(const ProgressState& state, double now_s) {
   if (terminal_) {
-    const bool due = now_s - drawn_at_s_ >= kRedrawEvery_s || now_s < drawn_at_s_;
+    const bool due = now_s - drawn_at_s_ >= kRedrawEveryS || now_s < drawn_at_s_;
     if (!due && state.fraction < 1) return {};
     drawn_ = true;
     drawn_at_s_ = now_s;

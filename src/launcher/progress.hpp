@@ -30,7 +30,7 @@ struct ProgressState {
 class ProgressPrinter {
  public:
   ProgressPrinter(bool terminal, int width) : terminal_(terminal), width_(width) {}
-  /// Text to write to stderr at real or virtual time `now_s`, or "".
+  /// Text to write to stderr at real time `now_s`, or "".
   [[nodiscard]] std::string update(const ProgressState& state, double now_s);
   /// Text that frees the line for other messages, or "".
   [[nodiscard]] std::string clear();

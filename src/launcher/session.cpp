@@ -24,8 +24,8 @@ using rtapi::Status;
 namespace {
 
 /// Real time that a part may take to come up.
-constexpr int kStartPatience_ms = 20'000;
-constexpr int kDeathNotice_ms = 200;
+constexpr int kStartPatienceMs = 20'000;
+constexpr int kDeathNoticeMs = 200;
 
 /// Command, interpreter and io: the threads of milltask that run on the instance's clock.
 constexpr int kTaskParticipants = 3;
@@ -71,7 +71,7 @@ int Session::run() {
   if (result.ok()) result = operate();
   // A closed connection, and what fails by it, is seen before the end of the process behind it; that says more.
   if (!result.ok() && clock_ != nullptr)
-    (void)clock_->wait_until([] { return false; }, kDeathNotice_ms);
+    (void)clock_->wait_until([] { return false; }, kDeathNoticeMs);
   const StopReason reason = clock_ != nullptr ? clock_->reason() : StopReason{};
   if (reason.kind == StopReason::Kind::part_died)
     console_.error(reason.text + "; taking the machine down");
@@ -169,7 +169,7 @@ Status Session::start_realtime() {
     if (link.ok()) hal_ = std::move(*link);
     return hal_ != nullptr;
   };
-  if (!clock_->hold_until(connected, kStartPatience_ms)) return died(*clock_, "rtapi_app");
+  if (!clock_->hold_until(connected, kStartPatienceMs)) return died(*clock_, "rtapi_app");
   hal_->set_keep_going(options_.ignore_hal_errors);
   return {};
 }
@@ -180,7 +180,7 @@ Status Session::start_task() {
   clock_->watch_child(*task_process_);
   // HAL files connect these pins.
   const auto has_pins = [this] { return hal_->is_ready("iocontrol.0"); };
-  if (!clock_->hold_until(has_pins, kStartPatience_ms)) return died(*clock_, plan_.task_program);
+  if (!clock_->hold_until(has_pins, kStartPatienceMs)) return died(*clock_, plan_.task_program);
   if (!plan_.halui.empty()) {
     if (find_program(plan_.halui).empty()) {
       console_.say("[HAL]HALUI = " + plan_.halui + ": not found; going on without it");
@@ -189,7 +189,7 @@ Status Session::start_task() {
     KERF_TRY(Child halui, Child::start(split_words(plan_.halui)));
     Child& started = add_child(std::move(halui));
     clock_->watch_child(started);
-    if (!clock_->hold_until([&] { return hal_->is_ready("halui"); }, kStartPatience_ms))
+    if (!clock_->hold_until([&] { return hal_->is_ready("halui"); }, kStartPatienceMs))
       return died(*clock_, plan_.halui);
   }
   return {};
@@ -230,7 +230,7 @@ Status Session::start_threads() {
     if (plan_.virtual_time && !has_joined(*segment_, task_process_->pid())) return false;
     return task_->connect(*segment_).ok();
   };
-  if (!clock_->hold_until(connected, kStartPatience_ms)) return died(*clock_, plan_.task_program);
+  if (!clock_->hold_until(connected, kStartPatienceMs)) return died(*clock_, plan_.task_program);
   return hal_->command({"start"});
 }
 

@@ -24,7 +24,7 @@ volatile sig_atomic_t g_signals = 0;
 rtapi::WaitClock* volatile g_clock = nullptr;
 
 /// Seconds after which a part that does not let the clock go is left behind.
-constexpr unsigned kPatience_s = 5;
+constexpr unsigned kPatienceS = 5;
 
 /// The launcher may wait for its turn on a virtual clock that somebody else blocks; this ends the wait all the same.
 void force_on(int) {
@@ -36,7 +36,7 @@ void on_stop_signal(int number) {
   [[maybe_unused]] const ssize_t written = write(g_signal_fd, &one, sizeof one);
   g_signals = g_signals + 1;
   if (g_signals == 1)
-    (void)alarm(kPatience_s);
+    (void)alarm(kPatienceS);
   else
     force_on(number);
 }
@@ -102,7 +102,7 @@ void SupervisedClock::stop() noexcept {
 void SupervisedClock::begin_teardown() {
   tearing_down_ = true;
   reason_ = {};
-  (void)alarm(kPatience_s);
+  (void)alarm(kPatienceS);
 }
 
 void SupervisedClock::watch_child(Child& child, bool ends_session) {

@@ -9,7 +9,7 @@
 namespace kerf::launcher {
 
 namespace {
-constexpr int kPatience_ms = 1000;
+constexpr int kPatienceMs = 1000;
 /// Servo cycles that carry what SHUTDOWN has set to the hardware.
 constexpr rtapi::Nanos kOutputsSettle = 20 * rtapi::kMillisecond;
 }  // namespace
@@ -43,7 +43,7 @@ void Session::stop_machine() {
         return !task_->status(status) ||
                (status.task_state == task::TaskState::estop && status.idle);
       };
-      (void)clock_->wait_until(stopped, kPatience_ms);
+      (void)clock_->wait_until(stopped, kPatienceMs);
     }
     task_->show_messages();
   }
@@ -63,21 +63,21 @@ void Session::end_processes() {
   const auto end = [this](Child& child) {
     if (!child.running()) return;
     child.signal(SIGTERM);
-    for (int waited = 0; child.running() && waited < kPatience_ms; waited += 2) pause_ms(2);
+    for (int waited = 0; child.running() && waited < kPatienceMs; waited += 2) pause_ms(2);
     if (!child.running()) return;
     console_.say(child.name() + " did not end within a second and is killed");
     child.signal(SIGKILL);
-    for (int waited = 0; child.running() && waited < kPatience_ms; waited += 2) pause_ms(2);
+    for (int waited = 0; child.running() && waited < kPatienceMs; waited += 2) pause_ms(2);
   };
   // Last started first, the realtime host last of all: user components take their pins away from it.
   for (auto at = children_.rbegin(); at != children_.rend(); ++at)
     if (at->get() != realtime_) end(**at);
   const pid_t host = realtime_ != nullptr && realtime_->running() ? realtime_->pid() : -1;
-  const std::vector<std::string> killed = end_processes_of_run(run_id_, kPatience_ms, host);
+  const std::vector<std::string> killed = end_processes_of_run(run_id_, kPatienceMs, host);
   for (const std::string& name : killed)
     console_.say(name + " did not end within a second and was killed");
   if (realtime_ != nullptr) end(*realtime_);
-  (void)end_processes_of_run(run_id_, kPatience_ms);
+  (void)end_processes_of_run(run_id_, kPatienceMs);
 }
 
 }  // namespace kerf::launcher

@@ -76,7 +76,7 @@ void ToolpathRecorder::thin(PathPiece& piece) {
   const std::vector<Point3> tail(piece.points.begin() + static_cast<std::ptrdiff_t>(thinned_),
                                  piece.points.end());
   piece.points.resize(thinned_);
-  for (const Point3& p : simplify(tail, kTolerance_mm)) piece.points.push_back(p);
+  for (const Point3& p : simplify(tail, kToleranceMm)) piece.points.push_back(p);
   // The last point stays open: what follows may lie on the same line.
   thinned_ = piece.points.size() - 1;
 }

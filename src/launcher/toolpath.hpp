@@ -24,7 +24,7 @@ struct PathPiece {
 
 class ToolpathRecorder {
  public:
-  static constexpr double kTolerance_mm = 0.002;
+  static constexpr double kToleranceMm = 0.002;
   /// Points of one piece before they are thinned out; bounds memory.
   static constexpr std::size_t kChunk = 4096;
 

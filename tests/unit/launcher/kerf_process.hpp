@@ -80,7 +80,7 @@ class Mill {
 
 class Kerf {
  public:
-  static constexpr int kLimit_ms = 60'000;
+  static constexpr int kLimitMs = 60'000;
 
   Kerf(const Mill& mill, const std::string& instance, std::vector<std::string> arguments)
       : instance_(instance + std::to_string(getpid())), output_(mill.path(instance + ".out")) {
@@ -115,7 +115,7 @@ class Kerf {
   /// Exit code, 128 + signal, or -1 when it does not end.
   int wait_exit() {
     int status = 0;
-    for (int waited = 0; waited < kLimit_ms; waited += 5) {
+    for (int waited = 0; waited < kLimitMs; waited += 5) {
       if (waitpid(pid_, &status, WNOHANG) == pid_) {
         pid_ = -1;
         return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
@@ -125,7 +125,7 @@ class Kerf {
     return -1;
   }
   bool wait_output(const std::string& text) {
-    for (int waited = 0; waited < kLimit_ms; waited += 5) {
+    for (int waited = 0; waited < kLimitMs; waited += 5) {
       if (output().find(text) != std::string::npos) return true;
       pause_ms(5);
     }
