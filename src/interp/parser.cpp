@@ -284,7 +284,9 @@ bool Parser::flow() {
   if (peek() == '<') {
     std::string_view text;
     if (!name(text)) return false;
-    out_->label.assign("<").append(text).append(">");
+    out_->label.assign(1, '<');
+    out_->label.append(text);
+    out_->label.push_back('>');
   } else if (is_digit(peek())) {
     std::size_t start = pos_;
     while (is_digit(peek())) ++pos_;

@@ -25,9 +25,12 @@ namespace {
 
 TEST(Allocation, PlainLinesAndLoopsNeedNone) {
   std::string program = "F1000\n";
-  for (int i = 0; i < 2000; ++i)
-    program += "N" + std::to_string(i) + " G1 X" + std::to_string(i) +
-               ".25 Y[1+2] (c)\nG2 X5 Y5 R5000\nG0 X0 Y0\n";
+  for (int i = 0; i < 2000; ++i) {
+    const std::string number =
+        std::to_string(i);  // appended piecewise: g++ 12 warns wrongly about "x" + string
+    program.append(1, 'N').append(number).append(" G1 X").append(number);
+    program.append(".25 Y[1+2] (c)\nG2 X5 Y5 R5000\nG0 X0 Y0\n");
+  }
   program += "#1=0\no1 while [#1 lt 3000]\n#1=[#1+1]\nG1 X[sin[#1]] Y#1\no1 endwhile\nM2\n";
   Environment world;
   NullCanon canon;

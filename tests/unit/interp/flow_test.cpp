@@ -15,7 +15,8 @@ std::string messages(Rig& rig, const std::string& program) {
   for (std::size_t at = 0; (at = all.find("MESSAGE(\"", at)) != std::string::npos;) {
     at += 9;
     const std::size_t end = all.find('"', at);
-    out += (out.empty() ? "" : " ") + all.substr(at, end - at);
+    if (!out.empty()) out.push_back(' ');
+    out.append(all, at, end - at);
     at = end;
   }
   const std::size_t error = all.find("error: ");
