@@ -157,7 +157,7 @@ Outcome Core::execute_block(ParsedBlock& b) {
       state.percent_file = true;
       return Outcome::ok;
     }
-    if (!state.percent_file) {
+    if (!state.percent_file || flows.mdi) {
       fail_at(0, "", "Bad character '%%' used");
       undo_block();
       return Outcome::error;
@@ -167,8 +167,8 @@ Outcome Core::execute_block(ParsedBlock& b) {
     return finish_block(b);
   }
   if (b.skip && block_delete) return Outcome::ok;
-  if (!b.words.empty() || !b.assignments.empty() || b.flow != Flow::none ||
-      b.comment != CommentKind::none)
+  if (!flows.mdi && (!b.words.empty() || !b.assignments.empty() || b.flow != Flow::none ||
+                     b.comment != CommentKind::none))
     flows.started = true;
   if (b.flow != Flow::none) return run_flow(b);
   if (!build(b, block_) || !store(b) || !run_comment(b) || !run_rows(block_)) {

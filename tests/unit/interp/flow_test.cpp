@@ -193,6 +193,16 @@ TEST(Mdi, LeavesTheOpenProgramWhereItIs) {
   EXPECT_DOUBLE_EQ(rig.interp.modal().position.y, 5);
 }
 
+TEST(Mdi, DoesNotSpoilTheFirstPercentOfTheOpenProgram) {
+  Rig rig;
+  ASSERT_TRUE(rig.interp.open_text("p.ngc", "%\nG0 X1\n%\n").ok());
+  (void)rig.mdi("G0 Y5");
+  ASSERT_EQ(rig.interp.execute_next(), Outcome::ok);
+  ASSERT_EQ(rig.interp.execute_next(), Outcome::ok);
+  EXPECT_EQ(rig.mdi("%").substr(66), "error: Bad character '%' used");
+  EXPECT_EQ(rig.interp.execute_next(), Outcome::program_end);
+}
+
 TEST(Mdi, EmptyLinesDoNothing) {
   Rig rig;
   EXPECT_EQ(rig.mdi(""), "");
