@@ -44,3 +44,17 @@ quietly() {
   tail -n 40 "$log" >&2
   return 1
 }
+
+# Programs and modules in the folders $2 (a regular expression, such as 'bin|components') of the build tree $1, as targets.
+programs() {
+  ninja -C "$1" -t targets all |
+    sed -nE "s#^(($2)/[^/:]*): CXX_(EXECUTABLE|MODULE_LIBRARY|SHARED_LIBRARY)_LINKER.*#\\1#p" | sort
+}
+
+# build_targets PRESET TARGET...: with tests in the build tree.
+build_targets() {
+  local preset=$1 options=() target
+  shift
+  for target in "$@"; do options+=(-t "$target"); done
+  scripts/build "$preset" --tests on "${options[@]}"
+}
