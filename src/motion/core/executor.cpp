@@ -188,6 +188,8 @@ Executor::Outcome Executor::begin_move(const Span& span, const MoveSpan& move, c
     return Outcome::done;
   }
   if (move.kind != MotionKind::traverse && move.kind != MotionKind::tool_change) {
+    if (after_traverse_) spindles_.wait_after_traverse();
+    after_traverse_ = false;
     const std::int32_t waiting = spindles_.not_at_speed();
     if (waiting >= 0) {
       blocked(PathWait::spindle_at_speed, waiting);
@@ -215,6 +217,7 @@ Executor::Outcome Executor::begin_move(const Span& span, const MoveSpan& move, c
     return Outcome::done;
   }
   started_ = true;
+  after_traverse_ = move.kind == MotionKind::traverse;
   kind_ = move.kind;
   run_ = {move.curve.length, 0.0};
   return Outcome::busy;

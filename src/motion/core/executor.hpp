@@ -87,6 +87,7 @@ class Executor {
   bool ending_{false};   ///< it ends where it comes to rest: probe contact
   bool failing_{false};  ///< the same, and the path behind it is void
   bool probe_before_{false};
+  bool after_traverse_{false};
   double dwell_left_{0}, distance_{0};
   MotionKind kind_{MotionKind::none};
   PathWait waiting_{PathWait::none};

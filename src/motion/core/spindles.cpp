@@ -104,9 +104,20 @@ void Spindles::step(const SpindleInputs* in, const double* overrides, double x_m
   }
 }
 
+void Spindles::wait_after_traverse() noexcept {
+  for (std::int32_t n = 0; n < count_; ++n) {
+    State& s = state_[n];
+    if (s.css_factor <= 0 || s.direction == 0) continue;
+    s.wait = true;
+    s.age = 0;
+  }
+}
+
 std::int32_t Spindles::not_at_speed() const noexcept {
   for (std::int32_t n = 0; n < count_; ++n) {
-    if (state_[n].wait && state_[n].direction != 0 && state_[n].speed_rpm > 0) return n;
+    if (state_[n].wait && state_[n].direction != 0 &&
+        (state_[n].speed_rpm > 0 || state_[n].css_factor > 0))
+      return n;
   }
   return -1;
 }

@@ -29,6 +29,8 @@ class Spindles {
   void step(const SpindleInputs* in, const double* overrides, double x_mm,
             FaultList& faults) noexcept;
 
+  /// A traverse has ended: spindles at constant surface speed turn at another speed now, so the next feed move waits.
+  void wait_after_traverse() noexcept;
   /// The spindle whose at-speed pin a feed move must wait for, or -1.
   [[nodiscard]] std::int32_t not_at_speed() const noexcept;
   /// The spindle that is being oriented, or -1.

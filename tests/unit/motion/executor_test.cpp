@@ -166,6 +166,27 @@ TEST(Executor, ConstantSurfaceSpeedFollowsTheRadius) {
   EXPECT_NEAR(rig.controller->spindles().outputs(0).speed_rpm, 900, 1e-9);
 }
 
+TEST(Executor, ConstantSurfaceSpeedWaitsAfterEachTraverse) {
+  Rig rig;
+  rig.ready();
+  SpindleChange s = spin(SpindleChange::Action::forward, 100);
+  s.css_factor = 10000;
+  s.css_max_rpm = 900;
+  rig.push(s);
+  rig.line({.x = 20}, 100);
+  ASSERT_GT(rig.finish(1000), 0);
+  rig.in.spindle[0].at_speed = false;
+  rig.line({.x = 21}, 100);
+  ASSERT_GT(rig.finish(1000), 0) << "feed after feed does not wait";
+  rig.line({.x = 5}, 0, MotionKind::traverse);
+  rig.line({.x = 4}, 100);
+  rig.run(1000);
+  EXPECT_EQ(rig.status().pos_cmd.x, 5);
+  EXPECT_EQ(rig.status().waiting_for, PathWait::spindle_at_speed);
+  rig.in.spindle[0].at_speed = true;
+  EXPECT_GT(rig.finish(1000), 0);
+}
+
 TEST(Executor, OrientWaitsForTheDriveAndLocks) {
   Rig rig;
   rig.ready();
