@@ -134,6 +134,20 @@ std::int32_t VirtualClock::first_due(bool& held) const noexcept {
   return best;
 }
 
+const ClockSlot* VirtualClock::stalled_by() const noexcept {
+  if (block_.baton != ClockBlock::kNobody) return &block_.slot[block_.baton];
+  for (const ClockSlot& slot : block_.slot)
+    if (slot.state == ClockSlot::State::waiting && slot.holds_time) return &slot;
+  return nullptr;
+}
+
+bool VirtualClock::speaks() const noexcept {
+  for (std::int32_t i = 0; i < me_; ++i)
+    if (block_.slot[i].state == ClockSlot::State::waiting && !block_.slot[i].holds_time)
+      return false;
+  return !block_.slot[me_].holds_time;
+}
+
 Nanos VirtualClock::next_wake() const noexcept {
   Nanos next = kForever;
   for (const ClockSlot& slot : block_.slot)
@@ -282,14 +296,13 @@ void VirtualClock::wait(const WaitSpec& spec) {
     if (ready == 0) drop_dead();
     if (block_.baton == ClockBlock::kNobody) dispatch();
     if (block_.baton == me_) return;
-    if (!named && monotonic_now() - since > kNameHolderAfter &&
-        block_.baton != ClockBlock::kNobody && !spec.holds_time) {
+    const ClockSlot* holder = stalled_by();
+    if (!named && holder != nullptr && monotonic_now() - since > kNameHolderAfter && speaks()) {
       named = true;
-      const ClockSlot& holder = block_.slot[block_.baton];
-      if (holder.order < block_.slot[me_].order || me_ == 0)
-        std::fprintf(stderr,
-                     "kerf: virtual time has stood still for 5 s: '%s' (process %lld) is running\n",
-                     holder.name.c_str(), static_cast<long long>(holder.pid));
+      std::fprintf(stderr, "kerf: virtual time has stood still for 5 s: '%s' (process %lld) %s\n",
+                   holder->name.c_str(), static_cast<long long>(holder->pid),
+                   holder->state == ClockSlot::State::running ? "is running"
+                                                              : "waits for something outside");
     }
   }
 }

@@ -88,6 +88,10 @@ class VirtualClock final : public WaitClock {
   void dispatch();
   /// First in order among those that can run now, or kNobody; `held` tells whether somebody holds time.
   [[nodiscard]] std::int32_t first_due(bool& held) const noexcept;
+  /// The participant that keeps time from moving, or null when time is free. Under the lock.
+  [[nodiscard]] const ClockSlot* stalled_by() const noexcept;
+  /// True for one of the participants that only wait for time: the one that complains for all.
+  [[nodiscard]] bool speaks() const noexcept;
   /// Virtual time of the next wake-up, or kForever.
   [[nodiscard]] Nanos next_wake() const noexcept;
   /// True when a paced clock must let real time pass before time moves to `next`; this slot then sleeps for `left` ns.
