@@ -37,6 +37,7 @@ struct Intent {
   std::uint32_t unhome_seq{0};
   std::int32_t unhome_joint{-1};  ///< -1: all; -2: volatile ones
   bool override_limits{false};    ///< jogging off a hard limit
+  /// After each release of hold: the items of one block (SourceTag::id), then stand at its end.
   bool single_step{false};
   bool reserved[6]{};
   std::uint32_t spindle_stop_seq

@@ -191,6 +191,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   homing_.step(joints_, joint_, config_, faults_);
   PathInputs path;
   path.stand = orders.hold || closing_down_ || orders.abort_epoch != acked_epoch_;
+  path.single_step = want.single_step;
   path.may_move = mode_ == MotionMode::coordinated;
   path.probe = in.probe;
   path.feed_hold = in.feed_hold;

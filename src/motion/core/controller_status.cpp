@@ -49,7 +49,7 @@ void Controller::fill_status(const Inputs& in, const Orders& orders, double dt,
   s.enabled = enabled_;
   s.in_position = at_rest();
   s.path_empty = orders.path_ring_empty && executor_.idle();
-  s.held = orders.hold && executor_.at_rest();
+  s.held = executor_.at_rest() && (orders.hold || executor_.step_done());
   s.homing_active = homing_.active();
   s.jogging = jogging();
   s.all_homed = true;

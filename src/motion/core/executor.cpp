@@ -92,6 +92,7 @@ void Executor::finish(const Span& span) noexcept {
 void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept {
   waiting_ = PathWait::none;
   waiting_index_ = -1;
+  if (in.stand || !in.single_step) step_begun_ = false;
   double rest = dt;
   for (int n = 0; n < kSpansPerCycle && rest > 0; ++n) {
     if (!started_) {
@@ -102,6 +103,10 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
       }
       const Span* span = next();
       if (span == nullptr) break;
+      if (!step_allows(*span, in.single_step)) {
+        blocked(PathWait::hold);
+        break;
+      }
       const Outcome outcome = begin(*span, in, faults);
       if (outcome == Outcome::blocked) break;
       if (outcome == Outcome::done) continue;
@@ -135,6 +140,15 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
       blocked(PathWait::dwell);
   }
   probe_before_ = in.probe;
+}
+
+bool Executor::step_allows(const Span& span, bool single_step) noexcept {
+  if (!single_step) return true;
+  if (!step_begun_) {
+    step_begun_ = true;
+    step_id_ = span.tag.id;
+  }
+  return span.tag.id == step_id_;
 }
 
 Executor::Outcome Executor::begin(const Span& span, const PathInputs& in,

@@ -12,8 +12,9 @@ namespace kerf::motion {
 
 /// What bears on the path in this cycle.
 struct PathInputs {
-  bool stand{false};    ///< brake on the path and stay: hold, abort, lost heartbeat
-  bool may_move{true};  ///< coordinated mode; else moves wait and only events are carried out
+  bool stand{false};        ///< brake on the path and stay: hold, abort, lost heartbeat
+  bool single_step{false};  ///< Intent::single_step
+  bool may_move{true};      ///< coordinated mode; else moves wait and only events are carried out
   bool probe{false}, feed_hold{false}, feed_inhibit{false};
   double feed_override{1}, rapid_override{1}, adaptive_feed{1};
   double max_vel_mm_s{1e99};
@@ -44,6 +45,8 @@ class Executor {
   [[nodiscard]] bool at_rest() const noexcept { return run_.speed == 0; }
   /// Nothing in execution and nothing that waits.
   [[nodiscard]] bool idle() const noexcept { return !started_ && spans_.empty(); }
+  /// Single stepping stands at the end of a block until hold is given and released again.
+  [[nodiscard]] bool step_done() const noexcept { return waiting_ == PathWait::hold && !started_; }
   [[nodiscard]] bool moving_item() const noexcept { return started_ && kind_ != MotionKind::none; }
   [[nodiscard]] std::uint64_t executed_seq() const noexcept { return executed_seq_; }
   [[nodiscard]] std::uint32_t voided() const noexcept { return void_epoch_; }
@@ -74,6 +77,7 @@ class Executor {
   void finish(const Span& span) noexcept;
   void fail_path(const Span& span) noexcept;
   [[nodiscard]] const Span* next() noexcept;
+  [[nodiscard]] bool step_allows(const Span& span, bool single_step) noexcept;
   void blocked(PathWait why, std::int32_t index = -1) noexcept;
 
   SpanRing& spans_;
@@ -88,6 +92,8 @@ class Executor {
   bool failing_{false};  ///< the same, and the path behind it is void
   bool probe_before_{false};
   bool after_traverse_{false};
+  bool step_begun_{false};
+  std::uint64_t step_id_{0};  ///< the block that single stepping runs now
   double dwell_left_{0}, distance_{0};
   MotionKind kind_{MotionKind::none};
   PathWait waiting_{PathWait::none};

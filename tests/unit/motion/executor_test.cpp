@@ -388,6 +388,31 @@ TEST(Executor, HoldStopsOnThePathAndGoesOnFromThere) {
   EXPECT_EQ(rig.status().pos_cmd, (Pose{.x = 20, .y = 10}));
 }
 
+TEST(Executor, SingleStepRunsOneBlockAfterEachRelease) {
+  Rig rig;
+  rig.ready();
+  rig.intent.single_step = true;
+  rig.orders.hold = true;
+  rig.line({.x = 1}, 50);
+  rig.line({.x = 2}, 50);
+  rig.push(OutputChange{.index = 0, .value = 1});
+  rig.run(100);
+  EXPECT_EQ(rig.status().pos_cmd.x, 0);
+  rig.orders.hold = false;
+  rig.run(500);
+  EXPECT_EQ(rig.status().pos_cmd.x, 1);
+  EXPECT_TRUE(rig.status().held);
+  for (int i = 0; i < 2; ++i) {
+    rig.orders.hold = true;
+    rig.run(2);
+    rig.orders.hold = false;
+    rig.run(500);
+    EXPECT_EQ(rig.status().pos_cmd.x, 2);
+    EXPECT_EQ(rig.controller->outputs().digital, i == 0 ? 0U : 1U);
+  }
+  EXPECT_TRUE(rig.status().path_empty);
+}
+
 TEST(Executor, AbortStopsOnThePathAndForgetsTheRest) {
   Rig rig;
   rig.ready();
