@@ -7,6 +7,11 @@
 
 namespace kerf::launcher {
 
+namespace {
+/// Without the sign of a zero that rounding makes.
+double plain(double v) { return std::fabs(v) < 0.005 ? 0.0 : v; }
+}  // namespace
+
 void RunStatistics::add(const motion::JointSample& sample) {
   const double period_s = static_cast<double>(sample.period_ns) * 1e-9;
   if (cycles_ > 0) {
@@ -87,7 +92,7 @@ std::string format_summary(const RunStatistics& run, const SummaryInput& input) 
       return max > 0 ? fmt::format("{:4.0f} %", 100 * peak / max) : std::string("     -");
     };
     out += fmt::format("  {:<7}{:>22}{:>30}{:>27}\n", i,
-                       fmt::format("{:.2f} to {:.2f} {}", joint.min, joint.max, unit),
+                       fmt::format("{:.2f} to {:.2f} {}", plain(joint.min), plain(joint.max), unit),
                        fmt::format("{:.1f} / {:.0f} {}/s {}", joint.peak_vel, limit.max_vel, unit,
                                    part(joint.peak_vel, limit.max_vel)),
                        fmt::format("{:.0f} / {:.0f} {}/s2 {}", joint.peak_acc, limit.max_acc, unit,
