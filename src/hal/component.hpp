@@ -146,9 +146,7 @@ class In : public detail::Handle<T> {
   static constexpr Dir kDir = Dir::in;
   using detail::Handle<T>::Handle;
   [[nodiscard]] T get() const noexcept { return this->load(); }
-  operator T() const noexcept {
-    return this->load();
-  }  // NOLINT(google-explicit-constructor): a pin reads as its value
+  operator T() const noexcept { return this->load(); }
 };
 
 /// A pin that the component writes. `last()` is what stands there, normally the last value written.
@@ -172,9 +170,7 @@ class Io : public detail::Handle<T> {
   static constexpr Dir kDir = Dir::io;
   using detail::Handle<T>::Handle;
   [[nodiscard]] T get() const noexcept { return this->load(); }
-  operator T() const noexcept {
-    return this->load();
-  }  // NOLINT(google-explicit-constructor): a pin reads as its value
+  operator T() const noexcept { return this->load(); }
   void set(T v) noexcept { this->store(v); }
   Io& operator=(T v) noexcept {
     this->store(v);
@@ -395,16 +391,16 @@ inline constexpr std::string_view kModuleSymbolPrefix = "kerf_hal_module_";
 
 }  // namespace kerf::hal
 
-#define KERF_HAL_SYMBOL2_(id) kerf_hal_module_##id
-#define KERF_HAL_SYMBOL_(id) KERF_HAL_SYMBOL2_(id)
+#define KERF_HAL_SYMBOL_OF(id) kerf_hal_module_##id
+#define KERF_HAL_SYMBOL(id) KERF_HAL_SYMBOL_OF(id)
 /// Exports the module. KERF_MODULE_ID is set by kerf_component() in CMake to the file's name.
-#define KERF_HAL_MODULE(Class)                                                                   \
-  extern "C"                                                                                     \
-      [[gnu::visibility("default")]] const ::kerf::hal::Module KERF_HAL_SYMBOL_(KERF_MODULE_ID); \
-  extern "C" const ::kerf::hal::Module KERF_HAL_SYMBOL_(KERF_MODULE_ID){                         \
-      ::kerf::hal::kModuleAbi,                                                                   \
-      Class::kInfo,                                                                              \
-      sizeof(Class),                                                                             \
-      alignof(Class),                                                                            \
-      [](void* storage, ::kerf::hal::Builder& b) noexcept { new (storage) Class(b); },           \
+#define KERF_HAL_MODULE(Class)                                                                  \
+  extern "C"                                                                                    \
+      [[gnu::visibility("default")]] const ::kerf::hal::Module KERF_HAL_SYMBOL(KERF_MODULE_ID); \
+  extern "C" const ::kerf::hal::Module KERF_HAL_SYMBOL(KERF_MODULE_ID){                         \
+      ::kerf::hal::kModuleAbi,                                                                  \
+      Class::kInfo,                                                                             \
+      sizeof(Class),                                                                            \
+      alignof(Class),                                                                           \
+      [](void* storage, ::kerf::hal::Builder& b) noexcept { new (storage) Class(b); },          \
       [](void* object) noexcept { std::destroy_at(static_cast<Class*>(object)); }};

@@ -387,6 +387,13 @@ CommandOutput run_inivar(const std::vector<std::string>& args) {
   };
   for (std::size_t i = 0; i < args.size(); ++i) {
     const std::string& arg = args[i];
+    if (arg == "--help" || arg == "-h") {
+      return {0,
+              "Usage: inivar -var VARIABLE [-sec SECTION] [-num N] [-ini FILE] [-tildeexpand]\n"
+              "Prints the value of a variable of an INI file (default emc.ini); inivalue can do "
+              "more.\n",
+              {}};
+    }
     if (arg == "-tildeexpand") {
       tilde = true;
       continue;

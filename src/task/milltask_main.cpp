@@ -17,6 +17,7 @@
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/log/log.hpp"
 #include "rtapi/shm/segment.hpp"
+#include "rtapi/thread/cyclic_thread.hpp"
 #include "task/task.hpp"
 
 namespace {
@@ -101,6 +102,9 @@ class Runner {
       if (!clock.ok()) return joined.set_value(rtapi::Failure{clock.error()});
       clock_ = std::move(*clock);
       joined.set_value({});
+      // The heartbeat and an operator's stop must not wait for other programs. On virtual time there is no hurry.
+      if (participant.role() == rtapi::Role::task_command && !clock_->is_virtual())
+        (void)rtapi::prefer_this_thread();
       rtapi::run_participant(*clock_, participant);
     });
     return result.get();

@@ -1,4 +1,5 @@
 // halcmd: HAL from the command line, from a file or interactively.
+#include <getopt.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -99,8 +100,9 @@ int main(int argc, char** argv) {
   rtapi::set_program_name("halcmd");
   hal::HalcmdOptions options;
   int c = 0;
+  const option long_options[] = {{"help", no_argument, nullptr, 'h'}, {}};
   // '+': the command's own words may begin with '-'.
-  while ((c = ::getopt(argc, argv, "+efi:kqQRsvVh")) != -1) {
+  while ((c = ::getopt_long(argc, argv, "+efi:kqQRsvVh", long_options, nullptr)) != -1) {
     if (c == 'h') {
       if (optind < argc)
         std::fputs(hal::Commander::help_text(argv[optind]).c_str(), stdout);

@@ -1,4 +1,5 @@
 // halrun: a realtime environment for one HAL file or one interactive session, taken down in every case.
+#include <getopt.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
@@ -173,7 +174,8 @@ int main(int argc, char** argv) {
   bool interactive = false;
   const std::string instance = rtapi::default_instance();
   int c = 0;
-  while ((c = ::getopt(argc, argv, "+efi:kqQRsvVhIUT")) != -1) {
+  const option long_options[] = {{"help", no_argument, nullptr, 'h'}, {}};
+  while ((c = ::getopt_long(argc, argv, "+efi:kqQRsvVhIUT", long_options, nullptr)) != -1) {
     if (c == 'h') {
       print_help();
       return 0;

@@ -57,7 +57,8 @@ bool parse_number(std::string_view text, std::int64_t lowest, std::int64_t& out)
 /// 0, or the exit code.
 int parse_options(int argc, char** argv, Options& options) {
   opterr = 0;
-  for (int c = 0; (c = getopt(argc, argv, ":c:n:tN:h")) != -1;) {
+  const option long_options[] = {{"help", no_argument, nullptr, 'h'}, {}};
+  for (int c = 0; (c = getopt_long(argc, argv, ":c:n:tN:h", long_options, nullptr)) != -1;) {
     switch (c) {
       case 'c':
         if (!parse_number(optarg, 0, options.channel)) {

@@ -1,4 +1,5 @@
 // rs274: interprets a G-code file and prints the canonical calls. Options as the peer's (rs274 -x lists them).
+#include <getopt.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -41,13 +42,17 @@ constexpr const char* kUsage =
     "    -g: Toggle the 'go (batch mode)' flag (default: OFF)\n"
     "    -i: specify the INI file (default: no INI file)\n"
     "    -T: call task_init()\n"
-    "    -l: specify the log_level (default: -1)\n";
+    "    -l: specify the log_level (default: -1)\n"
+    "    -h, --help: print this and end\n";
 
 std::optional<Options> read_options(int argc, char** argv) {
   Options o;
   opterr = 0;
-  for (int c = 0; (c = getopt(argc, argv, "p:t:v:n:bsgi:Tl:")) != -1;) {
+  const option long_options[] = {{"help", no_argument, nullptr, 'h'}, {}};
+  for (int c = 0;
+       (c = getopt_long(argc, argv, "p:t:v:n:bsgi:Tl:h", long_options, nullptr)) != -1;) {
     switch (c) {
+      case 'h': std::fputs(kUsage, stdout); std::exit(0);
       case 't': o.tools = optarg; break;
       case 'v': o.parameters = optarg; break;
       case 'n':

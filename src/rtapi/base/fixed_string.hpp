@@ -16,12 +16,8 @@ template <std::size_t N>
 class FixedString {
  public:
   constexpr FixedString() = default;
-  constexpr FixedString(std::string_view text) {
-    assign(text);
-  }  // NOLINT(google-explicit-constructor): a literal is the normal source
-  constexpr FixedString(const char* text) {
-    assign(text);
-  }  // NOLINT(google-explicit-constructor): as above
+  constexpr FixedString(std::string_view text) { assign(text); }
+  constexpr FixedString(const char* text) { assign(text); }
 
   constexpr void assign(std::string_view text) noexcept {
     truncated_ = text.size() > N ? 1 : 0;
@@ -45,9 +41,7 @@ class FixedString {
     // The size may come from shared memory: never trust it beyond the capacity.
     return {data_, size_ <= N ? size_ : N};
   }
-  constexpr operator std::string_view() const noexcept {
-    return view();
-  }  // NOLINT(google-explicit-constructor): reads like a string
+  constexpr operator std::string_view() const noexcept { return view(); }
   [[nodiscard]] constexpr const char* c_str() const noexcept { return data_; }
   [[nodiscard]] constexpr std::size_t size() const noexcept { return view().size(); }
   [[nodiscard]] constexpr bool empty() const noexcept { return size_ == 0; }

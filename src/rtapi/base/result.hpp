@@ -62,6 +62,8 @@ template <class E>
 struct Failure {
   E error;
 };
+template <class E>
+Failure(E) -> Failure<E>;
 
 [[nodiscard]] inline Failure<Error> fail(Errc code, std::string_view what, SourcePos at = {}) {
   return {Error{code, FixedString<480>(what), at}};
@@ -71,12 +73,9 @@ struct Failure {
 template <class T, class E = Error>
 class [[nodiscard]] Result {
  public:
-  Result(T value)
-      : state_(std::in_place_index<0>, std::move(value)) {}  // NOLINT(google-explicit-constructor)
+  Result(T value) : state_(std::in_place_index<0>, std::move(value)) {}
   template <class F>
-  Result(Failure<F> failure)
-      : state_(std::in_place_index<1>, std::move(failure.error)) {
-  }  // NOLINT(google-explicit-constructor)
+  Result(Failure<F> failure) : state_(std::in_place_index<1>, std::move(failure.error)) {}
 
   [[nodiscard]] bool ok() const noexcept { return state_.index() == 0; }
   explicit operator bool() const noexcept { return ok(); }
@@ -109,8 +108,7 @@ class [[nodiscard]] Result<void, E> {
  public:
   Result() = default;
   template <class F>
-  Result(Failure<F> failure)
-      : error_(std::move(failure.error)), failed_(true) {}  // NOLINT(google-explicit-constructor)
+  Result(Failure<F> failure) : error_(std::move(failure.error)), failed_(true) {}
   [[nodiscard]] bool ok() const noexcept { return !failed_; }
   explicit operator bool() const noexcept { return ok(); }
   [[nodiscard]] const E& error() const { return error_; }

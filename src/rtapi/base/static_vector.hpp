@@ -42,9 +42,7 @@ class StaticVector {
   constexpr T* end() noexcept { return items_.data() + size_; }
   constexpr const T* begin() const noexcept { return items_.data(); }
   constexpr const T* end() const noexcept { return items_.data() + size_; }
-  constexpr operator std::span<const T>() const noexcept {
-    return {items_.data(), size_};
-  }  // NOLINT(google-explicit-constructor): a vector is a span
+  constexpr operator std::span<const T>() const noexcept { return {items_.data(), size_}; }
 
  private:
   std::array<T, N> items_{};

@@ -86,6 +86,12 @@ RightsReport acquire_realtime_rights() {
   return report;
 }
 
+bool prefer_this_thread() noexcept {
+  sched_param param{};
+  param.sched_priority = 1;
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO | SCHED_RESET_ON_FORK, &param) == 0;
+}
+
 struct CyclicThread::State {
   Config config;
   pthread_t thread{};

@@ -47,6 +47,10 @@ struct RightsReport {
 /// Tries each right for real and reads it back. Locks memory as a side effect.
 RightsReport acquire_realtime_rights();
 
+/// Runs the calling thread before all ordinary programs (SCHED_FIFO, lowest priority), if the right is there; its children run as
+/// ordinary ones. For threads that never compute long: a busy computer must not delay an operator's stop. False: no right.
+bool prefer_this_thread() noexcept;
+
 class CyclicThread {
  public:
   struct Config {

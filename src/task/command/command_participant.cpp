@@ -3,11 +3,31 @@
 #include <algorithm>
 #include <cstring>
 
+#include "motion/api/faults.hpp"
 #include "rtapi/shm/socket.hpp"
 #include "task/api/message_reader.hpp"
-#include "task/command/fault_text.hpp"
 
 namespace kerf::task {
+
+namespace {
+
+/// True for faults after which a running program cannot go on.
+bool ends_program(motion::Fault fault) noexcept {
+  using motion::Fault;
+  switch (fault) {
+    case Fault::home_failed:
+    case Fault::home_no_switch:
+    case Fault::home_busy:
+    case Fault::jog_while_not_ready:
+    case Fault::jog_beyond_limit:
+    case Fault::limit_velocity:
+    case Fault::limit_acceleration:
+    case Fault::limit_jerk: return false;
+    default: return true;
+  }
+}
+
+}  // namespace
 
 CommandParticipant::CommandParticipant(const Parts& parts) : p_(parts) {
   (void)p_.motion.status.read(status_);
@@ -75,7 +95,9 @@ void CommandParticipant::take_faults() {
         fault.number != faults_seen_)
       continue;
     const bool placed = fault.tag.line > 0 && !view_.idle;
-    last_fault_ = fault_text(fault, p_.setup);
+    motion::FaultRecord shown = fault;
+    if (placed) shown.tag.line = 0;  // the message begins with its place
+    last_fault_ = motion::fault_text(shown, p_.setup.motion);
     // Before the first block is executed, the source is unknown and can only be the program.
     const auto& source = view_.source.empty() ? view_.file : view_.source;
     say(MessageKind::error, last_fault_, placed ? std::string(source.view()) : std::string(),

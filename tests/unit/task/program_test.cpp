@@ -436,7 +436,7 @@ TEST(Program, failed_homing_says_so) {
   rig.fake->raise(motion::Fault::home_no_switch, 1);
   const Reply r = rig.wait(home);
   EXPECT_EQ(r.state, State::error);
-  EXPECT_THAT(r.text, HasSubstr("joint 1 homing: no switch"));
+  EXPECT_THAT(r.text, HasSubstr("without finding its home switch"));
   EXPECT_THAT(rig.command({"home", "3"}).text, HasSubstr("joint 3 does not exist"));
 }
 

@@ -1,5 +1,5 @@
 // kerf with its true processes: from the INI file to the drawing, and every way in which it may end.
-#include "kerf_process.hpp"
+#include "machine/kerf_process.hpp"
 
 #include <cstdio>
 #include <random>
@@ -82,10 +82,13 @@ TEST_P(KerfBadProgram, EndsWithItsMessage) {
   EXPECT_TRUE(contains(kerf.output(), program + GetParam().message));
   EXPECT_EQ(kerf.leftovers(), "");
 }
-INSTANTIATE_TEST_SUITE_P(All, KerfBadProgram,
-                         testing::Values(BadProgram{"G21\nG1 Xfoo F100\nM2\n", ":2"},
-                                         BadProgram{"G21 G90\nG53 G0 X500\nM2\n", ":2: axis X"},
-                                         BadProgram{"G21\n\nT99 M6\nM2\n", ":3"}));
+INSTANTIATE_TEST_SUITE_P(
+    All, KerfBadProgram,
+    testing::Values(BadProgram{"G21\nG1 Xfoo F100\nM2\n", ":2"},
+                    BadProgram{
+                        "G21 G90\nG53 G0 X500\nM2\n",
+                        ":2: Move would take axis X to 500.0000, above its MAX_LIMIT of 300.0000"},
+                    BadProgram{"G21\n\nT99 M6\nM2\n", ":3"}));
 
 struct BadFile {
   const char* from;  ///< in the INI file
@@ -142,6 +145,32 @@ TEST(KerfStays, UntilASignalAndRefusesASecondOfItsName) {
   EXPECT_EQ(first.leftovers(), "");
 }
 
+TEST(KerfStays, MdiAndHalcmdReachTheRunningMachine) {
+  Mill mill("mdi");
+  Kerf kerf(mill, "mdi", {"--speed", "50"});
+  ASSERT_TRUE(kerf.wait_output("simulated mill runs")) << kerf.output();
+  const auto run = [&](const std::string& words) {
+    const std::string command = "KERF_INSTANCE=" + kerf.instance() + " timeout 60 " +
+                                KERF_BUILD_DIR + "/bin/" + words + " >" + mill.path("words.out") +
+                                " 2>&1 </dev/null";
+    const int status = std::system(command.c_str());
+    return WEXITSTATUS(status);
+  };
+  EXPECT_EQ(run("mdi 'G0 X10'"), 1);
+  EXPECT_TRUE(contains(test::read_file(mill.path("words.out")), "out of E-stop and turned on"))
+      << test::read_file(mill.path("words.out"));
+  EXPECT_EQ(run("mdi ':state estop-reset' ':state on' ':home' 'G21 G53 G0 X10 Y5'"), 0)
+      << test::read_file(mill.path("words.out"));
+  EXPECT_EQ(run("halcmd getp joint.0.pos-cmd"), 0);
+  EXPECT_EQ(test::read_file(mill.path("words.out")), "10\n");
+  EXPECT_EQ(run("mdi 'G1 X400 F100'"), 1);
+  EXPECT_EQ(run("halcmd getp joint.0.pos-cmd"), 0);
+  EXPECT_EQ(test::read_file(mill.path("words.out")), "10\n");
+  kerf.signal(SIGINT);
+  EXPECT_EQ(kerf.wait_exit(), 0) << kerf.output();
+  EXPECT_EQ(kerf.leftovers(), "");
+}
+
 TEST(KerfStays, AnInterruptedProgramIsAFailure) {
   Mill mill("interrupt");
   Kerf kerf(mill, "interrupt", {"--speed", "5", "--once", "--program", kFirstPart});
@@ -167,7 +196,7 @@ TEST(KerfStays, TheEndOfTheScreenIsTheEndOfTheMachine) {
 TEST(KerfKilled, NothingIsLeftAndTheNextStartWorks) {
   Mill mill("killed");
   std::mt19937 random(20261121);
-  std::uniform_int_distribution<int> delay_ms(0, 700);
+  std::uniform_int_distribution<int> delay_ms(0, 1500);
   const char* const victims[] = {"rtapi_app", "milltask", "kerf"};
   for (int round = 0; round < 21; ++round) {
     const std::string victim = victims[round % 3];
