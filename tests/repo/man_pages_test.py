@@ -12,13 +12,6 @@ BIN = pathlib.Path(os.environ.get("KERF_BUILD_DIR", TOP / "build/dev")).resolve(
 SECTIONS = ("NAME", "SYNOPSIS", "DESCRIPTION", "OPTIONS", "EXIT STATUS", "EXAMPLES", "SEE ALSO")
 
 
-def source(page):
-    """The roff of a page, behind a `.so` that only names another one."""
-    text = page.read_text()
-    match = re.fullmatch(r"\.so (\S+)\s*", text)
-    return (MAN / match.group(1)).read_text() if match else text
-
-
 def plain(roff):
     return re.sub(r"\\f[BIRP]", "", roff).replace(r"\-", "-")
 
@@ -53,7 +46,7 @@ class ManPages(unittest.TestCase):
             with self.subTest(program.name):
                 page = MAN / "man1" / f"{program.name}.1"
                 self.assertTrue(page.is_file(), f"docs/man/man1/{page.name} is missing")
-                text, said = plain(source(page)), help_of(program)
+                text, said = plain(page.read_text()), help_of(program)
                 # A summary that names no option would make the next lines empty promises.
                 self.assertTrue(options(said, "-{1,2}"), f"{program.name} --help names no option")
                 described = section(text, "OPTIONS")
@@ -69,7 +62,7 @@ class ManPages(unittest.TestCase):
 
     def test_pages_have_their_sections(self):
         for page in self.pages:
-            text = source(page)
+            text = page.read_text()
             with self.subTest(page.name):
                 self.assertEqual([s for s in SECTIONS if not section(text, s).strip()], [])
                 self.assertRegex(section(text, "NAME"), rf"\b{page.stem}\b.*\\- ")
@@ -78,7 +71,7 @@ class ManPages(unittest.TestCase):
     def test_see_also_leads_to_pages(self):
         names = {page.stem for page in self.pages}
         for page in self.pages:
-            for name in re.findall(r"^\.BR (\w+) \(1\)", source(page), re.M):
+            for name in re.findall(r"^\.BR (\w+) \(1\)", page.read_text(), re.M):
                 self.assertIn(name, names, page.name)
 
     @unittest.skipUnless(shutil.which("groff"), "groff is not installed")
