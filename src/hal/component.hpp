@@ -56,11 +56,12 @@ struct SlotRef {
   std::byte* base{nullptr};
   const std::atomic<std::uint64_t>* link{nullptr};
 
-  /// @rt. Relaxed: each value stands alone; nothing orders two pins across threads.
+  /// @rt. The value itself is relaxed: each stands alone; nothing orders two pins across threads.
   [[nodiscard]] std::atomic<std::uint64_t>& slot() const noexcept {
-    // Relaxed is enough for the link too: both the old and the new slot exist until every thread has finished a cycle.
+    // Acquire: pairs with the writer's release store of a new link, so a new signal's first value is there before it is used.
+    // Both the old and the new slot exist until every thread has finished a cycle.
     return *reinterpret_cast<std::atomic<std::uint64_t>*>(base +
-                                                          link->load(std::memory_order_relaxed));
+                                                          link->load(std::memory_order_acquire));
   }
 };
 

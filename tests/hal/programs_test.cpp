@@ -228,6 +228,23 @@ TEST_F(ProgramsTest, VirtualTimeIsExactAndFast) {
   EXPECT_TRUE(nothing_left());
 }
 
+TEST_F(ProgramsTest, AnUnmodifiedProgramSleepsInVirtualTime) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizer's runtime would have to be preloaded before the shim";
+#endif
+  const pid_t app = start({kBin + "rtapi_app", "--virtual"});
+  const auto script = file("sleeper.hal",
+                           "loadrt threads name1=servo period1=1000000\nstart\n"
+                           "loadusr -w sh -c \"sleep 100\"\ngetp servo.threadbeat\n");
+  ASSERT_TRUE(eventually([&] { return halcmd({"-Q", "status"}) == 0; }, 10)) << log();
+  EXPECT_EQ(halcmd({"-f", script}), 0) << log();
+  // 100 s of the machine, and no more than the shell and its child took to start.
+  EXPECT_THAT(log(), HasSubstr("\n100000\n"));
+  ::kill(app, SIGTERM);
+  EXPECT_EQ(wait_for(app, 10), 0);
+  EXPECT_TRUE(nothing_left());
+}
+
 TEST_F(ProgramsTest, TwoInstancesLiveSideBySide) {
   const pid_t first = start({kBin + "rtapi_app", "--instance", instance_ + "a"});
   const pid_t second = start({kBin + "rtapi_app", "--instance", instance_ + "b"});

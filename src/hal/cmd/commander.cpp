@@ -176,7 +176,7 @@ bool Commander::run_text(std::string_view text, const std::string& name) {
   bool good = true;
   LineJoiner joiner;
   int number = 0;
-  while (!text.empty() && !quit_) {
+  while (!text.empty() && !quit_ && !stopped()) {
     const auto end = std::min(text.find('\n'), text.size());
     const bool whole = joiner.add(text.substr(0, end), ++number);
     text.remove_prefix(std::min(end + 1, text.size()));
@@ -203,7 +203,7 @@ bool Commander::run_file(const std::string& path) {
   std::size_t capacity = 0;
   ssize_t n = 0;
   // Line by line: stdin may be a pipe whose writer waits for answers.
-  while (!quit_ && (n = ::getline(&buffer, &capacity, f)) >= 0) {
+  while (!quit_ && !stopped() && (n = ::getline(&buffer, &capacity, f)) >= 0) {
     std::string_view line(buffer, static_cast<std::size_t>(n));
     if (!line.empty() && line.back() == '\n') line.remove_suffix(1);
     if (!joiner.add(line, ++number)) continue;

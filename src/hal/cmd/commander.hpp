@@ -73,6 +73,8 @@ class Commander {
   struct LineJoiner;
 
   bool run(std::vector<std::string> words);
+  /// True when a stop was asked for: nothing more of a script is done, not even with keep-going.
+  [[nodiscard]] bool stopped() const { return clock_ != nullptr && clock_->stopped(); }
   void report(const std::string& text);
   void say(const std::string& text);
   void error(const std::string& text);

@@ -8,6 +8,7 @@
 
 #include "hal/cmd/commander.hpp"
 #include "hal/cmd/processes.hpp"
+#include "rtapi/clock/join_clock.hpp"
 
 namespace kerf::hal {
 
@@ -58,6 +59,12 @@ rtapi::Result<LoadUsrOptions> parse_options(std::span<const std::string> w) {
   return o;
 }
 
+/// Virtual time stands while a program works that knows nothing of it; one that has joined the clock needs time to pass.
+void outside_work(const rtapi::Segment& segment, pid_t pid, rtapi::WaitSpec& spec) {
+  if (const auto* joins = rtapi::clock_joins(segment); joins != nullptr) spec.watch(*joins);
+  spec.holds_time = !rtapi::lives_in_virtual_time(segment, pid);
+}
+
 }  // namespace
 
 Status Commander::load_user(Words w) {
@@ -81,8 +88,7 @@ Status Commander::wait_ready(pid_t pid, const std::string& component, const std:
   Status result;
   while (true) {
     rtapi::WaitSpec spec;
-    // Time stands: the machine is not to move on while its parts are being started.
-    spec.holds_time = true;
+    outside_work(session_.segment(), pid, spec);
     if (const auto* changed = view_.changed(); changed != nullptr) spec.watch(*changed);
     if (pidfd >= 0) spec.watch_fd(pidfd);
     const auto found = view_.find_component(component);
@@ -111,6 +117,7 @@ Status Commander::wait_exit(pid_t pid, const std::string& program, bool ignore_s
   int status = -1;
   while ((status = child_status(pid)) < 0 && !clock_->stopped()) {
     rtapi::WaitSpec spec;
+    outside_work(session_.segment(), pid, spec);
     if (pidfd >= 0)
       spec.watch_fd(pidfd);
     else
@@ -183,6 +190,7 @@ Status Commander::sleep(Words w) {
     spec.wake_at(until);
     clock_->wait(spec);
   }
+  if (clock_->now() < until) return fail(Errc::cancelled, "sleep: stopped");
   return {};
 }
 

@@ -9,8 +9,11 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <vector>
 
+#include "rtapi/clock/join_clock.hpp"
+#include "rtapi/log/log.hpp"
 #include "rtapi/shm/segment.hpp"
 
 namespace kerf::hal {
@@ -19,6 +22,29 @@ using rtapi::Errc;
 using rtapi::fail;
 using rtapi::Result;
 
+namespace {
+
+/// Value of LD_PRELOAD that puts a program on the instance's virtual clock; "" on the real one.
+std::string preload_for(const rtapi::Segment& segment, const std::string& program) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return {};  // the sanitizer's runtime would have to come first, in programs that have none
+#endif
+  if (rtapi::clock_mode(segment) != rtapi::ClockMode::virtual_time) return {};
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto shim = self.parent_path().parent_path() / "lib" / "libkerf_time.so";
+  if (error || !std::filesystem::exists(shim, error)) {
+    rtapi::log_message(rtapi::Level::warning,
+                       "%s is not deterministic: %s is missing, so it sleeps in real time",
+                       program.c_str(), shim.c_str());
+    return {};
+  }
+  const char* before = std::getenv("LD_PRELOAD");
+  return before != nullptr && *before != '\0' ? shim.string() + ":" + before : shim.string();
+}
+
+}  // namespace
+
 Result<pid_t> start_program(std::span<const std::string> argv, const rtapi::Segment& segment) {
   std::vector<char*> args;
   std::vector<std::string> copy(argv.begin(), argv.end());
@@ -26,6 +52,7 @@ Result<pid_t> start_program(std::span<const std::string> argv, const rtapi::Segm
   args.push_back(nullptr);
   const std::string& instance = segment.instance();
   const std::string run_id(segment.header().run_id.view());
+  const std::string preload = preload_for(segment, copy[0]);
   int report[2];
   // The pipe closes by exec; what comes through it is the errno of a failed one.
   if (::pipe2(report, O_CLOEXEC) != 0)
@@ -44,6 +71,7 @@ Result<pid_t> start_program(std::span<const std::string> argv, const rtapi::Segm
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
     ::setenv("KERF_INSTANCE", instance.c_str(), 1);
     if (!run_id.empty()) ::setenv("KERF_RUN_ID", run_id.c_str(), 1);
+    if (!preload.empty()) ::setenv("LD_PRELOAD", preload.c_str(), 1);
     ::execvp(args[0], args.data());
     const int why = errno;
     (void)!::write(report[1], &why, sizeof why);

@@ -15,7 +15,8 @@ class Segment;
 
 namespace kerf::hal {
 
-/// Starts argv[0], searched in PATH, in a process group of its own with KERF_INSTANCE and KERF_RUN_ID in its environment.
+/// Starts argv[0], searched in PATH, in a process group of its own with KERF_INSTANCE and KERF_RUN_ID in its environment. On the
+/// virtual clock its sleeps become virtual (libkerf_time.so is preloaded; Kerf's own programs join the clock themselves).
 /// not_found when it could not be executed.
 rtapi::Result<pid_t> start_program(std::span<const std::string> argv,
                                    const rtapi::Segment& segment);

@@ -97,9 +97,10 @@ Status Host::publish_list(Thread& thread, std::vector<FunctionRecord*> functions
   std::erase_if(old_lists_, [](const OldList& old) {
     return old.thread->ticking.get() == 0 || old.thread->cycles.observe() > old.cycles;
   });
-  const std::uint64_t cycles = record.cycles.observe();
   thread.runner->swap_list(list.get());
-  // The cycle that runs now, number cycles + 1, may be in the old list; the one after it is not.
+  // Counted after the swap: the cycle that runs now, number cycles + 1, may be in the old list; the one after it is not.
+  rtapi::full_fence();
+  const std::uint64_t cycles = record.cycles.observe();
   if (thread.list != nullptr) {
     old_lists_.push_back({&record, cycles, std::move(thread.entries), std::move(thread.list)});
   }

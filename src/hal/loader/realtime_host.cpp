@@ -20,8 +20,7 @@ void RealtimeHost::look_at_threads(rtapi::Nanos now) {
 
 void RealtimeHost::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   if (server_ != nullptr) {
-    while (server_->serve()) {
-    }
+    if (!server_->serve_all()) next.wake_at(now);
     server_->watch(now, next);
   }
   look_at_threads(now);

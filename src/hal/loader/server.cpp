@@ -12,6 +12,8 @@ using rtapi::Result;
 namespace {
 /// Requests of one client that are done before the others have their turn.
 constexpr int kBatch = 64;
+/// A client that never stops asking must not keep cycles, signals and the end of the supervisor waiting.
+constexpr int kMostRounds = 16;
 }  // namespace
 
 Result<std::unique_ptr<Server>> Server::open(Host& host, rtapi::Segment& segment,
@@ -85,6 +87,12 @@ bool Server::serve() {
     clients_.erase(clients_.begin() + static_cast<std::ptrdiff_t>(i));
   }
   return worked;
+}
+
+bool Server::serve_all() {
+  for (int round = 0; round < kMostRounds; ++round)
+    if (!serve()) return true;
+  return false;
 }
 
 void Server::watch(rtapi::Nanos now, rtapi::WaitSpec& spec) const {

@@ -28,6 +28,8 @@ class Server {
 
   /// Does all that clients have asked for so far. True when there was something.
   bool serve();
+  /// serve() until nothing is left, or until other work of the host must have its turn (false).
+  bool serve_all();
   /// What to wait for until serve() has work again.
   void watch(rtapi::Nanos now, rtapi::WaitSpec& spec) const;
   [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }

@@ -25,7 +25,6 @@ void ThreadRunner::run_cycle(rtapi::Nanos /*scheduled*/, rtapi::Nanos actual) no
         }
       }
     }
-    current_ = nullptr;
     record_.running.set(0);
     items_.threadbeat = items_.threadbeat.last() + 1;
   } else {
@@ -38,14 +37,18 @@ void ThreadRunner::run_cycle(rtapi::Nanos /*scheduled*/, rtapi::Nanos actual) no
 void ThreadRunner::run_timed(const RunList& list, const Period& period) noexcept {
   const rtapi::Nanos begin = clock_.now();
   rtapi::Nanos last = begin;
+  std::int32_t longest = -1;
   for (std::size_t i = 0; i < list.count; ++i) {
     RunEntry e = list.entries[i];
     record_.running.set(e.record_offset);
-    current_ = e.record->name.c_str();
     e.thunk(e.object, period);
     const rtapi::Nanos now = clock_.now();
     const std::int32_t took = clamped(now - last);
     last = now;
+    if (took > longest) {
+      longest = took;
+      slowest_ = e.record->name.c_str();
+    }
     e.time = took;
     const bool longer = took > e.tmax.get();
     if (longer) e.tmax = took;

@@ -50,8 +50,8 @@ class ThreadRunner {
   [[nodiscard]] const char* name() const noexcept { return record_.name.c_str(); }
   [[nodiscard]] std::int64_t period_ns() const noexcept { return record_.period_ns; }
   [[nodiscard]] ThreadRecord& record() noexcept { return record_; }
-  /// Name of the function that runs now; for CyclicThread's overrun report.
-  [[nodiscard]] const char* const* breadcrumb() const noexcept { return &current_; }
+  /// Name of the function that took longest in the last cycle; for CyclicThread's overrun report.
+  [[nodiscard]] const char* const* breadcrumb() const noexcept { return &slowest_; }
 
   /// @nonrt. The old list may be in use until the thread has finished a cycle.
   const RunList* swap_list(const RunList* list) noexcept {
@@ -69,7 +69,7 @@ class ThreadRunner {
   Items items_;
   bool timed_;
   rtapi::Nanos last_{0};
-  const char* current_{nullptr};
+  const char* slowest_{nullptr};
   Word<const RunList*> list_{nullptr};
 };
 

@@ -129,8 +129,8 @@ using Status = Result<void, Error>;
       return ::kerf::rtapi::Failure{kerf_status_.error()}; \
   } while (false)
 
-#define KERF_CONCAT_(a, b) a##b
-#define KERF_CONCAT(a, b) KERF_CONCAT_(a, b)
+#define KERF_CONCAT_OF(a, b) a##b
+#define KERF_CONCAT(a, b) KERF_CONCAT_OF(a, b)
 /// `KERF_TRY(auto x, f());` declares x from the value of f(), or returns f()'s error.
 #define KERF_TRY(declaration, expr)                                             \
   auto KERF_CONCAT(kerf_result_, __LINE__) = (expr);                            \

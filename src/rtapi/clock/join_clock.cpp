@@ -43,12 +43,23 @@ ClockMode clock_mode(const Segment& segment) {
   return find_virtual(segment) != nullptr ? ClockMode::virtual_time : ClockMode::real;
 }
 
-Result<std::unique_ptr<WaitClock>> join_clock(Segment& segment, Role role, std::string_view name) {
+Result<std::unique_ptr<WaitClock>> join_clock(Segment& segment, Role role, std::string_view name,
+                                              bool foreign) {
   ClockBlock* block = find_virtual(segment);
   if (block == nullptr) return make_real_clock();
-  auto joined = VirtualClock::join(segment, *block, role, name);
+  auto joined = VirtualClock::join(segment, *block, role, name, foreign);
   if (!joined.ok()) return Failure{joined.error()};
   return std::unique_ptr<WaitClock>(std::move(*joined));
+}
+
+bool lives_in_virtual_time(const Segment& segment, std::int64_t process_group) {
+  ClockBlock* block = find_virtual(segment);
+  return block != nullptr && VirtualClock::has_group(*block, process_group);
+}
+
+const Cell* clock_joins(const Segment& segment) {
+  const ClockBlock* block = find_virtual(segment);
+  return block == nullptr ? nullptr : &block->joins;
 }
 
 std::unique_ptr<WaitClock> make_real_clock() { return std::make_unique<RealClock>(); }

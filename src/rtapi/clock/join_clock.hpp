@@ -22,7 +22,17 @@ ClockMode clock_mode(const Segment& segment);
 
 /// Once for each thread that runs a participant. On the virtual clock the call returns when it is this participant's turn to
 /// run, and virtual time stands while it runs, so join late and wait soon.
-Result<std::unique_ptr<WaitClock>> join_clock(Segment& segment, Role role, std::string_view name);
+///
+/// `foreign`: the thread belongs to a program that does not know of the clock; when it keeps others waiting for a second, time goes
+/// on without it until its next wait.
+Result<std::unique_ptr<WaitClock>> join_clock(Segment& segment, Role role, std::string_view name,
+                                              bool foreign = false);
+
+/// True when a process of this process group lives in the instance's virtual time. Whoever waits for such a process must not
+/// hold time.
+bool lives_in_virtual_time(const Segment& segment, std::int64_t process_group);
+/// Notified each time somebody joins or leaves the virtual clock; nullptr on the real one.
+const Cell* clock_joins(const Segment& segment);
 
 /// A real clock without a segment.
 std::unique_ptr<WaitClock> make_real_clock();

@@ -1,5 +1,6 @@
 #include "rtapi/clock/virtual_clock.hpp"
 
+#include <dlfcn.h>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
@@ -22,6 +23,8 @@ namespace {
 
 /// How often, in real ms, a waiting participant looks whether the one that runs is still alive.
 constexpr int kLivenessMs = 100;
+/// Real time for which a program that does not know of the clock may run between two waits.
+constexpr Nanos kForeignMayKeep = kSecond;
 /// Real time after which the holder of time or baton is named on stderr.
 constexpr Nanos kNameHolderAfter = 5 * kSecond;
 
@@ -55,7 +58,14 @@ std::string VirtualClock::address(std::int32_t slot) const {
 }
 
 Result<std::unique_ptr<VirtualClock>> VirtualClock::join(Segment& segment, ClockBlock& block,
-                                                         Role role, std::string_view name) {
+                                                         Role role, std::string_view name,
+                                                         bool foreign) {
+  if (!foreign) {
+    // A shim that was preloaded into this process has nothing to do any more.
+    using Disable = void();
+    if (auto* disable = reinterpret_cast<Disable*>(dlsym(RTLD_DEFAULT, "kerf_time_shim_disable")))
+      disable();
+  }
   auto clock = std::unique_ptr<VirtualClock>(new VirtualClock(segment, block));
   clock->instance_ = segment.instance();
   clock->stop_fd_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
@@ -65,17 +75,16 @@ Result<std::unique_ptr<VirtualClock>> VirtualClock::join(Segment& segment, Clock
   {
     const Lock lock(block);
     clock->drop_dead();
-    for (std::int32_t i = 0; i < ClockBlock::kSlots && clock->me_ < 0; ++i)
-      if (block.slot[i].state == ClockSlot::State::free) clock->me_ = i;
+    for (std::int32_t i = 0; i < ClockBlock::kSlots && clock->me_ < 0; ++i) {
+      if (block.slot[i].state != ClockSlot::State::free) continue;
+      sockaddr_un sun{};
+      const socklen_t length = abstract_address(clock->address(i), sun);
+      // The address of a slot that has just become free may still be in use: take the next.
+      if (bind(clock->socket_, reinterpret_cast<const sockaddr*>(&sun), length) == 0)
+        clock->me_ = i;
+    }
     if (clock->me_ < 0)
       return fail(Errc::no_memory, "more than 64 participants on the virtual clock");
-    sockaddr_un sun{};
-    const socklen_t length = abstract_address(clock->address(clock->me_), sun);
-    if (bind(clock->socket_, reinterpret_cast<const sockaddr*>(&sun), length) != 0) {
-      clock->me_ = -1;
-      return fail(Errc::system,
-                  std::string("cannot bind the clock's socket: ") + std::strerror(errno));
-    }
     ClockSlot& slot = block.slot[clock->me_];
     slot = ClockSlot{};
     slot.state = ClockSlot::State::waiting;
@@ -84,7 +93,9 @@ Result<std::unique_ptr<VirtualClock>> VirtualClock::join(Segment& segment, Clock
     slot.pid = getpid();
     slot.pid_start = process_start_time(slot.pid);
     slot.name = FixedString<31>(name);
+    slot.foreign = foreign;
     slot.until = block.now_ns.get();
+    block.joins.notify();
   }
   WaitSpec at_once;
   at_once.until = block.now_ns.get();
@@ -93,9 +104,11 @@ Result<std::unique_ptr<VirtualClock>> VirtualClock::join(Segment& segment, Clock
 }
 
 VirtualClock::~VirtualClock() {
-  if (me_ >= 0) {
+  // A forked child has this object too, but not the place.
+  if (me_ >= 0 && owner_pid_ == getpid()) {
     const Lock lock(block_);
     block_.slot[me_].state = ClockSlot::State::free;
+    block_.joins.notify();
     if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
     if (block_.baton == me_ || block_.baton == ClockBlock::kNobody) {
       block_.baton = ClockBlock::kNobody;
@@ -167,6 +180,7 @@ bool VirtualClock::hand_to(std::int32_t slot) noexcept {
   block_.baton = slot;
   block_.slot[slot].state = ClockSlot::State::running;
   block_.slot[slot].outside_ready = false;
+  if (block_.slot[slot].foreign) block_.foreign_since_ns = monotonic_now();
   if (slot == me_) return true;
   sockaddr_un sun{};
   const socklen_t length = abstract_address(address(slot), sun);
@@ -217,6 +231,18 @@ void VirtualClock::drop_dead() noexcept {
   }
 }
 
+void VirtualClock::drop_baton_of_foreign() noexcept {
+  if (block_.baton == ClockBlock::kNobody) return;
+  const ClockSlot& holder = block_.slot[block_.baton];
+  if (!holder.foreign || monotonic_now() - block_.foreign_since_ns < kForeignMayKeep) return;
+  std::fprintf(
+      stderr,
+      "kerf: '%s' (process %lld) is not deterministic: it waits for something else than time\n",
+      holder.name.c_str(), static_cast<long long>(holder.pid));
+  // It stays `running`, so it is not counted until its next wait.
+  block_.baton = ClockBlock::kNobody;
+}
+
 void VirtualClock::evict(Segment& segment, std::int64_t pid) {
   auto found = segment.find<ClockBlock>(ClockBlock::kName);
   if (!found.ok() || (*found)->mode != ClockMode::virtual_time) return;
@@ -229,6 +255,14 @@ void VirtualClock::evict(Segment& segment, std::int64_t pid) {
       slot.pid_start = ~std::uint64_t{0};  // no process has this start time
   helper.drop_dead();
   helper.dispatch();
+}
+
+bool VirtualClock::has_group(ClockBlock& block, std::int64_t group) {
+  const Lock lock(block);
+  for (const ClockSlot& slot : block.slot)
+    if (slot.state != ClockSlot::State::free && getpgid(static_cast<pid_t>(slot.pid)) == group)
+      return true;
+  return false;
 }
 
 void VirtualClock::wait(const WaitSpec& spec) {
@@ -293,7 +327,10 @@ void VirtualClock::wait(const WaitSpec& spec) {
       n = 2;  // the baton is all that is missing now
     }
     if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
-    if (ready == 0) drop_dead();
+    if (ready == 0) {
+      drop_dead();
+      drop_baton_of_foreign();
+    }
     if (block_.baton == ClockBlock::kNobody) dispatch();
     if (block_.baton == me_) return;
     const ClockSlot* holder = stalled_by();

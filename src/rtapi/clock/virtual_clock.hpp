@@ -8,6 +8,7 @@
 #pragma once
 
 #include <pthread.h>
+#include <unistd.h>
 
 #include <memory>
 #include <string>
@@ -32,6 +33,7 @@ struct ClockSlot {
   FixedString<31> name;
   Nanos until{0};
   bool holds_time{false};
+  bool foreign{false};        ///< a program that does not know of the clock (libkerf_time.so)
   bool outside_ready{false};  ///< a descriptor became ready
   std::uint32_t cell_count{0};
   std::uint64_t cell[8]{};  ///< offsets in the segment
@@ -49,7 +51,9 @@ struct ClockBlock {
   std::int32_t baton{kNobody};   ///< slot that runs
   std::int32_t pacer{kNobody};   ///< slot that waits in real time before time moves on (speed > 0)
   std::uint32_t joined{0};
-  std::int64_t paced_real_ns{0};  ///< real and virtual time of the last step of a paced clock
+  Cell joins;                        ///< notified by each join and leave
+  std::int64_t foreign_since_ns{0};  ///< real time at which a foreign slot got the baton
+  std::int64_t paced_real_ns{0};     ///< real and virtual time of the last step of a paced clock
   std::int64_t paced_virtual_ns{0};
   ClockSlot slot[kSlots]{};
 };
@@ -57,7 +61,7 @@ struct ClockBlock {
 class VirtualClock final : public WaitClock {
  public:
   static Result<std::unique_ptr<VirtualClock>> join(Segment& segment, ClockBlock& block, Role role,
-                                                    std::string_view name);
+                                                    std::string_view name, bool foreign = false);
   ~VirtualClock() override;
   VirtualClock(const VirtualClock&) = delete;
   VirtualClock& operator=(const VirtualClock&) = delete;
@@ -69,6 +73,8 @@ class VirtualClock final : public WaitClock {
   void stop() noexcept override;
   [[nodiscard]] bool stopped() const noexcept override { return stop_.requested(); }
 
+  /// True when a process of this process group takes part.
+  static bool has_group(ClockBlock& block, std::int64_t group);
   /// Takes a dead process out at once (its parent knows first).
   static void evict(Segment& segment, std::int64_t pid);
 
@@ -78,6 +84,7 @@ class VirtualClock final : public WaitClock {
   Segment& segment_;
   ClockBlock& block_;
   std::int32_t me_{-1};
+  pid_t owner_pid_{getpid()};
   int socket_{-1};
   int stop_fd_{-1};
   StopWord stop_;
@@ -98,6 +105,8 @@ class VirtualClock final : public WaitClock {
   bool must_pace(Nanos next, Nanos& left) const noexcept;
   bool hand_to(std::int32_t slot) noexcept;
   void drop_dead() noexcept;
+  /// Takes the baton from a foreign program that keeps it: it blocks in a way that the shim does not see.
+  void drop_baton_of_foreign() noexcept;
   [[nodiscard]] std::string address(std::int32_t slot) const;
 };
 

@@ -148,8 +148,7 @@ class MainParticipant final : public rtapi::Participant {
     }
     supervisor_.watch(next);
     if (!clock_.is_virtual()) {
-      while (server_.serve()) {
-      }
+      if (!server_.serve_all()) next.wake_at(now);
       server_.watch(now, next);
       driver_.report_overruns();
       next.wake_at(now + kHousekeeping);

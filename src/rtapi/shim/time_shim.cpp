@@ -2,8 +2,9 @@
 // CLOCK_MONOTONIC become virtual, and each thread that waits becomes a participant of the clock.
 //
 // A thread joins at its first wait. From then on it runs only when it has the baton, so what it does between two waits takes
-// no virtual time. Waits that this file does not know (a futex, a blocking read) keep the baton; the clock names whoever
-// keeps it for 5 s.
+// no virtual time. Waits that this file does not know (a futex, a blocking read) keep the baton for a second; then time goes
+// on without the program, which is named as not deterministic. Kerf's own programs join the clock themselves and are left
+// alone.
 #include <dlfcn.h>
 #include <errno.h>
 #include <poll.h>
@@ -41,9 +42,22 @@ struct Guard {
   Guard& operator=(const Guard&) = delete;
 };
 
+/// True for Kerf's own programs: they stand in bin/ beside the folder of this library.
+bool is_own_program() {
+  Dl_info info{};
+  char self[4096];
+  const ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
+  if (n <= 0 || dladdr(reinterpret_cast<void*>(&is_own_program), &info) == 0) return false;
+  const std::string program(self, static_cast<std::size_t>(n));
+  const std::string library(info.dli_fname);
+  const std::string top = library.substr(0, library.rfind('/', library.rfind('/') - 1));
+  return program.rfind(top + "/bin/", 0) == 0;
+}
+
 kerf::rtapi::Segment* attached_segment() {
   // One mapping for the life of the process: threads may outlive any order of destruction.
   static kerf::rtapi::Segment* const segment = [] {
+    if (is_own_program()) return static_cast<kerf::rtapi::Segment*>(nullptr);
     auto found = kerf::rtapi::Segment::attach(kerf::rtapi::default_instance());
     if (!found.ok() || kerf::rtapi::clock_mode(**found) != kerf::rtapi::ClockMode::virtual_time)
       return static_cast<kerf::rtapi::Segment*>(nullptr);
@@ -52,12 +66,21 @@ kerf::rtapi::Segment* attached_segment() {
   return segment;
 }
 
+/// Set when the program joins the clock itself.
+bool disabled = false;  // NOLINT(readability-identifier-naming): not a constant
+
+std::unique_ptr<kerf::rtapi::WaitClock>& thread_clock() {
+  thread_local std::unique_ptr<kerf::rtapi::WaitClock> clock;
+  return clock;
+}
+
 /// This thread's clock, or nullptr when the instance runs in real time or is gone.
 kerf::rtapi::WaitClock* joined_clock() {
-  thread_local std::unique_ptr<kerf::rtapi::WaitClock> clock;
+  if (disabled) return nullptr;
+  auto& clock = thread_clock();
   if (!clock && attached_segment() != nullptr) {
     auto joined = kerf::rtapi::join_clock(*attached_segment(), kerf::rtapi::Role::user_component,
-                                          kerf::rtapi::process_name(getpid()));
+                                          kerf::rtapi::process_name(getpid()), true);
     if (joined.ok()) clock = std::move(*joined);
   }
   return clock.get();
@@ -80,6 +103,7 @@ bool virtual_sleep(Nanos until) {
 Nanos to_nanos(const timespec& t) { return static_cast<Nanos>(t.tv_sec) * kSecond + t.tv_nsec; }
 
 Nanos virtual_now() {
+  if (disabled) return -1;
   const Guard guard;
   kerf::rtapi::Segment* segment = attached_segment();
   return segment == nullptr ? -1 : kerf::rtapi::read_clock(*segment)->now();
@@ -114,6 +138,13 @@ bool use_virtual() {
 }  // namespace
 
 extern "C" {
+
+/// Called by a program that joins the clock itself (VirtualClock::join).
+void kerf_time_shim_disable() {
+  disabled = true;
+  const Guard guard;
+  thread_clock().reset();
+}
 
 int nanosleep(const timespec* wanted, timespec* left) {
   const Nanos now = inside ? -1 : virtual_now();

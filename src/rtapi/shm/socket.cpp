@@ -25,6 +25,14 @@ socklen_t abstract_address(const std::string& name, sockaddr_un& out) {
   return static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + n);
 }
 
+/// Abstract addresses have no file rights: only this user and root may be at the other end.
+bool peer_is_trusted(int fd) {
+  ucred peer{};
+  socklen_t length = sizeof peer;
+  return getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &length) == 0 &&
+         (peer.uid == geteuid() || peer.uid == 0);
+}
+
 Failure<Error> system_error(const std::string& what) {
   return fail(Errc::system, what + ": " + std::strerror(errno));
 }
@@ -60,12 +68,20 @@ Result<int> connect_seqpacket(const std::string& address) {
       return fail(Errc::not_found, "nobody listens on @" + address);
     return system_error("cannot connect to @" + address);
   }
+  if (!peer_is_trusted(fd)) {
+    close(fd);
+    return fail(Errc::permission, "another user listens on @" + address);
+  }
   (void)fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
   return fd;
 }
 
 Result<std::optional<int>> accept_seqpacket(int listener) {
   const int fd = accept4(listener, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  if (fd >= 0 && !peer_is_trusted(fd)) {
+    close(fd);
+    return std::optional<int>();
+  }
   if (fd >= 0) {
     const int bytes = static_cast<int>(2 * kMaxPacket);
     (void)setsockopt(fd, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);

@@ -45,6 +45,10 @@ class Word {
   std::atomic<T> value_{};
 };
 
+/// Everything written before is visible before anything read after. For "publish, then look whether somebody still uses the old
+/// one": a release store followed by a load may otherwise change places.
+inline void full_fence() noexcept { std::atomic_thread_fence(std::memory_order_seq_cst); }
+
 /// A request to stop, checked by whoever runs long. Set once, never cleared but by its owner between runs.
 class StopWord {
  public:
