@@ -5,6 +5,10 @@
 #include <cmath>
 
 namespace kerf::motion {
+namespace {
+/// Below this a joint's distance from what the inverse kinematics say is rounding (mm, degrees).
+constexpr double kSameJoint = 1e-9;
+}  // namespace
 
 Controller::Controller(const Kinematics& kinematics, SpanRing& spans, FaultRing& planner_faults,
                        std::int32_t joints, std::int32_t spindles) noexcept
@@ -182,6 +186,13 @@ void Controller::settle() noexcept {
     q[j] = joint_[j].pos_cmd;
   }
   (void)kinematics_.forward(q, pose_);
+  // What the pose cannot say: a joint of a gantry that stands beside its partner stays beside it.
+  JointVector back = q;
+  const bool known = kinematics_.inverse(pose_, back);
+  for (std::size_t j = 0; j < joints_; ++j) {
+    const double skew = q[j] - back[j];
+    skew_[j] = known && std::abs(skew) > kSameJoint ? skew : 0.0;
+  }
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) axis_[i].place(pose_[i]);
   executor_.place(pose_);
 }

@@ -92,6 +92,7 @@ class Controller {
   Homing homing_;
   Guard guard_;
   Joint joint_[kMaxJoints];
+  double skew_[kMaxJoints]{};  ///< of a joint from its place by the inverse kinematics; set at rest
   AxisMover axis_[rtapi::kAxes];
   AxisConfig axis_limit_[rtapi::kAxes];  ///< of the axis and of the joints that it moves alone
 

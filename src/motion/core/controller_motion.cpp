@@ -226,13 +226,13 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
 
 void Controller::move_joints() noexcept {
   JointVector q{};
-  for (std::size_t j = 0; j < joints_; ++j) q[j] = joint_[j].pos_cmd;
+  for (std::size_t j = 0; j < joints_; ++j) q[j] = joint_[j].pos_cmd - skew_[j];
   if (!kinematics_.inverse(pose_, q)) {
     raise(faults_, Fault::no_inverse, -1, 0, 0, status_.current);
     disable();
     return;
   }
-  for (std::size_t j = 0; j < joints_; ++j) joint_[j].pos_cmd = q[j];
+  for (std::size_t j = 0; j < joints_; ++j) joint_[j].pos_cmd = q[j] + skew_[j];
 }
 
 }  // namespace kerf::motion

@@ -327,6 +327,39 @@ TEST(Jog, OffAHardLimitOnlyTheWayBackIsOpen) {
   EXPECT_LT(rig.status().joint[0].pos_cmd, -0.1);
 }
 
+TEST(Controller, AJointOfAGantryThatWasMovedAloneNeverSteps) {
+  for (const MotionMode mode : {MotionMode::teleop, MotionMode::coordinated}) {
+    Rig rig({0, 1, 1, 2});
+    rig.ready();
+    rig.intent.mode = MotionMode::free;
+    rig.run(2);
+    jog(rig, 2, JogIntent::Kind::incremental, 50, 10);
+    rig.run(500);
+    ASSERT_EQ(rig.status().joint[2].pos_cmd, 10);
+    rig.intent.mode = mode;
+    rig.run(5);
+    ASSERT_EQ(rig.status().mode, mode);
+    EXPECT_EQ(rig.status().joint[1].pos_cmd, 0);
+    EXPECT_EQ(rig.status().joint[2].pos_cmd, 10);
+    if (mode == MotionMode::teleop) {
+      jog(rig, 1, JogIntent::Kind::incremental, 50, 3);
+      rig.run(500);
+    } else {
+      rig.line({.x = 1, .y = 3}, 50);
+      rig.finish();
+    }
+    EXPECT_NEAR(rig.status().joint[1].pos_cmd, 3, 1e-12);
+    EXPECT_NEAR(rig.status().joint[2].pos_cmd, 13, 1e-12);
+    rig.orders.enable = false;
+    rig.run(3);
+    rig.enable();
+    rig.run(3);
+    EXPECT_TRUE(rig.status().enabled);
+    EXPECT_NEAR(rig.status().joint[2].pos_cmd, 13, 1e-12) << "nor at switching on";
+    EXPECT_TRUE(rig.faults.empty());
+  }
+}
+
 TEST(Guard, ReportsTheFirstBreakOnce) {
   // Limits lowered behind the planner's back, so that the oracle has something to find.
   Rig rig;
