@@ -4,6 +4,7 @@
 #include <new>
 
 #include "motion/api/joint_log.hpp"
+#include "motion/motmod/read_orders.hpp"
 
 namespace kerf::motion {
 namespace {
@@ -166,10 +167,7 @@ void Motmod::command_handler(const hal::Period&) noexcept {
   }
   const std::uint64_t version = cell.values.version();
   if (version != intent_version_ && cell.values.read(intent_, 2)) intent_version_ = version;
-  orders_.abort_epoch = cell.abort_epoch.get();
-  orders_.enable = cell.enable.get() != 0;
-  orders_.hold = cell.hold.get() != 0;
-  orders_.heartbeat = cell.heartbeat.get();
+  read_orders(cell, orders_);
   orders_.path_ring_empty = shared_->path.empty();
 }
 

@@ -7,6 +7,7 @@
 #include "hal/core/test_builder.hpp"
 #include "motion/api/kinematics.hpp"
 #include "motion/api/shared.hpp"
+#include "motion/motmod/read_orders.hpp"
 #include "rtapi/clock/clock.hpp"
 
 extern "C" const kerf::hal::Module kerf_hal_module_motmod;
@@ -233,6 +234,37 @@ TEST(Motmod, ThePlannerSleepsWhenThereIsNothingToDo) {
       s.hal.set(std::string(j) + "fb", s.hal.get<double>(std::string(j) + "cmd"));
   }
   for (const rtapi::CellWatch& w : next.cells) EXPECT_EQ(w.cell->count(), w.seen);
+}
+
+/// An intent cell in which task aborts between the reader's first word of the three and the next.
+struct AbortingCell {
+  struct Word {
+    const AbortingCell* cell;
+    std::uint64_t before, after;
+    [[nodiscard]] std::uint64_t get() const { return cell->aborted++ == 0 ? before : after; }
+    [[nodiscard]] std::uint64_t observe() const { return get(); }
+  };
+  struct Beat {
+    [[nodiscard]] std::uint64_t get() const { return 0; }
+    [[nodiscard]] std::uint64_t observe() const { return 0; }
+  };
+  mutable int aborted{0};
+  struct Epoch {
+    const AbortingCell* cell;
+    [[nodiscard]] std::uint32_t get() const { return cell->aborted++ == 0 ? 1 : 2; }
+    [[nodiscard]] std::uint32_t observe() const { return get(); }
+  };
+  Beat heartbeat;
+  Word hold{this, 1, 0}, enable{this, 1, 0};
+  Epoch abort_epoch{this};
+};
+
+TEST(Motmod, AnAbortIsSeenByWhoeverSeesTheHoldTakenAway) {
+  Orders orders;
+  const AbortingCell cell;
+  read_orders(cell, orders);
+  EXPECT_TRUE(orders.hold || orders.abort_epoch == 2) << "the old path would run on for a cycle";
+  EXPECT_EQ(orders.abort_epoch, 2U);
 }
 
 TEST(Trivkins, LettersMayComeAgain) {
