@@ -13,6 +13,8 @@ constexpr double kMetricLength = 1e-7;
 /// An end on the ray from the centre through the start, within this (mm), is a full turn.
 constexpr double kFullCircleAcross = 1e-7;
 constexpr double kSmallestRadius = 1e-9;
+/// Arcs that turn farther [rad] get a closed bound of their extent.
+constexpr double kClosedBound = 2 * kTwoPi;
 
 double norm3(double x, double y, double z) noexcept { return std::sqrt(x * x + y * y + z * z); }
 double dot3(const double* a, const double* b) noexcept {
@@ -60,6 +62,18 @@ Pose slope_in(const Curve& c, const Frame& f, double phi) noexcept {
   }
   for (std::size_t i = 3; i < rtapi::kAxes; ++i) d[i] = (c.end[i] - c.start[i]) / c.angle;
   return d;
+}
+
+/// Bound of an arc of many turns: its rings all around, at their largest, moved along the axis. O(1), never too small.
+template <class Take>
+void take_rings(const Curve& c, Take&& take) noexcept {
+  const double r = std::max(c.radius, c.radius + c.growth * c.angle);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double reach = r * std::hypot(c.radial[i], c.side[i]);
+    const double along = c.axial * c.angle * c.normal[i];
+    take(i, c.base[i] + std::min(0.0, along) - reach);
+    take(i, c.base[i] + std::max(0.0, along) + reach);
+  }
 }
 
 }  // namespace
@@ -215,8 +229,9 @@ void extent_of(const Curve& c, Pose& low, Pose& high) noexcept {
   low = high = c.start;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) take(i, c.end[i]);
   if (c.shape != Curve::Shape::arc) return;
+  if (c.angle > kClosedBound) return take_rings(c, take);
   // Extremes of XYZ: where the slope changes its sign between two samples, found by bisection.
-  const int samples = static_cast<int>(std::min(c.angle / 0.1, 4096.0)) + 2;
+  const int samples = static_cast<int>(c.angle / 0.1) + 2;
   double phi0 = 0;
   Pose slope0 = arc_slope(c, 0);
   for (int k = 1; k <= samples; ++k) {

@@ -180,6 +180,22 @@ TEST(Geometry, ExtentSeesTheBulgeOfAnArc) {
   EXPECT_EQ(low.b, -2);
 }
 
+TEST(Geometry, ExtentOfManyTurnsHoldsEveryTurn) {
+  // Counts of turns at which evenly spaced samples would all fall on the same angle.
+  for (const int turns : {2, 3, 4, 100, 4097, 4098, 4099, 8196}) {
+    Curve c;
+    Pose low, high;
+    ASSERT_TRUE(make_arc({.x = 5}, arc({.x = 5, .z = 9}, 0, 0, 0, 0, 0, 1, turns), c));
+    extent_of(c, low, high);
+    EXPECT_NEAR(low.x, -5, 1e-9) << turns;
+    EXPECT_NEAR(low.y, -5, 1e-9) << turns;
+    EXPECT_NEAR(high.y, 5, 1e-9) << turns;
+    EXPECT_NEAR(high.x, 5, 1e-9) << turns;
+    EXPECT_NEAR(low.z, 0, 1e-9) << turns;
+    EXPECT_NEAR(high.z, 9, 1e-9) << turns;
+  }
+}
+
 TEST(Geometry, ImpossibleMovesAreRefused) {
   Curve c;
   EXPECT_FALSE(make_line({}, {.x = std::nan("")}, kAll, c));
