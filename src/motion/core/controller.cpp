@@ -159,8 +159,10 @@ bool Controller::joint_fault(std::size_t j, const Orders& orders) noexcept {
     raise(faults_, Fault::amp_fault, index, 0, 0, status_.current);
     return joint.error = true;
   }
-  if (!joint.ignore_limits && !orders.values->override_limits &&
-      (joint.neg_limit || joint.pos_limit)) {
+  // Overriding is for jogging off a switch: it never opens the limits to the path or to homing.
+  const bool over =
+      orders.values->override_limits && !homing_.active() && mode_ != MotionMode::coordinated;
+  if (!joint.ignore_limits && !over && (joint.neg_limit || joint.pos_limit)) {
     raise(faults_, joint.neg_limit ? Fault::joint_hard_limit_min : Fault::joint_hard_limit_max,
           index, joint.pos_fb, 0, status_.current);
     return joint.error = true;

@@ -142,8 +142,15 @@ void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
     if (want.axis_jog[i].seq == axis_jog_seen_[i]) continue;
     const bool exists = (kinematics_.axis_mask() >> i & 1U) != 0;
     const AxisConfig& c = axis_limit_[i];
+    double low = c.min_limit, high = c.max_limit;
+    for (std::size_t j = 0; j < joints_ && want.override_limits; ++j) {
+      if (kinematics_.axis_of_joint(static_cast<std::int32_t>(j)) != static_cast<std::int32_t>(i))
+        continue;
+      if (joint_[j].neg_limit) low = axis_[i].position();
+      if (joint_[j].pos_limit) high = axis_[i].position();
+    }
     take_jog(want.axis_jog[i], axis_jog_seen_[i], ready && exists && mode_ == MotionMode::teleop,
-             axis_[i], static_cast<std::int32_t>(i), c.max_vel, c.min_limit, c.max_limit);
+             axis_[i], static_cast<std::int32_t>(i), c.max_vel, low, high);
   }
 }
 

@@ -327,6 +327,51 @@ TEST(Jog, OffAHardLimitOnlyTheWayBackIsOpen) {
   EXPECT_LT(rig.status().joint[0].pos_cmd, -0.1);
 }
 
+TEST(Jog, AnAxisOnAnOverriddenHardLimitGoesTheWayBackOnly) {
+  Rig rig({0, 1, 1});
+  rig.ready();
+  rig.intent.mode = MotionMode::teleop;
+  rig.intent.override_limits = true;
+  rig.run(3);
+  rig.in.joint[2].neg_limit = true;
+  rig.run(3);
+  ASSERT_TRUE(rig.status().enabled);
+  jog(rig, 1, JogIntent::Kind::continuous, -10);
+  rig.run(50);
+  EXPECT_EQ(rig.status().pos_cmd.y, 0);
+  EXPECT_TRUE(rig.saw(Fault::jog_beyond_limit));
+  jog(rig, 1, JogIntent::Kind::continuous, 10);
+  rig.run(50);
+  EXPECT_GT(rig.status().pos_cmd.y, 0.1);
+}
+
+TEST(Controller, OverridingLimitsIsForJoggingOnly) {
+  Rig path;
+  path.ready();
+  path.intent.override_limits = true;
+  path.line({.x = 100}, 50);
+  path.run(100);
+  path.in.joint[0].pos_limit = true;
+  path.run(2);
+  EXPECT_TRUE(path.saw(Fault::joint_hard_limit_max));
+  EXPECT_FALSE(path.status().enabled);
+
+  Rig home;
+  home.config.joint[0].home_search_vel = 20;
+  home.config.joint[0].home_latch_vel = -5;
+  home.apply_config();
+  home.enable();
+  home.intent.override_limits = true;
+  ++home.intent.home_seq;
+  home.intent.home_joint = 0;
+  home.run(50);
+  ASSERT_TRUE(home.status().homing_active);
+  home.in.joint[0].pos_limit = true;
+  home.run(2);
+  EXPECT_TRUE(home.saw(Fault::joint_hard_limit_max));
+  EXPECT_FALSE(home.status().enabled);
+}
+
 TEST(Controller, AJointOfAGantryThatWasMovedAloneNeverSteps) {
   for (const MotionMode mode : {MotionMode::teleop, MotionMode::coordinated}) {
     Rig rig({0, 1, 1, 2});
