@@ -76,6 +76,7 @@ class SimAxis final : public hal::Component<SimAxis> {
   }
 
   void move(double dt) noexcept {
+    if (!std::isfinite(pos_cmd_)) return;  // a motor goes nowhere on a command that is no number
     const double lag_s = lag_s_, max_step = max_velocity_ * dt;
     double step = pos_cmd_ + origin_ - motor_;
     const bool exact = !(lag_s > 0.0) && !(max_step > 0.0);

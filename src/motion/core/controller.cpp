@@ -167,6 +167,12 @@ bool Controller::joint_fault(std::size_t j, const Orders& orders) noexcept {
           index, joint.pos_fb, 0, status_.current);
     return joint.error = true;
   }
+  // A position that is no number compares with nothing: neither the limits below nor the drive would notice it.
+  if (!std::isfinite(joint.pos_fb)) {
+    raise(faults_, Fault::following_error, index, joint.pos_fb, c.ferror, status_.current);
+    joint.ferrored = true;
+    return joint.error = true;
+  }
   if (!enabled_) return false;
   // Manual, FERROR: the limit grows with the speed, from MIN_FERROR to FERROR at the joint's full speed.
   joint.ferror = joint.pos_cmd - joint.pos_fb;

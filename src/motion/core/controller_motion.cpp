@@ -186,11 +186,12 @@ void Controller::take_jog(const JogIntent& jog, std::uint32_t& seen, bool allowe
 void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcept {
   const Intent& want = *orders.values;
   JointVector feedback{};
-  for (std::size_t j = 0; j < joints_; ++j) feedback[j] = joint_[j].pos_fb;
+  for (std::size_t j = 0; j < joints_; ++j)
+    feedback[j] = std::isfinite(joint_[j].pos_fb) ? joint_[j].pos_fb : joint_[j].pos_cmd;
   pose_fb_ = pose_;
   (void)kinematics_.forward(feedback, pose_fb_);
   if (!enabled_) {
-    for (std::size_t j = 0; j < joints_; ++j) joint_[j].pos_cmd = joint_[j].pos_fb;
+    for (std::size_t j = 0; j < joints_; ++j) joint_[j].pos_cmd = feedback[j];
     pose_ = pose_fb_;
     guard_.follow(joints_, joint_);
     return;

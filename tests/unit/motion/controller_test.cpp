@@ -372,6 +372,31 @@ TEST(Controller, OverridingLimitsIsForJoggingOnly) {
   EXPECT_FALSE(home.status().enabled);
 }
 
+TEST(Controller, FeedbackThatIsNoNumberKeepsTheMachineOff) {
+  for (const double bad : {std::nan(""), static_cast<double>(INFINITY)}) {
+    Rig rig;
+    rig.follow = false;
+    rig.in.joint[1].motor_pos_fb = 3;
+    rig.run(2);
+    rig.in.joint[1].motor_pos_fb = bad;
+    rig.enable();
+    EXPECT_FALSE(rig.status().enabled);
+    EXPECT_TRUE(rig.saw(Fault::following_error));
+    EXPECT_EQ(rig.status().joint[1].pos_cmd, 3) << "the last place that was known";
+    EXPECT_EQ(rig.status().pos_cmd.y, 3);
+    EXPECT_EQ(rig.status().pos_fb.y, 3);
+    rig.in.joint[1].motor_pos_fb = 4;
+    rig.orders.enable = false;
+    rig.run(2);
+    rig.enable();
+    EXPECT_TRUE(rig.status().enabled);
+    rig.in.joint[1].motor_pos_fb = bad;
+    rig.run(2);
+    EXPECT_FALSE(rig.status().enabled);
+    EXPECT_EQ(rig.status().joint[1].pos_cmd, 4);
+  }
+}
+
 TEST(Controller, AJointOfAGantryThatWasMovedAloneNeverSteps) {
   for (const MotionMode mode : {MotionMode::teleop, MotionMode::coordinated}) {
     Rig rig({0, 1, 1, 2});
