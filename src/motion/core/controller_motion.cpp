@@ -167,10 +167,14 @@ void Controller::take_jog(const JogIntent& jog, std::uint32_t& seen, bool allowe
     raise(faults_, Fault::jog_while_not_ready, index);
     return;
   }
+  const double speed = std::min(std::abs(jog.vel), speed_limit);
+  if (speed <= 0) {
+    mover.stop();  // it would never arrive, and the machine never be at rest
+    return;
+  }
   const double here = mover.position();
   double target = jog.target;
-  if (jog.kind == Kind::continuous)
-    target = jog.vel > 0 ? here + kEndlessJog : jog.vel < 0 ? here - kEndlessJog : here;
+  if (jog.kind == Kind::continuous) target = jog.vel > 0 ? here + kEndlessJog : here - kEndlessJog;
   if (jog.kind == Kind::incremental) target = (mover.active() ? mover.target() : here) + jog.target;
   const bool up = target > here, down = target < here;
   if ((up && here >= high - kAtLimit) || (down && here <= low + kAtLimit)) {
@@ -180,7 +184,7 @@ void Controller::take_jog(const JogIntent& jog, std::uint32_t& seen, bool allowe
   // From outside the limits only the way back is open.
   if (up) target = std::min(target, high);
   if (down) target = std::max(target, low);
-  mover.go_to(target, std::min(std::abs(jog.vel), speed_limit));
+  mover.go_to(target, speed);
 }
 
 void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcept {

@@ -397,6 +397,22 @@ TEST(Controller, FeedbackThatIsNoNumberKeepsTheMachineOff) {
   }
 }
 
+TEST(Jog, OfNoSpeedIsNoJog) {
+  for (const auto kind : {JogIntent::Kind::incremental, JogIntent::Kind::absolute}) {
+    Rig rig;
+    rig.enable();
+    jog(rig, 0, kind, 0, 5);
+    rig.run(5);
+    EXPECT_FALSE(rig.status().jogging);
+    EXPECT_TRUE(rig.status().in_position);
+    jog(rig, 0, JogIntent::Kind::continuous, 50);
+    rig.run(50);
+    jog(rig, 0, kind, 0, 5);
+    rig.run(100);
+    EXPECT_FALSE(rig.status().jogging) << "ends the jog under way";
+  }
+}
+
 TEST(Controller, AJointOfAGantryThatWasMovedAloneNeverSteps) {
   for (const MotionMode mode : {MotionMode::teleop, MotionMode::coordinated}) {
     Rig rig({0, 1, 1, 2});
