@@ -10,7 +10,7 @@ namespace {
 using test::Kerf;
 using test::Mill;
 
-const std::string kFirstPart = std::string(KERF_SOURCE_DIR) + "/nc_files/examples/first_part.ngc";
+constexpr const char* kFirstPart = KERF_SOURCE_DIR "/nc_files/examples/first_part.ngc";
 
 testing::AssertionResult contains(const std::string& text, const std::string& part) {
   if (text.find(part) != std::string::npos) return testing::AssertionSuccess();
