@@ -147,7 +147,7 @@ rtapi::Status Task::connect() {
       p.setup, p.ini, *p.tools, p.session != nullptr ? hal_reader(p.segment) : HalReader{});
   p.interpreter = std::make_unique<InterpreterParticipant>(
       InterpreterParticipant::Parts{*p.motion, *p.shared, *p.exchange, *p.link, *p.tools, p.setup,
-                                    *p.environment, p.segment.instance()});
+                                    *p.environment, p.segment.instance(), p.segment});
   if (auto begun = p.interpreter->init(); !begun.ok()) {
     rtapi::Error error = begun.error();
     const ini::Entry* code = p.ini.find("RS274NGC", "RS274NGC_STARTUP_CODE");

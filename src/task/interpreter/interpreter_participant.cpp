@@ -100,7 +100,7 @@ void InterpreterParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   follow_abort();
   if (aborting_) resynchronise();
   if (!aborting_) work(next);
-  if (user_.running()) user_.add_to(next);
+  if (user_.running()) user_.add_to(next, p_.segment);
   if (pushed_) p_.motion.path_cell.notify();
   show();
   // Behind the view, so that whoever hears of an end also sees it.

@@ -35,6 +35,7 @@ class InterpreterParticipant final : public rtapi::Participant {
     const MachineSetup& setup;
     TaskEnvironment& environment;
     std::string instance;
+    const rtapi::Segment& segment;  ///< whose virtual time user programs may live in
   };
   explicit InterpreterParticipant(const Parts& parts);
   ~InterpreterParticipant() override;

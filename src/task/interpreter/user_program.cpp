@@ -12,6 +12,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "rtapi/clock/join_clock.hpp"
+
 extern char** environ;
 
 namespace kerf::task {
@@ -155,11 +157,12 @@ void UserProgram::terminate() {
     (void)::kill(-pid_, SIGKILL);
 }
 
-void UserProgram::add_to(rtapi::WaitSpec& spec) const {
+void UserProgram::add_to(rtapi::WaitSpec& spec, const rtapi::Segment& segment) const {
   if (pid_ <= 0) return;
   spec.watch_fd(pidfd_);
   if (grace_fd_ >= 0) spec.watch_fd(grace_fd_);
-  spec.holds_time = true;
+  if (const auto* joins = rtapi::clock_joins(segment); joins != nullptr) spec.watch(*joins);
+  spec.holds_time = !rtapi::lives_in_virtual_time(segment, pid_);
 }
 
 }  // namespace kerf::task

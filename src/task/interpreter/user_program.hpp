@@ -11,6 +11,10 @@
 #include "rtapi/base/result.hpp"
 #include "rtapi/clock/clock.hpp"
 
+namespace kerf::rtapi {
+class Segment;
+}
+
 namespace kerf::task {
 
 /// A child process in a process group of its own, so that what it starts ends with it on abort. Its standard error is kept
@@ -37,8 +41,8 @@ class UserProgram {
   /// Asks the group to end; poll() kills it when it has not within 200 ms of real time (the program lives outside of
   /// virtual time).
   void terminate();
-  /// Wakes the waiter at its end. Virtual time stands still meanwhile.
-  void add_to(rtapi::WaitSpec& spec) const;
+  /// Wakes the waiter at its end. Virtual time stands still meanwhile, unless the program itself waits in it (`halcmd sleep S`).
+  void add_to(rtapi::WaitSpec& spec, const rtapi::Segment& segment) const;
 
  private:
   void close_all();
