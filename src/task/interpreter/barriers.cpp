@@ -189,7 +189,7 @@ bool InterpreterParticipant::poll_tool(const char* what) {
   const io::IoState state = p_.io.state();
   if (barrier_.order == 0 || state.finished_order < barrier_.order) return false;
   tool_order_ = 0;
-  if (state.finished_well) return true;
+  if (state.finished_well) return news_.tool = true;
   fail_here(std::string(what) + ": " + std::string(state.failure.view()));
   return false;
 }
@@ -260,11 +260,13 @@ bool InterpreterParticipant::poll_input(const WaitInput& wait, rtapi::WaitSpec& 
   }
   if (met) {
     input_value_ = wait.analog ? status_.analog_in[index] : high ? 1 : 0;
+    news_.input = true;
     return true;
   }
   const rtapi::Nanos end = barrier_.since + rtapi::seconds(wait.timeout_s);
   if (now_ >= end) {
     input_value_ = -1;
+    news_.input = true;
     return true;
   }
   // Inputs have no cell: they are looked at once a servo cycle.

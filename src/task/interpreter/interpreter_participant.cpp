@@ -9,7 +9,6 @@
 namespace kerf::task {
 
 using interp::Outcome;
-using interp::SyncReason;
 
 namespace {
 
@@ -116,6 +115,7 @@ void InterpreterParticipant::follow_abort() {
   asides_.clear();
   barrier_ = {};
   tool_order_ = 0;
+  news_ = {};
   pending_seq_ = 0;
   stopped_ = false;
   ring_full_ = false;
@@ -182,6 +182,7 @@ bool InterpreterParticipant::push(const PathBody& body, const motion::SourceTag&
   item.body = body;
   ring_full_ = !p_.motion.path.push(item);
   if (ring_full_) return false;
+  news_.probe = news_.probe || std::holds_alternative<motion::ProbeMove>(body);
   pending_seq_ = ++last_seq_;
   pushed_ = true;
   return true;
@@ -269,39 +270,43 @@ void InterpreterParticipant::store_tool_changes() {
   }
 }
 
+std::optional<motion::Pose> InterpreterParticipant::moved_position() const {
+  // Only a machine that was moved by somebody else is asked where it stands: rounding must not creep into programs. The way to the
+  // tool change position is the canon's own; the interpreter knows nothing of it.
+  const interp::ModalState& modal = interp_.modal();
+  if (!far_apart(status_.pos_cmd, canon_.state().position) &&
+      !far_apart(status_.pos_cmd, modal.frame.to_machine(modal.position)))
+    return std::nullopt;
+  return status_.pos_cmd;
+}
+
 void InterpreterParticipant::sync_position() {
-  if (!far_apart(status_.pos_cmd, canon_.state().position)) return;
-  canon_.set_position(status_.pos_cmd);
-  interp_.synchronize({.machine_position = status_.pos_cmd});
+  const auto moved = moved_position();
+  if (!moved) return;
+  canon_.set_position(*moved);
+  interp_.synchronize({.machine_position = *moved});
+}
+
+void InterpreterParticipant::tell_interpreter() {
+  interp::ExternalState state;
+  if (news_.tool) {
+    const io::IoState io = p_.io.state();
+    state.tool_in_spindle = io.tool_in_spindle;
+    state.pocket_in_spindle = io.pocket_in_spindle;
+  }
+  if (news_.input) state.input_value = input_value_;
+  if (news_.probe)
+    state.probe = interp::ExternalState::Probe{status_.probed, status_.probe_tripped};
+  news_ = {};
+  state.machine_position = moved_position();
+  if (state.machine_position) canon_.set_position(*state.machine_position);
+  interp_.synchronize(state);
 }
 
 bool InterpreterParticipant::synchronise_if_due() {
   if (!run_.sync_pending || !list_.empty() || !asides_.empty() || tool_order_ != 0 || !executed())
     return false;
-  interp::ExternalState state;
-  switch (interp_.sync_reason()) {
-    case SyncReason::wait_input: state.input_value = input_value_; break;
-    case SyncReason::tool_change: {
-      const io::IoState io = p_.io.state();
-      state.tool_in_spindle = io.tool_in_spindle;
-      state.pocket_in_spindle = io.pocket_in_spindle;
-      // The way to the change position was the canon's own; the interpreter knows nothing of it.
-      state.machine_position = status_.pos_cmd;
-      break;
-    }
-    case SyncReason::probe:
-      state.probe = interp::ExternalState::Probe{status_.probed, status_.probe_tripped};
-      break;
-    case SyncReason::user_mcode:
-    case SyncReason::program_stop:
-    case SyncReason::none: break;
-  }
-  // Only a machine that was moved by somebody else is asked where it stands: rounding must not creep into programs.
-  if (far_apart(status_.pos_cmd, canon_.state().position)) {
-    state.machine_position = status_.pos_cmd;
-    canon_.set_position(status_.pos_cmd);
-  }
-  interp_.synchronize(state);
+  tell_interpreter();
   run_.sync_pending = false;
   return true;
 }
@@ -327,6 +332,7 @@ bool InterpreterParticipant::finish_run() {
   if (!run_.active || run_.failed || !run_.source_done || run_.sync_pending || stopped_)
     return false;
   if (!list_.empty() || !asides_.empty() || tool_order_ != 0 || !executed()) return false;
+  tell_interpreter();  // the block that ended the program may have changed the tool
   if (!run_.mdi) progress_ = 1;
   finish_ticket(CommandState::done);
   run_ = {};
@@ -373,6 +379,7 @@ void InterpreterParticipant::fail(const std::string& text, const std::string& fi
     list_.clear();
     barrier_ = {};
     waiting_for_ = {};
+    news_ = {};
     interp_.abort();
     run_ = {};
     history_.reset(interp_.modal(), canon_.state());

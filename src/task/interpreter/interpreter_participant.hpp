@@ -7,6 +7,7 @@
 
 #include <cstdio>
 #include <deque>
+#include <optional>
 #include <string>
 
 #include "interp/interpreter.hpp"
@@ -95,6 +96,10 @@ class InterpreterParticipant final : public rtapi::Participant {
   void begin_run(const Order& order);
   rtapi::Status open_program(const std::string& path);
   void sync_position();
+  /// Where the machine stands, if that is not where canon and interpreter think.
+  [[nodiscard]] std::optional<motion::Pose> moved_position() const;
+  /// Tells the interpreter what the machine has done since the last time.
+  void tell_interpreter();
   [[nodiscard]] bool executed() const {
     return pending_seq_ == 0 || status_.executed_seq >= pending_seq_;
   }
@@ -149,6 +154,10 @@ class InterpreterParticipant final : public rtapi::Participant {
   std::uint64_t tool_order_{0};  ///< in progress at io
   bool tool_order_is_prepare_{false};
   motion::SourceTag prepare_tag_;
+  /// What the interpreter does not know yet. One block may do all of them.
+  struct News {
+    bool tool{false}, input{false}, probe{false};
+  } news_;
   double input_value_{0};
   UserProgram user_;
   std::FILE* log_{nullptr};

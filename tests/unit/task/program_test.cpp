@@ -470,6 +470,47 @@ TEST(Program, change_position_comes_before_the_change) {
   EXPECT_EQ(moves[3].end, (rtapi::Pose{2, 8, 9, 0, 0, 0, 0, 0, 0}));
 }
 
+TEST(Program, stop_in_the_block_of_a_tool_change_keeps_the_change_position) {
+  std::string ini = kMillIni;
+  ini.replace(ini.find("TOOL_TABLE"), 0, "TOOL_CHANGE_POSITION = 7 8 9\n");
+  Rig rig(ini);
+  rig.ready();
+  const auto run = rig.start_text("G0 X1 Z-5\nT1 M6 M0\nG0 X2\nM2\n");
+  rig.run_for(1);
+  rig.does({"resume"});
+  EXPECT_EQ(rig.wait(run).state, State::done);
+  EXPECT_EQ(rig.fake->status.pos_cmd, (rtapi::Pose{2, 8, 9, 0, 0, 0, 0, 0, 0}));
+}
+
+TEST(Program, end_in_the_block_of_a_tool_change_keeps_the_change_position) {
+  std::string ini = kMillIni;
+  ini.replace(ini.find("TOOL_TABLE"), 0, "TOOL_CHANGE_POSITION = 7 8 9\n");
+  Rig rig(ini);
+  rig.ready();
+  EXPECT_EQ(rig.run_text("G0 X1 Z-5\nT1 M6 M30\n").state, State::done);
+  rig.does({"mdi", "G0 X2"});
+  EXPECT_EQ(rig.fake->status.pos_cmd, (rtapi::Pose{2, 8, 9, 0, 0, 0, 0, 0, 0}));
+}
+
+TEST(Program, stop_in_the_block_of_an_input_or_a_probe_keeps_its_result) {
+  Rig rig;
+  rig.ready();
+  rig.fake->status.digital_in = 2;
+  auto run = rig.start_text("M66 P1 L0 M0\nG0 X[#5399 + 10]\nM2\n");
+  rig.run_for(1);
+  rig.does({"resume"});
+  EXPECT_EQ(rig.wait(run).state, State::done);
+  EXPECT_EQ(rig.fake->status.pos_cmd.x, 11);
+  rig.fake->status.probe_tripped = true;
+  rig.fake->status.probed.x = 4.5;
+  run = rig.start_text("G38.3 X20 F60 M0\nG0 Y#5061 Z#5070\nM2\n");
+  rig.run_for(1);
+  rig.does({"resume"});
+  EXPECT_EQ(rig.wait(run).state, State::done);
+  EXPECT_EQ(rig.fake->status.pos_cmd.y, 4.5);
+  EXPECT_EQ(rig.fake->status.pos_cmd.z, 1);
+}
+
 TEST(Program, bad_startup_code_names_its_line) {
   std::string ini = kMillIni;
   ini.replace(ini.find("PARAMETER_FILE"), 0, "RS274NGC_STARTUP_CODE = G17 G999\n");
