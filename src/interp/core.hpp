@@ -77,8 +77,9 @@ struct Repeats {
   int code{0};
 };
 
-/// M72, and the return from a sub with M73: all modes but the motion mode (codes/state.cpp).
-[[nodiscard]] bool restore_modes(Core& c, const ModalState& was);
+/// M72, and the return from a sub with M73: all modes but the motion mode (codes/state.cpp). `tool_then`: number of the tool in the
+/// spindle when they were saved.
+[[nodiscard]] bool restore_modes(Core& c, const ModalState& was, int tool_then);
 
 class Core {
  public:

@@ -222,8 +222,9 @@ void Core::leave_sub(bool has_value, double value) {
 bool Core::return_from_sub(bool has_value, double value) {
   const Frame& f = flows.frames.back();
   const std::optional<ModalState> was = f.restore_on_return ? f.saved_state : std::nullopt;
+  const int tool_then = f.saved_tool;
   leave_sub(has_value, value);
-  return !was || restore_modes(*this, *was);
+  return !was || restore_modes(*this, *was, tool_then);
 }
 
 // --- searching ---

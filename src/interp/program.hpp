@@ -49,6 +49,7 @@ struct Frame {
   std::array<double, kSubArguments> saved{};  ///< #1-#30 of the caller
   std::vector<Loop> loops;
   std::optional<ModalState> saved_state;  ///< M70, M73
+  int saved_tool{0};                      ///< in the spindle then
   bool restore_on_return{false};          ///< M73
 };
 

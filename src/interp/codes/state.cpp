@@ -62,14 +62,17 @@ bool run(Core& c, int g_code) {
   return r != nullptr && r->run(c, b, g_code);
 }
 
-bool restore_geometry(Core& c, const ModalState& was) {
+bool restore_geometry(Core& c, const ModalState& was, int tool_then) {
   ModalState& s = c.state;
   if (s.cutter_comp != was.cutter_comp && !run(c, was.cutter_comp)) return false;
   if (s.plane_code != was.plane_code && !run(c, was.plane_code)) return false;
   if (s.lathe_diameter != was.lathe_diameter && !run(c, was.lathe_diameter ? 70 : 80)) return false;
-  if (s.frame.tool() != was.frame.tool() || s.tool_offset_code != was.tool_offset_code) {
+  // G43 without H is the length of the tool in the spindle, which may be another one now.
+  const bool other_tool = was.tool_offset_code == 430 && c.spindle_tool.number != tool_then;
+  const Pose offset = other_tool ? c.spindle_tool.offset : was.frame.tool();
+  if (s.frame.tool() != offset || s.tool_offset_code != was.tool_offset_code) {
     CanonFrame f = s.frame;
-    f.use_tool_length_offset(was.frame.tool());
+    f.use_tool_length_offset(offset);
     c.set_frame(f);
     s.tool_offset_code = was.tool_offset_code;
     c.out.call<&Canon::use_tool_length_offset>(f.tool());
@@ -108,7 +111,7 @@ void restore_switches(Core& c, const ModalState& was) {
 
 }  // namespace
 
-bool restore_modes(Core& c, const ModalState& was) {
+bool restore_modes(Core& c, const ModalState& was, int tool_then) {
   // Units first: feeds and lengths are announced in them.
   if (c.state.units != was.units) {
     c.state.units = was.units;
@@ -117,7 +120,7 @@ bool restore_modes(Core& c, const ModalState& was) {
   restore_spindle_modes(c, was);
   restore_feed_and_speed(c, was);
   restore_spindles(c, was);
-  if (!restore_geometry(c, was)) return false;
+  if (!restore_geometry(c, was, tool_then)) return false;
   restore_path(c, was);
   if (!run(c, was.distance == DistanceMode::absolute ? 900 : 910) ||
       !run(c, was.arc_distance == DistanceMode::absolute ? 901 : 911))
@@ -136,11 +139,13 @@ bool state_code(Core& c, const Block&, int code) {
     if (!f.saved_state)
       return c.fail(0, "Write M70 before, at the same level",
                     "Cannot restore context from invalid stack frame - missing M70/M73?");
-    return restore_modes(c, ModalState(*f.saved_state));
+    return restore_modes(c, ModalState(*f.saved_state), f.saved_tool);
   }
-  f.restore_on_return = code == 73;
+  if (code != 70) f.restore_on_return = code == 73;
   f.saved_state.reset();
-  if (code != 71) f.saved_state = c.state;
+  if (code == 71) return true;
+  f.saved_state = c.state;
+  f.saved_tool = c.spindle_tool.number;
   return true;
 }
 

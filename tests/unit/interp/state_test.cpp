@@ -40,6 +40,26 @@ TEST(State, SynchronizeMovesOnlyThePosition) {
   EXPECT_NEAR(rig.interp.modal().position.y, 0, 1e-12);
 }
 
+TEST(State, RestoreTakesTheLengthOfTheToolNowInTheSpindle) {
+  for (const char* restore : {"M72", "M73"}) {
+    Rig rig;
+    rig.world.files.set_tool({1, 1, Pose{0, 0, 10}, 0, 0, 0, 0});
+    rig.world.files.set_tool({2, 2, Pose{0, 0, 20}, 0, 0, 0, 0});
+    const bool by_return = std::string(restore) == "M73";
+    const std::string body = by_return ? "M73\nT2 M6\nG49\n" : "M70\nT2 M6\nG49\nM72\n";
+    (void)rig.run("o1 sub\n" + body + "o1 endsub\nM61 Q1\nG43\no1 call\n(end)\n");
+    EXPECT_EQ(rig.interp.modal().frame.tool().z, 20) << restore;
+    EXPECT_EQ(rig.interp.modal().tool_offset_code, 430) << restore;
+  }
+}
+
+TEST(State, SaveAfterM73LeavesTheRestoreOnReturnOn) {
+  Rig rig;
+  (void)rig.run("o1 sub\nM73\nG91\nM70\nG18\no1 endsub\nG90 G17\no1 call\n(end)\n");
+  EXPECT_EQ(rig.interp.modal().plane_code, 170);
+  EXPECT_EQ(rig.interp.modal().active_g_codes()[6], 910) << "M70 saved anew";
+}
+
 TEST(State, ActiveCodesAsClientsKnowThem) {
   Rig rig;
   const auto g = rig.interp.modal().active_g_codes();
