@@ -205,6 +205,17 @@ TEST_F(AxisTest, IsBoundByItsVelocityAndStandsWhenStuckOrDisabled) {
   EXPECT_NEAR(feedback(), 0.0, 1e-12);
 }
 
+TEST_F(AxisTest, ACommandThatIsNoNumberMovesNothing) {
+  go(2.5);
+  for (const double lag : {0.0, 0.02}) {
+    hal.set("ax.lag", lag);
+    go(std::nan(""));
+    EXPECT_EQ(feedback(), 2.5);
+    go(INFINITY);
+    EXPECT_EQ(feedback(), 2.5);
+  }
+}
+
 TEST_F(AxisTest, HomeSwitchIsASideOrACam) {
   struct Case {
     double width;
