@@ -20,6 +20,8 @@ void Spindles::apply(const SpindleChange& change) noexcept {
     s.wait = false;
     s.orient_state = kOrientRunning;
     s.orient_fault = 0;
+    s.age = 0;
+    s.ack_low = false;
     out.orient = true;
     out.locked = false;
     out.orient_angle_deg = change.orient_angle_deg;
@@ -77,12 +79,15 @@ void Spindles::step(const SpindleInputs* in, const double* overrides, double x_m
     SpindleOutputs& out = out_[n];
     if (s.age < kSettleCycles) ++s.age;
     if (s.orient_state == kOrientRunning) {
+      // The answer to an earlier order may still stand: it counts once it fell, or once the drive had time to take it back.
+      const bool fresh = s.ack_low || s.age >= kSettleCycles;
+      if (!in[n].is_oriented) s.ack_low = true;
       if (in[n].orient_fault != 0) {
         s.orient_state = kOrientFault;
         s.orient_fault = in[n].orient_fault;
         out.orient = false;
         raise(faults, Fault::orient_fault, static_cast<std::int32_t>(n), in[n].orient_fault);
-      } else if (in[n].is_oriented) {
+      } else if (in[n].is_oriented && fresh) {
         s.orient_state = kOrientDone;
         out.orient = false;
         out.locked = true;

@@ -51,7 +51,8 @@ class Spindles {
   struct State {
     double speed_rpm{0}, css_factor{0}, css_max_rpm{0};
     std::int32_t direction{0}, orient_state{kOrientNone}, orient_fault{0}, age{0};
-    bool wait{false};  ///< the next feed move waits for at-speed
+    bool ack_low{false};  ///< is-oriented was false since the orientation began
+    bool wait{false};     ///< the next feed move waits for at-speed
   };
   [[nodiscard]] const State& at(std::int32_t n) const noexcept { return state_[n]; }
   [[nodiscard]] double limited(std::size_t n, double rpm) const noexcept;

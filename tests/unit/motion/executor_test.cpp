@@ -212,6 +212,24 @@ TEST(Executor, OrientWaitsForTheDriveAndLocks) {
   EXPECT_FALSE(out.locked);
 }
 
+TEST(Executor, TheAnswerToAnEarlierOrientationDoesNotEndTheNext) {
+  Rig rig;
+  rig.ready();
+  rig.in.spindle[0].is_oriented = true;
+  rig.push(spin(SpindleChange::Action::orient, 0));
+  rig.line({.x = 1}, 10);
+  rig.run(2);
+  rig.in.spindle[0].is_oriented = false;  // the drive takes its old answer back
+  rig.run(100);
+  EXPECT_EQ(rig.status().pos_cmd.x, 0);
+  EXPECT_TRUE(rig.controller->spindles().outputs(0).orient);
+  rig.in.spindle[0].is_oriented = true;
+  EXPECT_GT(rig.finish(1000), 0);
+  rig.push(spin(SpindleChange::Action::orient, 0));
+  rig.line({.x = 2}, 10);
+  EXPECT_GT(rig.finish(1000), 0) << "a pin that is always true is an answer too";
+}
+
 TEST(Executor, OrientFaultEndsThePath) {
   Rig rig;
   rig.ready();
