@@ -231,6 +231,10 @@ inline std::string fault_text(const FaultRecord& r, const MachineConfig& config)
       return "Probe tripped" + line_of(r.tag) +
              " during a move that does not probe; the path was stopped";
     case Fault::orient_fault:
+      if (r.value == 0)
+        return "Spindle " + std::to_string(r.index) +
+               " was stopped while it was being oriented, so the program cannot go on. Run it "
+               "again";
       return "Spindle " + std::to_string(r.index) + " could not orient: spindle." +
              std::to_string(r.index) + ".orient-fault is " +
              std::to_string(static_cast<int>(r.value)) + ". See the drive's list of faults";

@@ -117,17 +117,8 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
       rest -= run_move(*span, *move, in, rest, faults);
       continue;
     }
-    if (std::holds_alternative<SpindleChange>(span->body)) {
-      const std::int32_t busy = spindles_.orienting();
-      if (busy >= 0) {
-        blocked(PathWait::orient, busy);
-        break;
-      }
-      const auto& change = *std::get_if<SpindleChange>(&span->body);
-      if (spindles_.orient_failed(change.spindle))
-        fail_path(*span);
-      else
-        finish(*span);
+    if (const auto* change = std::get_if<SpindleChange>(&span->body)) {
+      if (!run_orient(*span, *change, in, faults)) break;
       continue;
     }
     if (in.stand) break;
@@ -191,6 +182,30 @@ Executor::Outcome Executor::begin_spindle(const SpindleChange& change) noexcept 
   if (change.action != SpindleChange::Action::orient) return Outcome::done;
   started_ = true;  // ends when the spindle says so
   return Outcome::busy;
+}
+
+/// False: it goes on.
+bool Executor::run_orient(const Span& span, const SpindleChange& change, const PathInputs& in,
+                          FaultList& faults) noexcept {
+  const std::int32_t n = change.spindle;
+  if (spindles_.orienting() >= 0) {
+    blocked(PathWait::orient, spindles_.orienting());
+    return false;
+  }
+  if (spindles_.oriented(n)) {
+    finish(span);
+    return true;
+  }
+  if (!spindles_.orient_failed(n)) {
+    // Stopped from outside. With an abort, which drops the span, that is no news.
+    if (in.stand) {
+      blocked(PathWait::hold);
+      return false;
+    }
+    raise(faults, Fault::orient_fault, n, 0, 0, span.tag);
+  }
+  fail_path(span);
+  return true;
 }
 
 Executor::Outcome Executor::begin_move(const Span& span, const MoveSpan& move, const PathInputs& in,

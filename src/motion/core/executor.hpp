@@ -66,6 +66,8 @@ class Executor {
   Outcome begin_move(const Span& span, const MoveSpan& move, const PathInputs& in,
                      FaultList& faults) noexcept;
   Outcome begin_spindle(const SpindleChange& change) noexcept;
+  [[nodiscard]] bool run_orient(const Span& span, const SpindleChange& change, const PathInputs& in,
+                                FaultList& faults) noexcept;
   void output(const OutputChange& change) noexcept;
   void fire_synchronised() noexcept;
   [[nodiscard]] double wanted_speed(const MoveSpan& move, const PathInputs& in) noexcept;

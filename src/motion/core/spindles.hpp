@@ -35,6 +35,10 @@ class Spindles {
   [[nodiscard]] std::int32_t not_at_speed() const noexcept;
   /// The spindle that is being oriented, or -1.
   [[nodiscard]] std::int32_t orienting() const noexcept;
+  /// The last orientation came to its end.
+  [[nodiscard]] bool oriented(std::int32_t n) const noexcept {
+    return at(n).orient_state == kOrientDone;
+  }
   /// True once after an orientation failed.
   [[nodiscard]] bool orient_failed(std::int32_t n) const noexcept {
     return at(n).orient_state == kOrientFault;

@@ -244,6 +244,23 @@ TEST(Executor, OrientFaultEndsThePath) {
   EXPECT_TRUE(rig.status().path_empty);
 }
 
+TEST(Executor, AnOrientationThatWasStoppedIsNotDone) {
+  for (const bool aborted : {false, true}) {
+    Rig rig;
+    rig.ready();
+    rig.push(spin(SpindleChange::Action::orient, 0));
+    rig.line({.x = 1}, 10);
+    rig.run(5);
+    ++rig.intent.spindle_stop_seq[0];
+    if (aborted) rig.abort();
+    rig.run(500);
+    EXPECT_EQ(rig.status().executed_seq, 0U);
+    EXPECT_EQ(rig.status().pos_cmd.x, 0);
+    EXPECT_TRUE(rig.status().path_empty);
+    EXPECT_EQ(rig.saw(Fault::orient_fault), !aborted);
+  }
+}
+
 ProbeMove probe(double x, double vel, bool until_open = false, bool error = true) {
   ProbeMove p;
   p.end.x = x;
