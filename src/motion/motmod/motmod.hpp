@@ -55,6 +55,7 @@ class Motmod final : public hal::Component<Motmod> {
   void write_axes() noexcept;
   void write_spindle(std::size_t n) noexcept;
   void write_motion(const hal::Period& period) noexcept;
+  [[nodiscard]] double path_scale(const MoveSpan* move) const noexcept;
   void write_move(const MotionStatus& s) noexcept;
   void publish() noexcept;
   /// Machine units in 1 mm, for a joint or an axis; 1 for rotary ones.

@@ -118,6 +118,11 @@ void Motmod::write_spindle(std::size_t n) noexcept {
   p.speed_cmd_rps = out.command_rps;
 }
 
+/// Machine units of a path length: that of a rotary move is in degrees, which have no scale.
+double Motmod::path_scale(const MoveSpan* move) const noexcept {
+  return move != nullptr && move->curve.metric == FeedMetric::abc ? 1.0 : scale_;
+}
+
 void Motmod::write_motion(const hal::Period& period) noexcept {
   const MotionStatus& s = controller_->status();
   for (const FaultRecord& record : controller_->faults())
@@ -133,12 +138,13 @@ void Motmod::write_motion(const hal::Period& period) noexcept {
   pins_.jog_is_active = s.jogging;
   pins_.motion_enabled = s.enabled;
   pins_.on_soft_limit = s.soft_limit;
-  pins_.current_vel = s.vel_mm_s * scale_;
-  pins_.distance_to_go = s.distance_to_go * scale_;
-  pins_.requested_vel = s.requested_vel_mm_s * scale_;
   const MoveSpan* move = controller_->executor().move();
+  const double k = path_scale(move);
+  pins_.current_vel = s.vel_mm_s * k;
+  pins_.distance_to_go = s.distance_to_go * k;
+  pins_.requested_vel = s.requested_vel_mm_s * k;
   const double feed = move != nullptr ? controller_->executor().commanded_feed() : 0.0;
-  pins_.feed_upm = feed * scale_ * 60.0;
+  pins_.feed_upm = feed * k * 60.0;
   pins_.feed_mm_per_second = feed;
   pins_.feed_mm_per_minute = feed * 60.0;
   pins_.feed_inches_per_second = feed / kMmPerInch;
@@ -159,7 +165,7 @@ void Motmod::write_move(const MotionStatus& s) noexcept {
   for (std::size_t i = 0; i < rtapi::kAxes; ++i)
     pins_.tooloffset[i] = s.tool_offset[i] * (rtapi::is_rotary(i) ? 1.0 : scale_);
   if (move == nullptr) return;
-  pins_.interp_feedrate = move->requested * scale_ * 60.0;
+  pins_.interp_feedrate = move->requested * path_scale(move) * 60.0;
   if (circle) {
     for (std::size_t i = 0; i < 3; ++i) pins_.interp_arc_center[i] = move->curve.base[i] * scale_;
     pins_.interp_arc_radius = move->curve.radius * scale_;

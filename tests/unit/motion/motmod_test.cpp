@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "hal/core/test_builder.hpp"
 #include "motion/api/kinematics.hpp"
@@ -32,16 +33,21 @@ struct Shell {
     EXPECT_TRUE(shared().status.read(s));
     return s;
   }
-  void configure(double units_per_mm = 1) {
+  void configure(double units_per_mm = 1, std::vector<int> axes = {0, 1, 2}) {
     MachineConfig c;
     c.joints = 3;
-    c.axis_mask = 7;
+    c.axis_mask = 0;
+    for (std::size_t j = 0; j < axes.size(); ++j) {
+      c.axis_mask |= 1U << static_cast<unsigned>(axes[j]);
+    }
+    c.traj_max_ang_vel_deg_s = 1000;
     c.linear_units_per_mm = units_per_mm;
     c.traj_max_vel_mm_s = 1000;
     for (auto& j : c.joint) {
       j = JointConfig{.min_limit = -500, .max_limit = 500, .max_vel = 100, .max_acc = 1000};
       j.ferror = j.min_ferror = 10;
     }
+    for (std::size_t j = 0; j < axes.size(); ++j) c.joint[j].rotary = axes[j] > 2 && axes[j] < 6;
     for (auto& a : c.axis)
       a = AxisConfig{.min_limit = -500, .max_limit = 500, .max_vel = 100, .max_acc = 1000};
     shared().config.write(c);
@@ -190,6 +196,24 @@ TEST(Motmod, RunsAMoveFromTheRingToTheMotor) {
   EXPECT_EQ(s.status().executed_seq, 2U);
   EXPECT_GT(s.shared().status_cell.count(), told);
   EXPECT_LT(s.shared().status_cell.count(), told + 5) << "told of changes, not of cycles";
+}
+
+TEST(Motmod, DegreesOfAnInchMachineAreDegrees) {
+  Shell s("xya");
+  ASSERT_TRUE(s.load()) << s.hal.error();
+  s.configure(1 / 25.4, {0, 1, 3});
+  s.ready();
+  LinearMove m;
+  m.end = {.a = 90};
+  m.vel_mm_s = 30;
+  s.push(m);
+  s.run(300);
+  EXPECT_NEAR(s.hal.get<double>("motion.current-vel"), 30, 1e-9);
+  EXPECT_NEAR(s.hal.get<double>("motion.requested-vel"), 30, 1e-9);
+  EXPECT_NEAR(s.hal.get<double>("motion.feed-upm"), 1800, 1e-9);
+  EXPECT_NEAR(s.hal.get<double>("motion.interp.feedrate"), 1800, 1e-9);
+  EXPECT_NEAR(s.hal.get<double>("motion.distance-to-go"), 90 - s.hal.get<double>("axis.a.pos-cmd"),
+              1e-9);
 }
 
 TEST(Motmod, FaultsGoToTheLog) {
