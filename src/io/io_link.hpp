@@ -13,8 +13,8 @@ namespace kerf::io {
 /// One order about tools. Orders are carried out one at a time, in order.
 struct ToolOrder {
   enum class Kind : std::uint8_t {
-    prepare,     ///< T
-    change,      ///< M6: the prepared tool into the spindle
+    prepare,  ///< T
+    change,  ///< M6: `tool` into the spindle, prepared first when it is not; -1: whichever is prepared
     set_number,  ///< M61: the tool in the spindle has this number
   };
   std::uint64_t number{0};  ///< 1, 2, 3 ...

@@ -91,7 +91,7 @@ void IoControl::drop_handshake() {
 bool IoControl::carry_out(const ToolOrder& order, const IoInputs& in) {
   switch (order.kind) {
     case ToolOrder::Kind::prepare: return prepare(order, in);
-    case ToolOrder::Kind::change: return change(in);
+    case ToolOrder::Kind::change: return change(order, in);
     case ToolOrder::Kind::set_number:
       set_number(order.tool);
       link_.finish_order(true, {});
@@ -100,33 +100,42 @@ bool IoControl::carry_out(const ToolOrder& order, const IoInputs& in) {
   return true;
 }
 
-bool IoControl::prepare(const ToolOrder& order, const IoInputs& in) {
-  if (!started_) {
-    const auto table = tools_.table();
-    const ToolEntry* tool = table->find(order.tool);
-    if (tool == nullptr && (random_ || order.tool != 0)) {
-      link_.finish_order(false, "tool " + std::to_string(order.tool) + " is not in the tool table");
-      return true;
-    }
-    const int pocket = order.tool == 0 && !random_ ? 0 : tool->pocket;
-    out_.tool_prep_number = order.tool;
-    out_.tool_prep_pocket = pocket;
-    out_.tool_prep_index = random_ ? pocket : order.tool == 0 ? 0 : table->index_of(order.tool) + 1;
-    out_.tool_prepare = true;
-    started_ = true;
-    return false;  // the answer is looked at in the next cycle, when HAL has seen the question
+bool IoControl::ask_for(int number) {
+  const auto table = tools_.table();
+  const ToolEntry* tool = table->find(number);
+  if (tool == nullptr && (random_ || number != 0)) {
+    link_.finish_order(false, "tool " + std::to_string(number) + " is not in the tool table");
+    return false;
   }
-  if (!in.tool_prepared) return false;
+  const int pocket = number == 0 && !random_ ? 0 : tool->pocket;
+  out_.tool_prep_number = number;
+  out_.tool_prep_pocket = pocket;
+  out_.tool_prep_index = random_ ? pocket : number == 0 ? 0 : table->index_of(number) + 1;
+  out_.tool_prepare = true;
+  started_ = true;
+  return true;
+}
+
+void IoControl::take_prepared(int tool) {
   out_.tool_prepare = false;
-  state_.prepared_tool = order.tool;
+  state_.prepared_tool = tool;
   state_.prepared_index = out_.tool_prep_index;
+}
+
+bool IoControl::prepare(const ToolOrder& order, const IoInputs& in) {
+  // The answer is looked at in the next cycle, when HAL has seen the question.
+  if (!started_) return !ask_for(order.tool);
+  if (!in.tool_prepared) return false;
+  take_prepared(order.tool);
   link_.finish_order(true, {});
   return true;
 }
 
-bool IoControl::change(const IoInputs& in) {
+bool IoControl::change(const ToolOrder& order, const IoInputs& in) {
   if (!started_) {
-    const bool nothing = state_.prepared_tool < 0 || state_.prepared_tool == state_.tool_in_spindle;
+    const int tool = order.tool >= 0 ? order.tool : state_.prepared_tool;
+    const bool nothing = tool < 0 || tool == state_.tool_in_spindle;
+    if (!nothing && tool != state_.prepared_tool) return !ask_for(tool);
     if (!nothing) {
       out_.tool_change = true;
       started_ = true;
@@ -136,6 +145,12 @@ bool IoControl::change(const IoInputs& in) {
     out_.tool_prep_index = out_.tool_prep_number = out_.tool_prep_pocket = 0;
     link_.finish_order(true, {});
     return true;
+  }
+  if (out_.tool_prepare) {
+    if (!in.tool_prepared) return false;
+    take_prepared(order.tool);
+    out_.tool_change = true;
+    return false;
   }
   if (!in.tool_changed) return false;
   out_.tool_change = false;

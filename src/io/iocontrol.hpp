@@ -3,7 +3,8 @@
 // Handshakes, each ended by an abort:
 //   T n   tool-prep-index, -number, -pocket are set, then tool-prepare; HAL answers tool-prepared; tool-prepare goes off.
 //   M6    tool-change is set; HAL answers tool-changed; tool-change goes off, tool-number is the new tool, tool-from-pocket its
-//         pocket, the tool-prep pins return to 0. The tool that is in the spindle already is not changed.
+//         pocket, the tool-prep pins return to 0. The tool that is in the spindle already is not changed. A tool whose T was
+//         aborted is asked for again first.
 // Random changers swap pockets with the spindle (pocket 0) and save the tool table.
 #pragma once
 
@@ -38,7 +39,10 @@ class IoControl final : public rtapi::Participant {
   /// True when the order has ended.
   bool carry_out(const ToolOrder& order, const IoInputs& in);
   bool prepare(const ToolOrder& order, const IoInputs& in);
-  bool change(const IoInputs& in);
+  bool change(const ToolOrder& order, const IoInputs& in);
+  /// Sets the question's pins; false: there is no such tool, and the order has failed.
+  bool ask_for(int tool);
+  void take_prepared(int tool);
   void set_number(int tool);
   void put_into_spindle(int tool);
   void drop_handshake();

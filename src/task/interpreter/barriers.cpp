@@ -136,9 +136,9 @@ bool InterpreterParticipant::begin_barrier(TaskItem& item) {
     waiting_for_.pin = rtapi::FixedString<63>(pin);
     waiting_for_.since_ns = now_;
   };
-  if (std::holds_alternative<ChangeTool>(item.body)) {
+  if (const auto* change = std::get_if<ChangeTool>(&item.body)) {
     tool_order_is_prepare_ = false;
-    barrier_.order = tool_order_ = p_.io.order(Kind::change, 0, epoch_);
+    barrier_.order = tool_order_ = p_.io.order(Kind::change, change->number, epoch_);
     wait_for("the tool change", "iocontrol.0.tool-changed");
   } else if (const auto* number = std::get_if<SetToolNumber>(&item.body)) {
     tool_order_is_prepare_ = false;

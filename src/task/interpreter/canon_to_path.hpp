@@ -28,6 +28,8 @@ struct CanonState {
   std::array<std::int8_t, motion::kMaxSpindles> direction{};  ///< -1 0 1
   int g5x_index{1};
   std::uint32_t pending_outputs{0};  ///< synchronised output changes since the last move
+  int selected_tool{-1};             ///< what M6 brings
+  bool tool_awaits_change{false};    ///< T without M6 yet
 };
 
 class CanonToPath final : public interp::Canon {
@@ -83,10 +85,10 @@ class CanonToPath final : public interp::Canon {
   void stop_spindle(int spindle) override;
   void orient_spindle(int spindle, double angle_deg, int mode) override;
   void wait_orient_complete(int spindle, double timeout_s) override;
-  void select_tool(int number) override { add(PrepareTool{number}); }
+  void select_tool(int number) override;
   void start_change() override {}
   void change_tool() override;
-  void change_tool_number(int number) override { add(SetToolNumber{number}); }
+  void change_tool_number(int number) override;
   void set_tool_table_entry(const interp::Tool& tool) override { tool_changes_.push_back(tool); }
   void reload_tooldata() override { reload_ = true; }
   void set_mist(bool on) override { add(SetCoolant{-1, on ? 1 : 0}); }

@@ -32,7 +32,9 @@ struct LogText {
 };
 
 // Barriers: begun when all before them is executed; nothing behind them begins before they are done.
-struct ChangeTool {};
+struct ChangeTool {
+  int number{-1};  ///< of the last T; -1: there was none
+};
 struct SetToolNumber {
   int number{0};
 };

@@ -26,7 +26,7 @@ struct Bench {
   }
   void run(double s) { scheduler.run_until(scheduler.now() + rtapi::seconds(s)); }
   bool ended(std::uint64_t order) const { return link.state().finished_order >= order; }
-  std::uint64_t order(ToolOrder::Kind kind, int tool = 0) {
+  std::uint64_t order(ToolOrder::Kind kind, int tool = -1) {
     const auto n = link.order(kind, tool, 1);
     run(0.02);
     return n;
@@ -173,6 +173,40 @@ TEST(IoControl, operator_s_word_counts_as_the_pin_and_only_once) {
   b.run(0.02);
   EXPECT_TRUE(b.ended(m6));
   EXPECT_EQ(b.pins.out.tool_number, 1);
+}
+
+TEST(IoControl, change_asks_again_for_a_tool_whose_preparation_was_aborted) {
+  Bench b;
+  b.prepare(1);
+  b.change();
+  b.order(Kind::prepare, 2);
+  b.link.abort(1);
+  b.link.abort(2);
+  b.run(0.02);
+  const auto n = b.link.order(Kind::change, 2, 2);
+  b.run(0.02);
+  EXPECT_TRUE(b.pins.out.tool_prepare);
+  EXPECT_FALSE(b.pins.out.tool_change);
+  EXPECT_EQ(b.pins.out.tool_prep_number, 2);
+  b.pins.in.tool_prepared = true;
+  b.run(0.02);
+  EXPECT_FALSE(b.pins.out.tool_prepare);
+  EXPECT_TRUE(b.pins.out.tool_change);
+  EXPECT_FALSE(b.ended(n));
+  b.pins.in.tool_changed = true;
+  b.run(0.02);
+  EXPECT_TRUE(b.ended(n));
+  EXPECT_EQ(b.pins.out.tool_number, 2);
+  EXPECT_EQ(b.pins.out.tool_from_pocket, 12);
+  EXPECT_EQ(b.pins.out.tool_prep_number, 0);
+}
+
+TEST(IoControl, change_to_an_unknown_tool_fails) {
+  Bench b;
+  const auto n = b.order(Kind::change, 77);
+  EXPECT_TRUE(b.ended(n));
+  EXPECT_FALSE(b.link.state().finished_well);
+  EXPECT_FALSE(b.pins.out.tool_change || b.pins.out.tool_prepare);
 }
 
 TEST(IoControl, m61_only_renames) {

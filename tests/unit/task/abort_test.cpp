@@ -173,6 +173,22 @@ TEST(Abort, estop_ends_everything_at_once) {
   EXPECT_FALSE(rig.pins.out.user_enable_out);
 }
 
+TEST(Abort, tool_change_that_was_aborted_is_made_by_the_next_m6) {
+  Rig rig;
+  rig.ready();
+  rig.pins.changes = false;
+  rig.send({"mdi", "T2 M6"});
+  rig.run_for(0.5);
+  EXPECT_TRUE(rig.pins.out.tool_change);
+  rig.does({"abort"});
+  rig.pins.changes = true;
+  rig.does({"mdi", "M6"});
+  EXPECT_EQ(rig.status().tool_in_spindle, 2);
+  rig.does({"mdi", "M61 Q1"});
+  rig.does({"mdi", "M6"});
+  EXPECT_EQ(rig.status().tool_in_spindle, 1) << "M61 said so, and no T came since";
+}
+
 TEST(Abort, g64_survives_and_is_announced_again) {
   Rig rig;
   rig.ready();
