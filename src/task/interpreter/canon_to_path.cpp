@@ -190,6 +190,18 @@ void CanonToPath::wait_orient_complete(int spindle, double timeout_s) {
   add(WaitOrient{spindle, timeout_s});
 }
 
+void CanonToPath::select_tool(int number) {
+  state_.selected_tool = number;
+  state_.tool_awaits_change = true;
+  add(PrepareTool{number});
+}
+
+void CanonToPath::change_tool_number(int number) {
+  // M6 behind M61 must not fetch the tool of an M6 before it.
+  if (!state_.tool_awaits_change) state_.selected_tool = number;
+  add(SetToolNumber{number});
+}
+
 void CanonToPath::change_tool() {
   if (tools_.quill_up) {
     Pose up = state_.position;
@@ -204,7 +216,8 @@ void CanonToPath::change_tool() {
       if ((tools_.position_mask & (1U << a)) != 0) to[a] = tools_.position[a];
     traverse_machine(to, MotionKind::tool_change);
   }
-  add(ChangeTool{});
+  state_.tool_awaits_change = false;
+  add(ChangeTool{state_.selected_tool});
 }
 
 void CanonToPath::output(int index, bool analog, bool synchronised, double value) {
