@@ -24,8 +24,8 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::string kBin = std::string(KERF_BUILD_DIR) + "/bin/";
-const std::string kProbe = std::string(KERF_BUILD_DIR) + "/tests/hal_probe_component";
+const std::string bin_folder = std::string(KERF_BUILD_DIR) + "/bin/";
+const std::string probe_program = std::string(KERF_BUILD_DIR) + "/tests/hal_probe_component";
 
 class ProgramsTest : public testing::Test {
  protected:
@@ -49,7 +49,7 @@ class ProgramsTest : public testing::Test {
   }
 
   std::string file(const std::string& name, const std::string& text) {
-    const auto path = (folder_ / name).string();
+    auto path = (folder_ / name).string();
     std::ofstream(path) << text;
     return path;
   }
@@ -69,6 +69,7 @@ class ProgramsTest : public testing::Test {
       ::dup2(log, 1);
       ::dup2(log, 2);
       std::vector<char*> args;
+      args.reserve(argv.size() + 1);
       for (const auto& a : argv)
         args.push_back(const_cast<char*>(
             a.c_str()));  // NOLINT(cppcoreguidelines-pro-type-const-cast): exec does not write
@@ -98,9 +99,11 @@ class ProgramsTest : public testing::Test {
     }
     return true;
   }
-  int halrun(const std::string& script) { return wait_for(start({kBin + "halrun", script}), 60); }
+  int halrun(const std::string& script) {
+    return wait_for(start({bin_folder + "halrun", script}), 60);
+  }
   int halcmd(std::vector<std::string> words) {
-    words.insert(words.begin(), kBin + "halcmd");
+    words.insert(words.begin(), bin_folder + "halcmd");
     return wait_for(start(words), 60);
   }
   [[nodiscard]] std::string log() const { return read((folder_ / "log").string()); }
@@ -136,7 +139,7 @@ TEST_F(ProgramsTest, HalrunRunsAScriptAndTakesAllDown) {
       file("ok.hal",
            "loadrt threads name1=servo period1=1000000\nloadrt sum2\naddf sum2.0 servo\n"
            "loadusr -Wn probe " +
-               kProbe +
+               probe_program +
                " probe\n"
                "net a sum2.0.out => probe.in\nsetp sum2.0.in0 4.5\nstart\n"
                "loadusr -w halcmd setp sum2.0.offset 1\n"
@@ -149,8 +152,8 @@ TEST_F(ProgramsTest, HalrunRunsAScriptAndTakesAllDown) {
 }
 
 TEST_F(ProgramsTest, AFailedScriptNamesItsLineAndLeavesNothing) {
-  const auto script =
-      file("bad.hal", "loadrt and2\nloadusr -Wn probe " + kProbe + " probe\n\nnet a and2.0.owt\n");
+  const auto script = file("bad.hal", "loadrt and2\nloadusr -Wn probe " + probe_program +
+                                          " probe\n\nnet a and2.0.owt\n");
   EXPECT_EQ(halrun(script), 1);
   EXPECT_THAT(log(),
               HasSubstr("bad.hal:4: Pin 'and2.0.owt' does not exist; did you mean 'and2.0.out'?"));
@@ -159,10 +162,11 @@ TEST_F(ProgramsTest, AFailedScriptNamesItsLineAndLeavesNothing) {
 
 TEST_F(ProgramsTest, LoadusrSaysWhenAProgramCannotServe) {
   const auto script = file(
-      "usr.hal", "loadusr -W " + kBin +
+      "usr.hal", "loadusr -W " + bin_folder +
                      "nothere\nloadusr -Wn never true\nloadusr -w false\nloadusr -w -i false\n");
-  EXPECT_EQ(wait_for(start({kBin + "halrun", "-k", script}), 60), 1);
-  EXPECT_THAT(log(), HasSubstr("usr.hal:1: execv(" + kBin + "nothere): No such file or directory"));
+  EXPECT_EQ(wait_for(start({bin_folder + "halrun", "-k", script}), 60), 1);
+  EXPECT_THAT(log(),
+              HasSubstr("usr.hal:1: execv(" + bin_folder + "nothere): No such file or directory"));
   EXPECT_THAT(log(), HasSubstr("usr.hal:2: true exited without becoming ready"));
   EXPECT_THAT(log(), HasSubstr("usr.hal:3: program 'false' failed, returned 1"));
   EXPECT_THAT(log(), testing::Not(HasSubstr("usr.hal:4")));
@@ -171,8 +175,8 @@ TEST_F(ProgramsTest, LoadusrSaysWhenAProgramCannotServe) {
 TEST_F(ProgramsTest, AKilledHalrunLeavesNothing) {
   const auto script =
       file("long.hal", "loadrt threads name1=servo period1=1000000\nstart\nloadusr -Wn probe " +
-                           kProbe + " probe\nloadusr -w sleep 60\n");
-  const pid_t pid = start({kBin + "halrun", script});
+                           probe_program + " probe\nloadusr -w sleep 60\n");
+  const pid_t pid = start({bin_folder + "halrun", script});
   ASSERT_TRUE(component_ready("probe")) << log();
   ::kill(pid, SIGKILL);
   EXPECT_EQ(wait_for(pid, 5), 128 + SIGKILL);
@@ -180,9 +184,9 @@ TEST_F(ProgramsTest, AKilledHalrunLeavesNothing) {
 }
 
 TEST_F(ProgramsTest, AKilledRealtimeHostEndsHalrun) {
-  const auto script =
-      file("long.hal", "loadusr -Wn probe " + kProbe + " probe\nloadusr -w sleep 1\nloadrt and2\n");
-  const pid_t pid = start({kBin + "halrun", script});
+  const auto script = file("long.hal", "loadusr -Wn probe " + probe_program +
+                                           " probe\nloadusr -w sleep 1\nloadrt and2\n");
+  const pid_t pid = start({bin_folder + "halrun", script});
   ASSERT_TRUE(component_ready("probe")) << log();
   ::kill(static_cast<pid_t>(owner_pid()), SIGKILL);
   EXPECT_EQ(wait_for(pid, 20), 1) << log();
@@ -192,9 +196,9 @@ TEST_F(ProgramsTest, AKilledRealtimeHostEndsHalrun) {
 }
 
 TEST_F(ProgramsTest, AKilledComponentLosesItsPins) {
-  const pid_t app = start({kBin + "rtapi_app"});
+  const pid_t app = start({bin_folder + "rtapi_app"});
   ASSERT_TRUE(eventually([&] { return halcmd({"-Q", "loadrt", "sum2"}) == 0; }, 10)) << log();
-  const pid_t probe = start({kProbe, "probe"});
+  const pid_t probe = start({probe_program, "probe"});
   ASSERT_TRUE(component_ready("probe"));
   EXPECT_EQ(halcmd({"net", "a", "sum2.0.out", "probe.in"}), 0) << log();
   ::kill(probe, SIGKILL);
@@ -211,12 +215,12 @@ TEST_F(ProgramsTest, AKilledComponentLosesItsPins) {
 }
 
 TEST_F(ProgramsTest, VirtualTimeIsExactAndFast) {
-  const pid_t app = start({kBin + "rtapi_app", "--virtual"});
+  const pid_t app = start({bin_folder + "rtapi_app", "--virtual"});
   const auto script =
       file("virtual.hal",
            "loadrt threads name1=servo period1=1000000 name2=slow period2=10000000\nloadrt sum2\n"
            "addf sum2.0 servo\nloadusr -Wn probe " +
-               kProbe +
+               probe_program +
                " probe\nnet a sum2.0.out => probe.in\n"
                "setp sum2.0.in0 2\nstart\nsleep 20\ngetp servo.threadbeat\ngetp slow.threadbeat\n"
                "getp probe.out\nstop\nunloadusr probe\nwaitusr probe\n");
@@ -232,7 +236,7 @@ TEST_F(ProgramsTest, AnUnmodifiedProgramSleepsInVirtualTime) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "the sanitizer's runtime would have to be preloaded before the shim";
 #endif
-  const pid_t app = start({kBin + "rtapi_app", "--virtual"});
+  const pid_t app = start({bin_folder + "rtapi_app", "--virtual"});
   const auto script = file("sleeper.hal",
                            "loadrt threads name1=servo period1=1000000\nstart\n"
                            "loadusr -w sh -c \"sleep 100\"\ngetp servo.threadbeat\n");
@@ -246,8 +250,8 @@ TEST_F(ProgramsTest, AnUnmodifiedProgramSleepsInVirtualTime) {
 }
 
 TEST_F(ProgramsTest, TwoInstancesLiveSideBySide) {
-  const pid_t first = start({kBin + "rtapi_app", "--instance", instance_ + "a"});
-  const pid_t second = start({kBin + "rtapi_app", "--instance", instance_ + "b"});
+  const pid_t first = start({bin_folder + "rtapi_app", "--instance", instance_ + "a"});
+  const pid_t second = start({bin_folder + "rtapi_app", "--instance", instance_ + "b"});
   for (const char* suffix : {"a", "b"}) {
     ::setenv("KERF_INSTANCE", (instance_ + suffix).c_str(), 1);
     EXPECT_TRUE(eventually(

@@ -281,9 +281,9 @@ std::uint64_t Machine::start_program(const std::string& path) {
 }
 
 task::Reply Machine::run_program(const std::string& path, double limit_s) {
-  if (const auto opened = command({"mode", "auto"}); opened.state != task::CommandState::done)
+  if (auto opened = command({"mode", "auto"}); opened.state != task::CommandState::done)
     return opened;
-  if (const auto opened = command({"open", path}); opened.state != task::CommandState::done)
+  if (auto opened = command({"open", path}); opened.state != task::CommandState::done)
     return opened;
   return command({"run"}, limit_s);
 }

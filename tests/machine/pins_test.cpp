@@ -22,7 +22,9 @@ TEST(Pins, NoneOfTheDocumentedIsMissing) {
     std::istringstream words(line);
     std::string type, dir, name;
     words >> type >> dir >> name;
-    EXPECT_EQ(m->pin_kind(name), type + " " + dir) << name;
+    type += " ";
+    type += dir;
+    EXPECT_EQ(m->pin_kind(name), type) << name;
     ++checked;
   }
   EXPECT_GT(checked, 380);

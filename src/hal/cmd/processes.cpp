@@ -48,6 +48,7 @@ std::string preload_for(const rtapi::Segment& segment, const std::string& progra
 Result<pid_t> start_program(std::span<const std::string> argv, const rtapi::Segment& segment) {
   std::vector<char*> args;
   std::vector<std::string> copy(argv.begin(), argv.end());
+  args.reserve(copy.size() + 1);
   for (auto& word : copy) args.push_back(word.data());
   args.push_back(nullptr);
   const std::string& instance = segment.instance();
