@@ -189,7 +189,10 @@ bool InterpreterParticipant::poll_tool(const char* what) {
   const io::IoState state = p_.io.state();
   if (barrier_.order == 0 || state.finished_order < barrier_.order) return false;
   tool_order_ = 0;
-  if (state.finished_well) return news_.tool = true;
+  if (state.finished_well) {
+    history_.tool_changed(list_.front().tag.id);
+    return news_.tool = true;
+  }
   fail_here(std::string(what) + ": " + std::string(state.failure.view()));
   return false;
 }

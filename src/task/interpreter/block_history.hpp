@@ -20,6 +20,10 @@ struct BlockRecord {
   bool has_items{false};
   interp::ModalState modal;  ///< after the block
   CanonState canon;
+  /// M6 that is not done: until it is, the length offset is still that of the tool before.
+  bool tool_awaited{false};
+  rtapi::Pose offset_before;
+  std::int32_t offset_code_before{490};
 };
 
 /// The oldest record is the block that the machine executes (or executed last); the newest was read last.
@@ -54,6 +58,9 @@ class BlockHistory {
   }
   void done(std::uint64_t tag_id) {
     if (BlockRecord* r = find(tag_id); r != nullptr) --r->pending;
+  }
+  void tool_changed(std::uint64_t tag_id) {
+    if (BlockRecord* r = find(tag_id); r != nullptr) r->tool_awaited = false;
   }
   /// Drops what is behind the machine. `started`: the newest sequence number that motion has begun.
   void advance(std::uint64_t executed, std::uint64_t started) {

@@ -132,6 +132,11 @@ void InterpreterParticipant::resynchronise() {
   const BlockRecord& at = history_.stopped_at(status_.current.id);
   interp::ModalState modal = at.modal;
   CanonState canon = at.canon;
+  if (at.tool_awaited) {
+    modal.frame.use_tool_length_offset(at.offset_before);
+    canon.frame.use_tool_length_offset(at.offset_before);
+    modal.tool_offset_code = at.offset_code_before;
+  }
   // The abort stopped these, whatever the block had asked for.
   modal.direction.fill(interp::SpindleDirection::stopped);
   modal.orienting.fill(false);
@@ -216,6 +221,9 @@ bool InterpreterParticipant::read_block() {
   if (p_.setup.tools.at_g30)
     canon_.set_g30(interp_.parameters().pose(interp::kG30Home, p_.setup.linear_unit_mm));
   const std::size_t before = list_.size();
+  BlockRecord record;
+  record.offset_before = interp_.modal().frame.tool();
+  record.offset_code_before = interp_.modal().tool_offset_code;
   ++run_.blocks;
   Outcome outcome = Outcome::ok;
   if (run_.mdi && !run_.mdi_begun) {
@@ -225,12 +233,13 @@ bool InterpreterParticipant::read_block() {
     outcome = interp_.execute_next();
   }
   silent_blocks_ = list_.size() > before ? 0 : silent_blocks_ + 1;
-  take_outcome(outcome, before);
+  take_outcome(outcome, before, record);
   if (stepping && list_.size() > before) run_.step_block_read = true;
   return true;
 }
 
-void InterpreterParticipant::take_outcome(Outcome outcome, std::size_t items_before) {
+void InterpreterParticipant::take_outcome(Outcome outcome, std::size_t items_before,
+                                          BlockRecord record) {
   store_tool_changes();
   if (outcome == Outcome::error) {
     const auto& error = interp_.error();
@@ -239,8 +248,10 @@ void InterpreterParticipant::take_outcome(Outcome outcome, std::size_t items_bef
   }
   if (outcome == Outcome::idle || outcome == Outcome::program_end) run_.source_done = true;
   if (outcome == Outcome::needs_sync) run_.sync_pending = true;
-  BlockRecord record;
   record.tag = canon_.tag();
+  record.tool_awaited =
+      std::any_of(list_.begin() + static_cast<std::ptrdiff_t>(items_before), list_.end(),
+                  [](const TaskItem& i) { return std::holds_alternative<ChangeTool>(i.body); });
   record.pending = static_cast<int>(list_.size() - items_before);
   record.has_items = record.pending > 0;
   record.modal = interp_.modal();

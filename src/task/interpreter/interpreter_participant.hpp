@@ -87,7 +87,8 @@ class InterpreterParticipant final : public rtapi::Participant {
   void resynchronise();
   void work(rtapi::WaitSpec& next);
   bool read_block();
-  void take_outcome(interp::Outcome outcome, std::size_t items_before);
+  /// `record`: begun with what the block found.
+  void take_outcome(interp::Outcome outcome, std::size_t items_before, BlockRecord record);
   void store_tool_changes();
   bool synchronise_if_due();
   bool finish_run();

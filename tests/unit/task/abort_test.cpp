@@ -189,6 +189,23 @@ TEST(Abort, tool_change_that_was_aborted_is_made_by_the_next_m6) {
   EXPECT_EQ(rig.status().tool_in_spindle, 1) << "M61 said so, and no T came since";
 }
 
+TEST(Abort, length_offset_is_not_that_of_a_tool_that_did_not_come) {
+  Rig rig;
+  rig.ready();
+  rig.does({"mdi", "T1 M6 G43"});
+  EXPECT_EQ(rig.status().tool_offset.z, 10);
+  rig.pins.changes = false;
+  rig.send({"mdi", "T2 M6 G43"});
+  rig.run_for(0.5);
+  EXPECT_TRUE(rig.pins.out.tool_change);
+  rig.does({"abort"});
+  rig.run_for(0.1);
+  EXPECT_EQ(rig.status().tool_in_spindle, 1);
+  EXPECT_EQ(rig.status().tool_offset.z, 10);
+  rig.does({"mdi", "G0 Z0"});
+  EXPECT_EQ(rig.fake->status.pos_cmd.z, 10);
+}
+
 TEST(Abort, g64_survives_and_is_announced_again) {
   Rig rig;
   rig.ready();
