@@ -163,6 +163,8 @@ bool InterpreterParticipant::begin_barrier(TaskItem& item) {
       report.text = "the parameter file is not saved: " + saved.error().message();
       reports_.push_back(std::move(report));
     }
+    // Also what the operator switched on.
+    p_.io.set_coolant(epoch_, false, false);
     Report report;
     report.kind = Report::Kind::program_end;
     reports_.push_back(std::move(report));

@@ -511,6 +511,20 @@ TEST(Program, stop_in_the_block_of_an_input_or_a_probe_keeps_its_result) {
   EXPECT_EQ(rig.fake->status.pos_cmd.z, 1);
 }
 
+TEST(Program, end_turns_off_the_coolant_that_the_operator_turned_on) {
+  Rig rig;
+  rig.ready();
+  for (const char* end : {"M2", "M30"}) {
+    rig.does({"flood", "on"});
+    rig.does({"mist", "on"});
+    rig.run_for(0.1);
+    EXPECT_TRUE(rig.pins.out.coolant_flood && rig.pins.out.coolant_mist);
+    EXPECT_EQ(rig.run_text(std::string("G0 X1\n") + end + "\n").state, State::done);
+    rig.run_for(0.1);
+    EXPECT_FALSE(rig.pins.out.coolant_flood || rig.pins.out.coolant_mist) << end;
+  }
+}
+
 TEST(Program, bad_startup_code_names_its_line) {
   std::string ini = kMillIni;
   ini.replace(ini.find("PARAMETER_FILE"), 0, "RS274NGC_STARTUP_CODE = G17 G999\n");
