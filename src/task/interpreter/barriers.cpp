@@ -232,8 +232,9 @@ bool InterpreterParticipant::poll_user_program(const UserMcodeRun& run) {
 }
 
 bool InterpreterParticipant::poll_pause(const ProgramPause& pause) {
-  // A line of MDI stops at its end anyway.
-  if (run_.mdi || (pause.optional && !barrier_.pausing && p_.exchange.optional_stop.get() == 0))
+  // A line of MDI stops at its end anyway, but a sub that it calls has more lines.
+  const bool at_end = run_.mdi && list_.front().tag.call_level == 0;
+  if (at_end || (pause.optional && !barrier_.pausing && p_.exchange.optional_stop.get() == 0))
     return true;
   barrier_.pausing = p_.exchange.resumes.get() == barrier_.resumes;
   return !barrier_.pausing;

@@ -525,6 +525,19 @@ TEST(Program, end_turns_off_the_coolant_that_the_operator_turned_on) {
   }
 }
 
+TEST(Program, m0_in_a_sub_called_from_mdi_waits) {
+  Rig rig;
+  rig.folder.write("subs/halt.ngc", "o<halt> sub\nG0 X1\nM0\nG0 X2\no<halt> endsub\nM2\n");
+  rig.ready();
+  const auto call = rig.send({"mdi", "o<halt> call"});
+  rig.run_for(1);
+  EXPECT_FALSE(rig.finished(call));
+  EXPECT_EQ(rig.fake->status.pos_cmd.x, 1);
+  rig.does({"resume"});
+  EXPECT_EQ(rig.wait(call, 2).state, State::done);
+  EXPECT_EQ(rig.fake->status.pos_cmd.x, 2);
+}
+
 TEST(Program, bad_startup_code_names_its_line) {
   std::string ini = kMillIni;
   ini.replace(ini.find("PARAMETER_FILE"), 0, "RS274NGC_STARTUP_CODE = G17 G999\n");
