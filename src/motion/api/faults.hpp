@@ -231,6 +231,11 @@ inline std::string fault_text(const FaultRecord& r, const MachineConfig& config)
       return "Probe tripped" + line_of(r.tag) +
              " during a move that does not probe; the path was stopped";
     case Fault::orient_fault:
+      if (r.value == -1)
+        return "Spindle " + std::to_string(r.index) +
+               " timed out: it was not oriented within the " + number(r.limit) + " s of M19 Q" +
+               line_of(r.tag) + ". Check the drive and spindle." + std::to_string(r.index) +
+               ".is-oriented";
       if (r.value == 0)
         return "Spindle " + std::to_string(r.index) +
                " was stopped while it was being oriented, so the program cannot go on. Run it "

@@ -120,6 +120,7 @@ struct SpindleChange {
   double css_factor{0};  ///< G96: speed = min(css_max_rpm, css_factor / |x|); 0 in G97
   double css_max_rpm{0};
   double orient_angle_deg{0};
+  double orient_timeout_s{0};  ///< Fault::orient_fault when it takes longer; 0: no limit (M19 Q)
   std::int32_t orient_mode{0};
   bool wait_at_speed{true};
   bool reserved[3]{};
@@ -131,6 +132,7 @@ struct SpindleChange {
     v("css-factor", &SpindleChange::css_factor, "mm/min");
     v("css-max", &SpindleChange::css_max_rpm, "rpm");
     v("orient-angle", &SpindleChange::orient_angle_deg, "deg");
+    v("orient-timeout", &SpindleChange::orient_timeout_s, "s");
     v("orient-mode", &SpindleChange::orient_mode, "");
   }
 };

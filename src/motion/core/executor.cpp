@@ -10,6 +10,8 @@ namespace {
 constexpr int kSpansPerCycle = 32;
 /// A span that begins elsewhere than where the machine stands is a fault of ours (mm, degrees).
 constexpr double kSamePlace = 1e-6;
+/// Fault::orient_fault: no answer in time. Above zero it is the drive's own number, zero is a spindle stopped.
+constexpr double kOrientTimedOut = -1;
 
 bool before(std::uint32_t a, std::uint32_t b) noexcept {
   return static_cast<std::int32_t>(a - b) < 0;
@@ -118,7 +120,7 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
       continue;
     }
     if (const auto* change = std::get_if<SpindleChange>(&span->body)) {
-      if (!run_orient(*span, *change, in, faults)) break;
+      if (!run_orient(*span, *change, in, rest, faults)) break;
       continue;
     }
     if (in.stand) break;
@@ -181,16 +183,23 @@ Executor::Outcome Executor::begin_spindle(const SpindleChange& change) noexcept 
   spindles_.apply(change);
   if (change.action != SpindleChange::Action::orient) return Outcome::done;
   started_ = true;  // ends when the spindle says so
+  orient_left_s_ = change.orient_timeout_s;
   return Outcome::busy;
 }
 
 /// False: it goes on.
 bool Executor::run_orient(const Span& span, const SpindleChange& change, const PathInputs& in,
-                          FaultList& faults) noexcept {
+                          double dt, FaultList& faults) noexcept {
   const std::int32_t n = change.spindle;
   if (spindles_.orienting() >= 0) {
     blocked(PathWait::orient, spindles_.orienting());
-    return false;
+    if (in.stand || !(change.orient_timeout_s > 0)) return false;
+    orient_left_s_ -= dt;
+    if (orient_left_s_ > 0) return false;
+    raise(faults, Fault::orient_fault, n, kOrientTimedOut, change.orient_timeout_s, span.tag);
+    spindles_.abort_orient();
+    fail_path(span);
+    return true;
   }
   if (spindles_.oriented(n)) {
     finish(span);

@@ -67,7 +67,7 @@ class Executor {
                      FaultList& faults) noexcept;
   Outcome begin_spindle(const SpindleChange& change) noexcept;
   [[nodiscard]] bool run_orient(const Span& span, const SpindleChange& change, const PathInputs& in,
-                                FaultList& faults) noexcept;
+                                double dt, FaultList& faults) noexcept;
   void output(const OutputChange& change) noexcept;
   void fire_synchronised() noexcept;
   [[nodiscard]] double wanted_speed(const MoveSpan& move, const PathInputs& in) noexcept;
@@ -96,7 +96,7 @@ class Executor {
   bool after_traverse_{false};
   bool step_begun_{false};
   std::uint64_t step_id_{0};  ///< the block that single stepping runs now
-  double dwell_left_{0}, distance_{0};
+  double dwell_left_{0}, orient_left_s_{0}, distance_{0};
   MotionKind kind_{MotionKind::none};
   PathWait waiting_{PathWait::none};
   std::int32_t waiting_index_{-1};

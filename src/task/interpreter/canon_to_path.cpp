@@ -187,6 +187,14 @@ void CanonToPath::orient_spindle(int spindle, double angle_deg, int mode) {
 }
 
 void CanonToPath::wait_orient_complete(int spindle, double timeout_s) {
+  // The path stands at the orientation, so the path has to count its time.
+  if (!list_.empty()) {
+    auto* path = std::get_if<PathBody>(&list_.back().body);
+    auto* change = path == nullptr ? nullptr : std::get_if<SpindleChange>(path);
+    if (change != nullptr && change->action == SpindleChange::Action::orient &&
+        change->spindle == spindle)
+      change->orient_timeout_s = timeout_s;
+  }
   add(WaitOrient{spindle, timeout_s});
 }
 

@@ -244,6 +244,28 @@ TEST(Executor, OrientFaultEndsThePath) {
   EXPECT_TRUE(rig.status().path_empty);
 }
 
+TEST(Executor, OrientationHasATimeout) {
+  Rig rig;
+  rig.ready();
+  SpindleChange s = spin(SpindleChange::Action::orient, 0);
+  s.orient_timeout_s = 0.2;
+  rig.push(s);
+  rig.line({.x = 1}, 10);
+  rig.run(150);
+  rig.orders.hold = true;
+  rig.run(500);
+  EXPECT_TRUE(rig.faults.empty()) << "a program that is held has all the time";
+  rig.orders.hold = false;
+  rig.run(100);
+  ASSERT_EQ(rig.faults.size(), 1U);
+  EXPECT_EQ(rig.faults[0].fault, Fault::orient_fault);
+  EXPECT_EQ(rig.faults[0].value, -1);
+  EXPECT_FALSE(rig.controller->spindles().outputs(0).orient);
+  rig.run(500);
+  EXPECT_EQ(rig.status().pos_cmd.x, 0);
+  EXPECT_TRUE(rig.status().path_empty);
+}
+
 TEST(Executor, AnOrientationThatWasStoppedIsNotDone) {
   for (const bool aborted : {false, true}) {
     Rig rig;

@@ -92,6 +92,17 @@ TEST(Canon, surface_speed_becomes_a_factor) {
   EXPECT_EQ(b.last<motion::SpindleChange>().css_factor, 0);
 }
 
+TEST(Canon, the_orientation_itself_knows_its_timeout) {
+  Bench b;
+  b.canon.orient_spindle(0, 90, 1);
+  EXPECT_EQ(b.last<motion::SpindleChange>().orient_timeout_s, 0);
+  b.canon.wait_orient_complete(0, 2.5);
+  ASSERT_EQ(b.list.size(), 2u);
+  const auto& change = std::get<motion::SpindleChange>(std::get<PathBody>(b.list[0].body));
+  EXPECT_EQ(change.orient_timeout_s, 2.5);
+  EXPECT_TRUE(std::holds_alternative<WaitOrient>(b.list[1].body));
+}
+
 TEST(Canon, what_is_not_there_yet_is_an_error_in_its_place) {
   Bench b;
   b.canon.next_block(
