@@ -204,9 +204,13 @@ struct ProbeMove {
 struct Marker {
   static constexpr const char* kName = "marker";
   std::uint64_t value{0};
+  bool drop_outputs{
+      false};  ///< end of program: synchronised outputs that no move came for are forgotten
+  bool reserved[7]{};
   template <class V>
   static constexpr void fields(V&& v) {
     v("value", &Marker::value, "");
+    v("drop-outputs", &Marker::drop_outputs, "");
   }
 };
 

@@ -174,7 +174,11 @@ Executor::Outcome Executor::begin(const Span& span, const PathInputs& in,
           [&](const PathControl&) { return instant([] {}); },
           [&](const OverrideEnable& m) { return instant([&] { enables_ = m; }); },
           [&](const ToolOffset& m) { return instant([&] { tool_offset_ = m.offset; }); },
-          [&](const Marker&) { return instant([] {}); },
+          [&](const Marker& m) {
+            return instant([&] {
+              if (m.drop_outputs) sync_digital_mask_ = sync_analog_mask_ = 0;
+            });
+          },
       },
       span.body);
 }

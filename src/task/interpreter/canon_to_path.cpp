@@ -261,6 +261,9 @@ void CanonToPath::program_end() {
         MessageKind::text});
     state_.pending_outputs = 0;
   }
+  motion::Marker end;
+  end.drop_outputs = true;
+  add_path(end);
   add(ProgramEnd{});
 }
 

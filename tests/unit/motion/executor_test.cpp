@@ -63,6 +63,20 @@ TEST(Executor, SynchronisedOutputsActWithTheNextMoveAndNeverWithoutOne) {
   EXPECT_EQ(rig.controller->outputs().digital, 1U) << "an abort forgets what waited";
 }
 
+TEST(Executor, SynchronisedOutputsDoNotOutliveTheirProgram) {
+  Rig rig;
+  rig.ready();
+  rig.push(OutputChange{.index = 0, .synchronised = true, .value = 1});
+  rig.push(OutputChange{.index = 2, .analog = true, .synchronised = true, .value = 4.5});
+  Marker end;
+  end.drop_outputs = true;
+  rig.push(end);
+  rig.line({.x = 1}, 10);  // of the next program
+  rig.finish();
+  EXPECT_EQ(rig.controller->outputs().digital, 0U);
+  EXPECT_EQ(rig.controller->outputs().analog[2], 0);
+}
+
 TEST(Executor, ImmediateOutputsActInTheirPlaceAtRest) {
   Rig rig;
   rig.ready();

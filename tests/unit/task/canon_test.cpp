@@ -103,6 +103,16 @@ TEST(Canon, the_orientation_itself_knows_its_timeout) {
   EXPECT_TRUE(std::holds_alternative<WaitOrient>(b.list[1].body));
 }
 
+TEST(Canon, program_end_forgets_outputs_that_no_move_came_for) {
+  Bench b;
+  b.canon.set_motion_output_bit(0, true);
+  b.canon.program_end();
+  ASSERT_GE(b.list.size(), 2u);
+  EXPECT_TRUE(std::holds_alternative<ProgramEnd>(b.list.back().body));
+  b.list.pop_back();
+  EXPECT_TRUE(b.last<motion::Marker>().drop_outputs);
+}
+
 TEST(Canon, what_is_not_there_yet_is_an_error_in_its_place) {
   Bench b;
   b.canon.next_block(
