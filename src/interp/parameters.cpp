@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 
@@ -123,7 +124,7 @@ void ParameterTable::rollback() {
 rtapi::Status ParameterFile::load(ParameterTable& table) const {
   std::FILE* file = std::fopen(path_.c_str(), "re");
   if (file == nullptr)
-    return fail(Errc::not_found,
+    return fail(errno == ENOENT ? Errc::not_found : Errc::system,
                 std::string("Unable to open file <") + path_ + ">: " + std::strerror(errno));
   char line[512];
   std::int32_t number = 0, before = 0;
@@ -144,10 +145,17 @@ rtapi::Status ParameterFile::load(ParameterTable& table) const {
       status = fail(Errc::syntax, "Parameter file out of order; numbers must ascend", at);
       break;
     }
+    if (!std::isfinite(value)) {
+      status = fail(Errc::syntax, "Parameter value is no finite number", at);
+      break;
+    }
     before = i;
     table.set(i, value);
     if (!ParameterTable::persistent(i)) table.extra_persistent_.push_back(i);
   }
+  // A directory opens like a file and reads like none.
+  if (status.ok() && std::ferror(file) != 0)
+    status = fail(Errc::system, "Unable to read file <" + path_ + ">: " + std::strerror(errno));
   std::fclose(file);
   table.begin();
   const double system = table.get(kCoordSystem);

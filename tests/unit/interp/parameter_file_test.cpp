@@ -64,6 +64,24 @@ TEST_F(ParameterFiles, RefuseDisorder) {
             rtapi::Errc::not_found);
 }
 
+TEST_F(ParameterFiles, OnlyAMissingFileIsANewMachine) {
+  ParameterTable table;
+  std::filesystem::create_directory(path_);
+  const auto directory = ParameterFile(path_).load(table);
+  ASSERT_FALSE(directory.ok());
+  EXPECT_EQ(directory.error().code, rtapi::Errc::system);
+  std::filesystem::remove(path_);
+  std::filesystem::create_symlink(path_, path_);
+  EXPECT_EQ(ParameterFile(path_).load(table).error().code, rtapi::Errc::system);
+  std::filesystem::remove(path_);
+  for (const char* value : {"nan", "inf", "-inf"}) {
+    write(std::string("5161\t1\n5221\t") + value + "\n");
+    const auto loaded = ParameterFile(path_).load(table);
+    ASSERT_FALSE(loaded.ok()) << value;
+    EXPECT_NE(loaded.error().message().find("machine.var:2"), std::string::npos);
+  }
+}
+
 TEST_F(ParameterFiles, AFailedSaveLeavesTheOldFile) {
   if (::geteuid() == 0) {
     // root writes anywhere: a directory in the way does the same
