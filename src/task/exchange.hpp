@@ -98,6 +98,17 @@ class Exchange {
     orders_.pop_front();
     return true;
   }
+  /// Takes the MDI lines of this epoch at the head of the queue.
+  [[nodiscard]] std::deque<Order> take_mdi(std::uint32_t epoch) {
+    const std::lock_guard lock(mutex_);
+    std::deque<Order> out;
+    while (!orders_.empty() && orders_.front().kind == Order::Kind::mdi &&
+           orders_.front().epoch == epoch) {
+      out.push_back(std::move(orders_.front()));
+      orders_.pop_front();
+    }
+    return out;
+  }
   void report(Report report) {
     {
       const std::lock_guard lock(mutex_);

@@ -394,12 +394,25 @@ void InterpreterParticipant::fail(const std::string& text, const std::string& fi
     interp_.abort();
     run_ = {};
     history_.reset(interp_.modal(), canon_.state());
+    drop_mdi_orders();
     return;
   }
   report.kind = Report::Kind::failed;
   report.ticket = std::exchange(run_.ticket, 0);
   reports_.push_back(std::move(report));
   run_.failed = true;
+}
+
+/// What was sent before the failure was known is not wanted behind it.
+void InterpreterParticipant::drop_mdi_orders() {
+  for (const Order& order : p_.exchange.take_mdi(epoch_)) {
+    Report report;
+    report.kind = Report::Kind::finished;
+    report.ticket = order.ticket;
+    report.state = CommandState::aborted;
+    report.text = "an earlier MDI line failed";
+    reports_.push_back(std::move(report));
+  }
 }
 
 bool InterpreterParticipant::next_order() {

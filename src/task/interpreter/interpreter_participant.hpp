@@ -94,6 +94,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   bool finish_run();
   bool step_stop();
   bool next_order();
+  void drop_mdi_orders();
   void begin_run(const Order& order);
   rtapi::Status open_program(const std::string& path);
   void sync_position();

@@ -538,6 +538,24 @@ TEST(Program, m0_in_a_sub_called_from_mdi_waits) {
   EXPECT_EQ(rig.fake->status.pos_cmd.x, 2);
 }
 
+TEST(Program, mdi_lines_behind_a_failed_one_do_not_run) {
+  Rig rig;
+  rig.ready();
+  const auto first = rig.send({"mdi", "G0 X5"});
+  const auto bad = rig.send({"mdi", "G1 X7"});
+  const auto third = rig.send({"mdi", "G0 X9"});
+  const auto fourth = rig.send({"mdi", "G0 Y9"});
+  rig.run_for(1);
+  EXPECT_EQ(rig.outcome(first).state, State::done);
+  EXPECT_EQ(rig.outcome(bad).state, State::error);
+  EXPECT_EQ(rig.outcome(third).state, State::aborted);
+  EXPECT_EQ(rig.outcome(third).text, "an earlier MDI line failed");
+  EXPECT_EQ(rig.outcome(fourth).state, State::aborted);
+  EXPECT_EQ(rig.fake->status.pos_cmd.x, 5);
+  EXPECT_EQ(rig.fake->status.pos_cmd.y, 0);
+  EXPECT_EQ(rig.command({"mdi", "G0 X1"}).state, State::done);
+}
+
 TEST(Program, bad_startup_code_names_its_line) {
   std::string ini = kMillIni;
   ini.replace(ini.find("PARAMETER_FILE"), 0, "RS274NGC_STARTUP_CODE = G17 G999\n");
