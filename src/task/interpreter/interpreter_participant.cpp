@@ -259,6 +259,14 @@ void InterpreterParticipant::take_outcome(Outcome outcome, std::size_t items_bef
   history_.add(record);
 }
 
+rtapi::Status InterpreterParticipant::load_tools() {
+  KERF_CHECK(p_.tools.load());
+  // The tool in the spindle has a new row too.
+  const io::IoState io = p_.io.state();
+  interp_.set_tool_in_spindle(io.tool_in_spindle, io.pocket_in_spindle);
+  return {};
+}
+
 void InterpreterParticipant::store_tool_changes() {
   for (const interp::Tool& tool : canon_.take_tool_changes()) {
     io::ToolEntry entry;
@@ -275,7 +283,7 @@ void InterpreterParticipant::store_tool_changes() {
                                     MessageKind::error}});
   }
   if (canon_.take_reload()) {
-    if (auto loaded = p_.tools.load(); !loaded.ok())
+    if (auto loaded = load_tools(); !loaded.ok())
       list_.push_back(
           TaskItem{canon_.tag(), ShowMessage{loaded.error().message(), MessageKind::error}});
   }
@@ -427,7 +435,7 @@ bool InterpreterParticipant::next_order() {
   rtapi::Status result;
   switch (order.kind) {
     case Order::Kind::open: result = open_program(p_.environment.find_program(order.text)); break;
-    case Order::Kind::reload_tools: result = p_.tools.load(); break;
+    case Order::Kind::reload_tools: result = load_tools(); break;
     case Order::Kind::save: result = save_parameters(); break;
     case Order::Kind::run:
     case Order::Kind::step:

@@ -90,6 +90,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   /// `record`: begun with what the block found.
   void take_outcome(interp::Outcome outcome, std::size_t items_before, BlockRecord record);
   void store_tool_changes();
+  rtapi::Status load_tools();
   bool synchronise_if_due();
   bool finish_run();
   bool step_stop();

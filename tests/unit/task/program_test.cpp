@@ -556,6 +556,20 @@ TEST(Program, mdi_lines_behind_a_failed_one_do_not_run) {
   EXPECT_EQ(rig.command({"mdi", "G0 X1"}).state, State::done);
 }
 
+TEST(Program, reloaded_table_counts_for_the_tool_in_the_spindle) {
+  Rig rig;
+  rig.ready();
+  rig.does({"mdi", "T1 M6 G43"});
+  rig.folder.write("tool.tbl", "T1 P1 Z33 D6\n");
+  rig.does({"tool-table"});
+  rig.does({"mdi", "G43"});
+  EXPECT_EQ(rig.status().tool_offset.z, 33);
+  rig.folder.write("tool.tbl", "T1 P1 Z44 D6\n");
+  rig.does({"mdi", "G10 L0"});
+  rig.does({"mdi", "G43"});
+  EXPECT_EQ(rig.status().tool_offset.z, 44);
+}
+
 TEST(Program, bad_startup_code_names_its_line) {
   std::string ini = kMillIni;
   ini.replace(ini.find("PARAMETER_FILE"), 0, "RS274NGC_STARTUP_CODE = G17 G999\n");
