@@ -5,7 +5,8 @@
 namespace kerf::task {
 
 namespace {
-constexpr std::size_t kMaxClients = 56;      ///< what one wait can watch, with room for the rest
+constexpr int kPacketsPerStep = 16;  ///< of one client: nobody may keep the heartbeat waiting
+constexpr rtapi::Nanos kAcceptPause = 100 * rtapi::kMillisecond;  ///< after a failed accept
 constexpr std::size_t kMaxOutbox = 4096;     ///< a client that does not read is dropped
 constexpr std::size_t kKeptReplies = 10000;  ///< of submit()
 }  // namespace
@@ -18,8 +19,9 @@ rtapi::Status CommandParticipant::listen(const std::string& address) {
 }
 
 void CommandParticipant::serve_clients() {
-  while (listener_ >= 0 && clients_.size() < kMaxClients) {
+  while (accepts()) {
     auto fd = rtapi::accept_seqpacket(listener_);
+    if (!fd.ok()) accept_again_ = now_ + kAcceptPause;
     if (!fd.ok() || !fd->has_value()) break;
     auto client = std::make_unique<ClientLink>();
     client->number = ++last_client_;
@@ -33,7 +35,7 @@ void CommandParticipant::serve_clients() {
   }
   for (std::size_t i = 0; i < clients_.size(); ++i) {
     ClientLink& client = *clients_[i];
-    for (;;) {
+    for (int n = 0; n < kPacketsPerStep; ++n) {
       auto packet = rtapi::receive_packet(client.fd);
       if (!packet.ok()) client.dead = true;
       if (!packet.ok() || !packet->has_value()) break;

@@ -56,6 +56,9 @@ class CommandParticipant final : public rtapi::Participant {
   static constexpr rtapi::Nanos kBeat = 20 * rtapi::kMillisecond;
   static constexpr rtapi::Nanos kStateTime = rtapi::kSecond;
 
+  /// What one wait can watch, with room for the rest.
+  static constexpr std::size_t kMaxClients = 56;
+
   struct ClientLink {
     int number{0};
     int fd{-1};
@@ -77,6 +80,9 @@ class CommandParticipant final : public rtapi::Participant {
 
   // clients.cpp
   void serve_clients();
+  [[nodiscard]] bool accepts() const {
+    return listener_ >= 0 && clients_.size() < kMaxClients && now_ >= accept_again_;
+  }
   void take_packet(int client, const std::string& packet);
   void send_replies();
   void client_gone(ClientLink& client);
@@ -162,6 +168,7 @@ class CommandParticipant final : public rtapi::Participant {
   CommandCounters counters_;
   std::uint64_t programs_ended_{0};
   int listener_{-1};
+  rtapi::Nanos accept_again_{0};
   int last_client_{kLocal};
   std::vector<std::unique_ptr<ClientLink>> clients_;
   std::deque<std::string> local_in_;

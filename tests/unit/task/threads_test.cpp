@@ -80,5 +80,39 @@ TEST(Threads, mdi_and_aborts_from_a_client) {
   task.shut_down();
 }
 
+TEST(Clients, flood_of_one_does_not_keep_the_heartbeat_waiting) {
+  TempFolder folder;
+  folder.write("tool.tbl", "T1 P1 Z10\n");
+  folder.write("nc/.keep", "");
+  const auto loaded = ini::IniFile::load(folder.write("test.ini", kMillIni));
+  auto segment =
+      std::move(rtapi::Segment::create("t-flood-" + std::to_string(::getpid()), 8U << 20U).value());
+  ASSERT_TRUE(segment->make<motion::MotionShared>(motion::kMotionBlock, motion::kMotionAbi).ok());
+  FakePins pins;
+  TaskOptions options;
+  options.pins = &pins;
+  Task task(loaded.file, *segment, nullptr, options);
+  ASSERT_TRUE(task.start().ok());
+  rtapi::Participant* command = task.participants()[0];
+  rtapi::WaitSpec first;
+  command->step(0, first);
+  auto client = std::move(Client::connect(*segment).value());
+  int sent = 0;
+  while (sent < 100 && client->send({"wait"}).ok()) ++sent;
+  ASSERT_GT(sent, 40);
+  const auto received = [&task] { return task.status().commands.received; };
+  for (std::uint64_t step = 1; step <= 2; ++step) {
+    rtapi::WaitSpec next;
+    command->step(static_cast<rtapi::Nanos>(step), next);
+    EXPECT_EQ(received(), 16 * step);
+  }
+  for (rtapi::Nanos step = 3; step < 12; ++step) {
+    rtapi::WaitSpec next;
+    command->step(step, next);
+  }
+  EXPECT_EQ(received(), static_cast<std::uint64_t>(sent)) << "all are served in the end";
+  task.shut_down();
+}
+
 }  // namespace
 }  // namespace kerf::task::testing
