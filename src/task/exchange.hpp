@@ -39,6 +39,7 @@ struct Report {
   };
   Kind kind{Kind::message};
   Ticket ticket{0};
+  std::uint32_t epoch{0};  ///< of `failed`: nothing to abort when an abort has come since
   CommandState state{CommandState::done};
   MessageKind message{MessageKind::text};
   std::string text;
@@ -97,6 +98,10 @@ class Exchange {
     out = std::move(orders_.front());
     orders_.pop_front();
     return true;
+  }
+  void put_back(Order order) {
+    const std::lock_guard lock(mutex_);
+    orders_.push_front(std::move(order));
   }
   /// Takes the MDI lines of this epoch at the head of the queue.
   [[nodiscard]] std::deque<Order> take_mdi(std::uint32_t epoch) {

@@ -142,7 +142,7 @@ void CommandParticipant::take_reports() {
         say(MessageKind::error, report.text, report.file, report.line);
         const auto at = pending_.find(report.ticket);
         if (at != pending_.end() && at->second.command != CommandId::mdi) ++programs_ended_;
-        abort_all();
+        if (report.epoch == epoch_) abort_all();
         reply(report.ticket, CommandState::error, report.text);
         break;
       }

@@ -114,6 +114,7 @@ class CommandParticipant final : public rtapi::Participant {
 
   // machine.cpp
   void update_machine();
+  void end_state_tickets(CommandState how, const std::string& text);
   void abort_all();
   void stop_jogs(int client);
   void go_estop(const char* why);

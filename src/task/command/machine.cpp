@@ -9,16 +9,18 @@ namespace kerf::task {
 using motion::JogIntent;
 using motion::MotionMode;
 
+/// Those that wait for an estop reset or for the drives.
+void CommandParticipant::end_state_tickets(CommandState how, const std::string& text) {
+  std::vector<Ticket> ended;
+  for (const auto& [ticket, pending] : pending_)
+    if (pending.command == CommandId::state && pending.deadline != rtapi::kForever)
+      ended.push_back(ticket);
+  for (const Ticket ticket : ended) reply(ticket, how, text);
+}
+
 void CommandParticipant::update_machine() {
   p_.exchange.task_state.set(static_cast<std::uint32_t>(state_));
   p_.exchange.mode.set(static_cast<std::uint32_t>(mode_));
-  const auto end_state_tickets = [this](CommandState how, const std::string& text) {
-    std::vector<Ticket> ended;
-    for (const auto& [ticket, pending] : pending_)
-      if (pending.command == CommandId::state && pending.deadline != rtapi::kForever)
-        ended.push_back(ticket);
-    for (const Ticket ticket : ended) reply(ticket, how, text);
-  };
   const auto late = [this] {
     for (const auto& [ticket, pending] : pending_)
       if (pending.command == CommandId::state && now_ < pending.deadline &&
@@ -47,10 +49,10 @@ void CommandParticipant::update_machine() {
       state_ = TaskState::on;
       end_state_tickets(CommandState::done, {});
     } else if (late()) {
-      go_off();
       const std::string why = "the machine did not turn on; motion.enable or an amplifier says no";
       say(MessageKind::error, why);
       end_state_tickets(CommandState::error, why);
+      go_off();
     }
   } else if (state_ == TaskState::on && !status_.enabled) {
     go_off();
@@ -88,6 +90,7 @@ void CommandParticipant::go_estop(const char* why) {
   p_.motion.intent.enable.publish(0);
   p_.io.set_estop(true);
   enabling_ = resetting_ = false;
+  end_state_tickets(CommandState::aborted, "estop came between");
   if (state_ != TaskState::estop && why != nullptr) say(MessageKind::error, why);
   state_ = TaskState::estop;
 }
@@ -95,6 +98,7 @@ void CommandParticipant::go_estop(const char* why) {
 void CommandParticipant::go_off() {
   abort_all();
   p_.motion.intent.enable.publish(0);
+  if (enabling_) end_state_tickets(CommandState::aborted, "the machine was turned off");
   enabling_ = false;
   if (state_ != TaskState::estop) state_ = TaskState::estop_reset;
 }

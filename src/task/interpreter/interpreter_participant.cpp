@@ -406,6 +406,7 @@ void InterpreterParticipant::fail(const std::string& text, const std::string& fi
     return;
   }
   report.kind = Report::Kind::failed;
+  report.epoch = epoch_;
   report.ticket = std::exchange(run_.ticket, 0);
   reports_.push_back(std::move(report));
   run_.failed = true;
@@ -427,6 +428,11 @@ bool InterpreterParticipant::next_order() {
   if (run_.active) return false;
   Order order;
   if (!p_.exchange.take(order)) return false;
+  if (static_cast<std::int32_t>(order.epoch - epoch_) > 0) {
+    // An abort has come since this step began; the order is one behind it.
+    p_.exchange.put_back(std::move(order));
+    return false;
+  }
   run_.ticket = order.ticket;
   if (order.epoch != epoch_) {
     finish_ticket(CommandState::aborted, "aborted");

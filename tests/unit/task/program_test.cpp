@@ -39,6 +39,21 @@ TEST(Program, machine_that_does_not_enable_says_so) {
   EXPECT_EQ(rig.status().task_state, TaskState::estop_reset);
 }
 
+TEST(Program, state_on_that_is_taken_back_ends_aborted) {
+  for (const char* other : {"off", "estop"}) {
+    Rig rig;
+    rig.fake->may_enable = false;
+    rig.does({"state", "estop-reset"});
+    const auto on = rig.send({"state", "on"});
+    rig.run_for(0.1);
+    EXPECT_FALSE(rig.finished(on));
+    rig.does({"state", other});
+    EXPECT_EQ(rig.outcome(on).state, State::aborted) << other;
+    const auto& c = rig.status().commands;
+    EXPECT_EQ(c.received, c.done + c.errors + c.aborted);
+  }
+}
+
 TEST(Program, mdi_needs_power_and_homing) {
   Rig rig;
   EXPECT_THAT(rig.command({"mdi", "G0 X1"}).text,
