@@ -116,9 +116,10 @@ struct SpindleChange {
   };
   std::int32_t spindle{0};
   Action action{Action::set_speed};
-  double speed_rpm{0};   ///< commanded speed, not negative (S word)
-  double css_factor{0};  ///< G96: speed = min(css_max_rpm, css_factor / |x|); 0 in G97
-  double css_max_rpm{0};
+  double speed_rpm{0};        ///< commanded speed, not negative (S word)
+  double css_factor{0};       ///< G96: speed = min(css_max_rpm, css_factor / radius); 0 in G97
+  double css_max_rpm{0};      ///< above 0 in G96
+  double css_center_x_mm{0};  ///< machine X of the axis that it turns about, without tool offset
   double orient_angle_deg{0};
   double orient_timeout_s{0};  ///< Fault::orient_fault when it takes longer; 0: no limit (M19 Q)
   std::int32_t orient_mode{0};
@@ -131,6 +132,7 @@ struct SpindleChange {
     v("speed", &SpindleChange::speed_rpm, "rpm");
     v("css-factor", &SpindleChange::css_factor, "mm/min");
     v("css-max", &SpindleChange::css_max_rpm, "rpm");
+    v("css-center-x", &SpindleChange::css_center_x_mm, "mm");
     v("orient-angle", &SpindleChange::orient_angle_deg, "deg");
     v("orient-timeout", &SpindleChange::orient_timeout_s, "s");
     v("orient-mode", &SpindleChange::orient_mode, "");

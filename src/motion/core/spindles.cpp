@@ -31,6 +31,7 @@ void Spindles::apply(const SpindleChange& change) noexcept {
   s.speed_rpm = change.speed_rpm;
   s.css_factor = change.css_factor;
   s.css_max_rpm = change.css_max_rpm;
+  s.css_center_x_mm = change.css_center_x_mm;
   s.age = 0;
   if (change.action != Action::set_speed) {
     s.direction = change.action == Action::forward ? 1 : change.action == Action::reverse ? -1 : 0;
@@ -95,7 +96,7 @@ void Spindles::step(const SpindleInputs* in, const double* overrides, double x_m
     }
     double rpm = s.speed_rpm;
     if (s.css_factor > 0) {
-      const double radius = std::abs(x_mm);
+      const double radius = std::abs(x_mm - s.css_center_x_mm);
       rpm = s.css_factor < s.css_max_rpm * radius ? s.css_factor / radius : s.css_max_rpm;
     }
     rpm *= s.direction;

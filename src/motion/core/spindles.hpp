@@ -25,7 +25,7 @@ class Spindles {
   void stop_all() noexcept;
   /// Ends orientations in progress; a spindle that turns goes on.
   void abort_orient() noexcept;
-  /// One cycle. `x_mm`: the radius for constant surface speed. `overrides`: one factor a spindle, already 1 where disabled.
+  /// One cycle. `x_mm`: machine X without tool offset, for constant surface speed. `overrides`: one factor a spindle, already 1 where disabled.
   void step(const SpindleInputs* in, const double* overrides, double x_mm,
             FaultList& faults) noexcept;
 
@@ -53,7 +53,7 @@ class Spindles {
   static constexpr std::int32_t kSettleCycles = 3;
 
   struct State {
-    double speed_rpm{0}, css_factor{0}, css_max_rpm{0};
+    double speed_rpm{0}, css_factor{0}, css_max_rpm{0}, css_center_x_mm{0};
     std::int32_t direction{0}, orient_state{kOrientNone}, orient_fault{0}, age{0};
     bool ack_low{false};  ///< is-oriented was false since the orientation began
     bool wait{false};     ///< the next feed move waits for at-speed

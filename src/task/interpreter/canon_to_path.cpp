@@ -36,6 +36,25 @@ void CanonToPath::next_block(const interp::SourceLine& source) {
 void CanonToPath::set_g5x_offset(int system, const interp::Pose& offset) {
   state_.g5x_index = system;
   state_.frame.set_g5x_offset(offset);
+  frame_changed();
+}
+
+void CanonToPath::set_g92_offset(const interp::Pose& offset) {
+  state_.frame.set_g92_offset(offset);
+  frame_changed();
+}
+
+void CanonToPath::set_xy_rotation(double degrees) {
+  state_.frame.set_xy_rotation(degrees);
+  frame_changed();
+}
+
+/// Spindles at constant surface speed learn where X0 is now.
+void CanonToPath::frame_changed() {
+  for (std::size_t n = 0; n < motion::kMaxSpindles; ++n) {
+    if (state_.css_max_rpm[n] > 0 && state_.direction[n] != 0)
+      add_path(spindle_change(static_cast<int>(n), SpindleChange::Action::set_speed));
+  }
 }
 
 void CanonToPath::use_tool_length_offset(const interp::Pose& offset) {
@@ -151,6 +170,7 @@ SpindleChange CanonToPath::spindle_change(int spindle, SpindleChange::Action act
   if (state_.css_max_rpm[n] > 0) {
     change.css_factor = state_.speed[n] / kTwoPi;
     change.css_max_rpm = state_.css_max_rpm[n];
+    change.css_center_x_mm = state_.frame.to_machine(Pose{}).x - state_.frame.tool().x;
   } else {
     change.speed_rpm = state_.speed[n];
   }

@@ -61,8 +61,8 @@ class CanonToPath final : public interp::Canon {
   void use_length_units(interp::Units) override {}
   void select_plane(interp::Plane) override {}
   void set_g5x_offset(int system, const interp::Pose& offset) override;
-  void set_g92_offset(const interp::Pose& offset) override { state_.frame.set_g92_offset(offset); }
-  void set_xy_rotation(double degrees) override { state_.frame.set_xy_rotation(degrees); }
+  void set_g92_offset(const interp::Pose& offset) override;
+  void set_xy_rotation(double degrees) override;
   void use_tool_length_offset(const interp::Pose& offset) override;
   void set_feed_rate(double linear_mm_min, double angular_deg_min) override;
   void set_feed_mode(int spindle, interp::FeedMode mode) override;
@@ -130,6 +130,7 @@ class CanonToPath final : public interp::Canon {
   void traverse_machine(const motion::Pose& end, motion::MotionKind kind);
   void output(int index, bool analog, bool synchronised, double value);
   void not_yet(const char* what);
+  void frame_changed();
   [[nodiscard]] double feed_mm_s(const motion::Pose& end) const;
   [[nodiscard]] motion::SpindleChange spindle_change(int spindle,
                                                      motion::SpindleChange::Action action) const;

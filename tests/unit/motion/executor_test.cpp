@@ -180,6 +180,25 @@ TEST(Executor, ConstantSurfaceSpeedFollowsTheRadius) {
   EXPECT_NEAR(rig.controller->spindles().outputs(0).speed_rpm, 900, 1e-9);
 }
 
+TEST(Executor, ConstantSurfaceSpeedMeasuresFromTheWorkpiece) {
+  Rig rig;
+  rig.ready();
+  SpindleChange s = spin(SpindleChange::Action::forward, 100);
+  s.css_factor = 10000;
+  s.css_max_rpm = 900;
+  s.css_center_x_mm = -20;
+  rig.push(ToolOffset{{.x = 5}});
+  rig.push(s);
+  rig.line({.x = 25}, 100);  // 40 from the centre
+  rig.finish();
+  rig.run(2);
+  EXPECT_NEAR(rig.controller->spindles().outputs(0).speed_rpm, 250, 1e-9);
+  s.css_max_rpm = 0;
+  rig.push(s);
+  rig.run(5);
+  EXPECT_TRUE(rig.saw(Fault::bad_item)) << "no bound";
+}
+
 TEST(Executor, ConstantSurfaceSpeedWaitsAfterEachTraverse) {
   Rig rig;
   rig.ready();

@@ -92,6 +92,21 @@ TEST(Canon, surface_speed_becomes_a_factor) {
   EXPECT_EQ(b.last<motion::SpindleChange>().css_factor, 0);
 }
 
+TEST(Canon, surface_speed_is_measured_from_the_workpiece) {
+  Bench b;
+  b.canon.set_g5x_offset(1, {.x = -100});
+  EXPECT_TRUE(b.list.empty());
+  b.canon.use_tool_length_offset({.x = 7});
+  b.canon.set_spindle_mode(0, 2500);
+  b.canon.set_spindle_speed(0, 60000);
+  b.canon.start_spindle(0, interp::SpindleDirection::clockwise);
+  EXPECT_EQ(b.last<motion::SpindleChange>().css_center_x_mm, -100);
+  b.canon.set_g92_offset({.x = 30});
+  EXPECT_EQ(b.last<motion::SpindleChange>().css_center_x_mm, -70);
+  b.canon.set_g5x_offset(2, {.x = -50});
+  EXPECT_EQ(b.last<motion::SpindleChange>().css_center_x_mm, -20);
+}
+
 TEST(Canon, the_orientation_itself_knows_its_timeout) {
   Bench b;
   b.canon.orient_spindle(0, 90, 1);

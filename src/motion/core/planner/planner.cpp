@@ -163,7 +163,10 @@ Planner::Take Planner::spindle_change(const PathItem& item, const SpindleChange&
                                       Span& span) noexcept {
   if (change.spindle < 0 || change.spindle >= spindles_) return bad_item(item, change.spindle);
   const bool numbers = std::isfinite(change.speed_rpm) && std::isfinite(change.css_factor) &&
-                       std::isfinite(change.css_max_rpm) && std::isfinite(change.orient_angle_deg);
+                       std::isfinite(change.css_max_rpm) && std::isfinite(change.css_center_x_mm) &&
+                       std::isfinite(change.orient_angle_deg);
+  // Without a bound the speed at the centre would be without end.
+  if (change.css_factor > 0 && change.css_max_rpm <= 0) return bad_item(item, change.css_max_rpm);
   if (!numbers || change.speed_rpm < 0) return bad_item(item, change.speed_rpm);
   span.body = change;
   return push(span);
