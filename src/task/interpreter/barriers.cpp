@@ -168,6 +168,8 @@ bool InterpreterParticipant::begin_barrier(TaskItem& item) {
     Report report;
     report.kind = Report::Kind::program_end;
     reports_.push_back(std::move(report));
+  } else if (const auto* store = std::get_if<StoreTools>(&item.body)) {
+    store_tools(*store);
   } else if (const auto* error = std::get_if<ProgramError>(&item.body)) {
     fail(error->text, error->file, error->line);
     return false;

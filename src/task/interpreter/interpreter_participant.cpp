@@ -240,7 +240,8 @@ bool InterpreterParticipant::read_block() {
 
 void InterpreterParticipant::take_outcome(Outcome outcome, std::size_t items_before,
                                           BlockRecord record) {
-  store_tool_changes();
+  // The next block must find the new table; a block that is only read ahead must not change it.
+  if (queue_tool_changes() && outcome == Outcome::ok) run_.sync_pending = true;
   if (outcome == Outcome::error) {
     const auto& error = interp_.error();
     list_.push_back(TaskItem{canon_.tag(), ProgramError{error.message(), error.file, error.line}});
@@ -267,8 +268,21 @@ rtapi::Status InterpreterParticipant::load_tools() {
   return {};
 }
 
-void InterpreterParticipant::store_tool_changes() {
-  for (const interp::Tool& tool : canon_.take_tool_changes()) {
+bool InterpreterParticipant::queue_tool_changes() {
+  StoreTools store{canon_.take_tool_changes(), canon_.take_reload()};
+  if (store.tools.empty() && !store.reload) return false;
+  list_.push_back(TaskItem{canon_.tag(), std::move(store)});
+  return true;
+}
+
+void InterpreterParticipant::store_tools(const StoreTools& store) {
+  const auto complain = [this](const std::string& text) {
+    Report report;
+    report.message = MessageKind::error;
+    report.text = text;
+    reports_.push_back(std::move(report));
+  };
+  for (const interp::Tool& tool : store.tools) {
     io::ToolEntry entry;
     entry.number = tool.number;
     entry.pocket = tool.pocket;
@@ -278,15 +292,10 @@ void InterpreterParticipant::store_tool_changes() {
     entry.back_angle_deg = tool.back_angle_deg;
     entry.orientation = tool.orientation;
     if (auto saved = p_.tools.put(entry); !saved.ok())
-      list_.push_back(TaskItem{
-          canon_.tag(), ShowMessage{"the tool table is not saved: " + saved.error().message(),
-                                    MessageKind::error}});
+      complain("the tool table is not saved: " + saved.error().message());
   }
-  if (canon_.take_reload()) {
-    if (auto loaded = load_tools(); !loaded.ok())
-      list_.push_back(
-          TaskItem{canon_.tag(), ShowMessage{loaded.error().message(), MessageKind::error}});
-  }
+  if (!store.reload) return;
+  if (auto loaded = load_tools(); !loaded.ok()) complain(loaded.error().message());
 }
 
 std::optional<motion::Pose> InterpreterParticipant::moved_position() const {

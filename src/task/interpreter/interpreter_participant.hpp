@@ -89,7 +89,9 @@ class InterpreterParticipant final : public rtapi::Participant {
   bool read_block();
   /// `record`: begun with what the block found.
   void take_outcome(interp::Outcome outcome, std::size_t items_before, BlockRecord record);
-  void store_tool_changes();
+  /// True when the block changes the tool table.
+  bool queue_tool_changes();
+  void store_tools(const StoreTools& store);
   rtapi::Status load_tools();
   bool synchronise_if_due();
   bool finish_run();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "interp/canon.hpp"
 #include "motion/api/path_items.hpp"
@@ -55,6 +56,11 @@ struct WaitOrient {
   int spindle{0};
   double timeout_s{0};
 };
+/// G10 L0, L1, L10, L11.
+struct StoreTools {
+  std::vector<interp::Tool> tools;
+  bool reload{false};
+};
 struct ProgramEnd {};
 struct ProgramError {
   std::string text, file;
@@ -64,7 +70,7 @@ struct ProgramError {
 using PathBody = motion::PathItems::Variant;
 using TaskItemBody = std::variant<PathBody, PrepareTool, SetCoolant, ShowMessage, PrintText,
                                   LogText, ChangeTool, SetToolNumber, UserMcodeRun, ProgramPause,
-                                  WaitInput, WaitOrient, ProgramEnd, ProgramError>;
+                                  WaitInput, WaitOrient, ProgramEnd, ProgramError, StoreTools>;
 
 struct TaskItem {
   motion::SourceTag tag;

@@ -585,6 +585,20 @@ TEST(Program, reloaded_table_counts_for_the_tool_in_the_spindle) {
   EXPECT_EQ(rig.status().tool_offset.z, 44);
 }
 
+TEST(Program, tool_table_is_not_changed_by_a_block_that_was_only_read) {
+  Rig rig;
+  rig.ready();
+  rig.fake->move_time = rtapi::kSecond;
+  rig.start_text("G1 X500 F50\nG10 L1 P1 Z77\nG0 X1\nM2\n");
+  rig.run_for(0.5);
+  rig.does({"abort"});
+  EXPECT_THAT(rig.folder.read("tool.tbl"), HasSubstr("Z10"));
+  rig.fake->move_time = kMillisecond;
+  EXPECT_EQ(rig.run_text("G10 L1 P1 Z55\nG43 H1\nG0 Z0\nM2\n").state, State::done);
+  EXPECT_EQ(rig.fake->status.pos_cmd.z, 55);
+  EXPECT_THAT(rig.folder.read("tool.tbl"), HasSubstr("Z55"));
+}
+
 TEST(Program, bad_startup_code_names_its_line) {
   std::string ini = kMillIni;
   ini.replace(ini.find("PARAMETER_FILE"), 0, "RS274NGC_STARTUP_CODE = G17 G999\n");
