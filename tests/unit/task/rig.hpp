@@ -187,7 +187,7 @@ class TempFolder {
   ~TempFolder() { std::filesystem::remove_all(path); }
   std::string write(const std::string& name, const std::string& text,
                     bool executable = false) const {
-    const std::string file = path + "/" + name;
+    std::string file = path + "/" + name;
     std::filesystem::create_directories(std::filesystem::path(file).parent_path());
     std::ofstream(file) << text;
     if (executable) ::chmod(file.c_str(), 0755);
