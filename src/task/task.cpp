@@ -189,6 +189,7 @@ std::vector<OperatorMessage> Task::messages(std::uint64_t& cursor) const {
 void Task::shut_down() {
   if (!parts_->command) return;
   parts_->command->shut_down();
+  parts_->interpreter->shut_down();
   if (auto saved = parts_->interpreter->save_parameters(); !saved.ok())
     rtapi::log_error(saved.error());
 }

@@ -84,6 +84,12 @@ rtapi::Status InterpreterParticipant::init() {
   return loaded;
 }
 
+void InterpreterParticipant::shut_down() {
+  (void)p_.motion.status.read(status_);
+  interp_.abort();
+  interp_.restore(history_.stopped_at(status_.current.id).modal);
+}
+
 rtapi::Status InterpreterParticipant::save_parameters() {
   if (p_.setup.paths.parameter_file.empty()) return {};
   return parameter_file_.save(interp_.parameters());

@@ -43,6 +43,8 @@ class InterpreterParticipant final : public rtapi::Participant {
 
   /// Loads the parameter file and runs RS274NGC_STARTUP_CODE; once, before the first step.
   rtapi::Status init();
+  /// Back to the block where the machine stands, so that nothing that was only read ahead is saved. After the last step.
+  void shut_down();
   /// Saves the parameter file, if the machine has one.
   rtapi::Status save_parameters();
 

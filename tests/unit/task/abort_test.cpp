@@ -206,6 +206,17 @@ TEST(Abort, length_offset_is_not_that_of_a_tool_that_did_not_come) {
   EXPECT_EQ(rig.fake->status.pos_cmd.z, 10);
 }
 
+TEST(Abort, shutdown_saves_no_offset_that_was_only_read) {
+  Rig rig;
+  rig.ready();
+  rig.fake->move_time = rtapi::kSecond;
+  rig.start_text("G0 X10\nG0 X20\nG55\nG92 X3\nG0 X1\nM2\n");
+  rig.run_for(0.5);
+  rig.stop();
+  EXPECT_THAT(rig.folder.read("test.var"), HasSubstr("5220\t1.0"));
+  EXPECT_THAT(rig.folder.read("test.var"), HasSubstr("5210\t0.0"));
+}
+
 TEST(Abort, g64_survives_and_is_announced_again) {
   Rig rig;
   rig.ready();
