@@ -14,6 +14,7 @@
 #include <cstring>
 
 #include "rtapi/clock/real_clock.hpp"
+#include "rtapi/shm/abstract_address.hpp"
 #include "rtapi/shm/process.hpp"
 #include "rtapi/shm/segment.hpp"
 
@@ -27,14 +28,6 @@ constexpr int kLivenessMs = 100;
 constexpr Nanos kForeignMayKeep = kSecond;
 /// Real time after which the holder of time or baton is named on stderr.
 constexpr Nanos kNameHolderAfter = 5 * kSecond;
-
-socklen_t abstract_address(const std::string& name, sockaddr_un& out) {
-  out = {};
-  out.sun_family = AF_UNIX;
-  const std::size_t n = std::min(name.size(), sizeof(out.sun_path) - 1);
-  std::memcpy(out.sun_path + 1, name.data(), n);
-  return static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + n);
-}
 
 }  // namespace
 

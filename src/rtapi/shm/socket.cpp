@@ -10,20 +10,12 @@
 #include <cstddef>
 #include <cstring>
 
+#include "rtapi/shm/abstract_address.hpp"
 #include "rtapi/shm/segment.hpp"
 
 namespace kerf::rtapi {
 
 namespace {
-
-/// Abstract address: a zero byte, then the name; gives its length.
-socklen_t abstract_address(const std::string& name, sockaddr_un& out) {
-  out = {};
-  out.sun_family = AF_UNIX;
-  const std::size_t n = std::min(name.size(), sizeof(out.sun_path) - 1);
-  std::memcpy(out.sun_path + 1, name.data(), n);
-  return static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + n);
-}
 
 /// Abstract addresses have no file rights: only this user and root may be at the other end.
 bool peer_is_trusted(int fd) {
