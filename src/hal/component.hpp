@@ -72,6 +72,9 @@ struct Info {
   std::string_view notes{};       ///< more text for the man page
   bool singleton{false};          ///< one instance, named as the component, no count= or names=
   std::int32_t default_count{1};  ///< instances when neither count= nor names= is given
+  /// loadrt parameters that show what the component can have, for one that has no pins without ("cfg=bf depth=100"): the man
+  /// page describes it loaded so.
+  std::string_view example{};
 };
 
 /// Collects what a component declares. The live one exports into the segment, others write docs or serve unit tests.
@@ -106,6 +109,9 @@ class Builder {
 
   [[nodiscard]] const Name& prefix() const noexcept { return prefix_; }
   [[nodiscard]] std::int64_t personality() const noexcept { return personality_; }
+  /// True when nothing will ever run and the machine is perhaps another one (`halcmd check`, `hal describe`): a driver declares
+  /// its pins as its parameters tell, and touches no device.
+  [[nodiscard]] bool declares_only() const noexcept { return declares_only_; }
   /// "PREFIX.suffix", or the prefix itself for an empty suffix; too long is an error that names it.
   [[nodiscard]] Name full_name(std::string_view suffix) noexcept {
     Name name = prefix_;
@@ -121,6 +127,7 @@ class Builder {
   ~Builder() = default;
   Name prefix_;
   std::int64_t personality_{0};
+  bool declares_only_{false};
 };
 
 namespace detail {
@@ -385,7 +392,7 @@ struct Module {
   void (*destroy)(void* object) noexcept;
 };
 /// Raised when Builder, Module, Info or the handles change.
-inline constexpr std::uint64_t kModuleAbi = 1;
+inline constexpr std::uint64_t kModuleAbi = 2;
 
 /// Name of the symbol for component file ID (dashes as underscores): kerf_hal_module_ID.
 inline constexpr std::string_view kModuleSymbolPrefix = "kerf_hal_module_";

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "hal/cmd/json.hpp"
 #include "hal/cmd/show.hpp"
 #include "hal/core/value_text.hpp"
 #include "rtapi/base/suggest.hpp"
@@ -24,6 +25,9 @@ void CommandSink::out(std::string_view text) {
   std::fflush(stdout);
 }
 void CommandSink::err(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+void CommandSink::complaint(const std::string& file, int line, std::string_view text) {
+  err(file + ":" + std::to_string(line) + ": " + std::string(text) + "\n");
+}
 
 namespace {
 constexpr std::size_t kAny = SIZE_MAX;
@@ -256,6 +260,12 @@ bool Commander::run_words(Words words) {
 bool Commander::run(std::vector<std::string> words) {
   if (words.empty()) return true;
   if (words.size() == 3 && words[1] == "=") words = {"setp", words[0], words[2]};
+  if (interceptor_) {
+    if (const auto done = interceptor_(words, file_, line_); done) {
+      if (!done->ok() && done->error().code != Errc::ok) report(done->error().message());
+      return done->ok();
+    }
+  }
   for (const Row& row : rows()) {
     if (words[0] != row.name) continue;
     if (row.arrows) std::erase_if(words, [](const std::string& w) { return is_arrow(w); });
@@ -286,7 +296,8 @@ void Commander::report(const std::string& text) {
 
 void Commander::error(const std::string& text) {
   if (level_ == Level::silent) return;
-  sink_->err(file_ + ":" + std::to_string(line_) + ": " + text + "\n");
+  if (json_) return sink_->err(error_json(file_, line_, text));
+  sink_->complaint(file_, line_, text);
 }
 
 void Commander::say(const std::string& text) {
@@ -381,43 +392,50 @@ Result<SignalInfo> Commander::find_signal(const std::string& name) const {
 
 Status Commander::get_item(Words w) {
   KERF_TRY(const ItemInfo item, find_item(w[1]));
-  sink_->out(plain_value_text(item.type, item.raw) + "\n");
+  sink_->out(json_ ? value_json(item.name, item.type, item.raw)
+                   : plain_value_text(item.type, item.raw) + "\n");
   return {};
 }
 
 Status Commander::item_type(Words w) {
   KERF_TRY(const ItemInfo item, find_item(w[1]));
-  sink_->out(std::string(type_name(item.type)) + "\n");
+  sink_->out(json_ ? type_json(item.name, item.type) : std::string(type_name(item.type)) + "\n");
   return {};
 }
 
 Status Commander::get_signal(Words w) {
   KERF_TRY(const SignalInfo signal, find_signal(w[1]));
-  sink_->out(plain_value_text(signal.type, signal.raw) + "\n");
+  sink_->out(json_ ? value_json(signal.name, signal.type, signal.raw)
+                   : plain_value_text(signal.type, signal.raw) + "\n");
   return {};
 }
 
 Status Commander::signal_type(Words w) {
   KERF_TRY(const SignalInfo signal, find_signal(w[1]));
-  sink_->out(std::string(type_name(signal.type)) + "\n");
+  sink_->out(json_ ? type_json(signal.name, signal.type)
+                   : std::string(type_name(signal.type)) + "\n");
   return {};
 }
 
 Status Commander::show(Words w) {
   const Words patterns = w.size() > 2 ? w.subspan(2) : Words{};
-  KERF_TRY(const std::string text, show_text(view_, w.size() > 1 ? w[1] : "", patterns, script_));
+  const std::string item = w.size() > 1 ? w[1] : "";
+  KERF_TRY(const std::string text,
+           json_ ? show_json(view_, item, patterns) : show_text(view_, item, patterns, script_));
   sink_->out(text);
   return {};
 }
 
 Status Commander::list(Words w) {
-  KERF_TRY(const std::string text, list_text(view_, w[1], w.subspan(2)));
+  KERF_TRY(const std::string text,
+           json_ ? list_json(view_, w[1], w.subspan(2)) : list_text(view_, w[1], w.subspan(2)));
   sink_->out(text);
   return {};
 }
 
 Status Commander::status(Words w) {
-  KERF_TRY(const std::string text, status_text(view_, w.size() > 1 ? w[1] : ""));
+  const std::string item = w.size() > 1 ? w[1] : "";
+  KERF_TRY(const std::string text, json_ ? status_json(view_, item) : status_text(view_, item));
   sink_->out(text);
   return {};
 }

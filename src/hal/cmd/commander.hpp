@@ -7,6 +7,8 @@
 // Structure is changed by the realtime host; show, list, getp, gets, ptype and stype read the segment.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,11 +28,17 @@ class CommandSink {
   virtual ~CommandSink() = default;
   virtual void out(std::string_view text);
   virtual void err(std::string_view text);
+  /// A command failed. The default gives err() "FILE:LINE: text".
+  virtual void complaint(const std::string& file, int line, std::string_view text);
 };
 
 class Commander {
  public:
   enum class Level { silent, errors, verbose, debug };
+  /// Sees each command, substituted and in words, before it is done. What it returns takes the command's place; nothing: the
+  /// command is done as usual.
+  using Interceptor = std::function<std::optional<rtapi::Status>(
+      std::span<const std::string> words, const std::string& file, int line)>;
 
   explicit Commander(Session& session, IniLookup ini = {}, CommandSink* sink = nullptr);
   Commander(const Commander&) = delete;
@@ -41,6 +49,9 @@ class Commander {
   void set_keep_going(bool on) { keep_going_ = on; }
   void set_echo(bool on) { echo_ = on; }
   void set_ini(IniLookup ini) { ini_ = std::move(ini); }
+  void set_interceptor(Interceptor interceptor) { interceptor_ = std::move(interceptor); }
+  /// show, list, status, getp, gets, ptype and stype print JSON (docs/hal-json.md), and so do errors.
+  void set_json(bool on) { json_ = on; }
   /// What loadusr -W, waitusr and sleep wait on. Without it they are errors.
   void set_clock(rtapi::WaitClock* clock) { clock_ = clock; }
 
@@ -114,6 +125,7 @@ class Commander {
 
   Session& session_;
   IniLookup ini_;
+  Interceptor interceptor_;
   CommandSink default_sink_;
   CommandSink* sink_;
   View view_;
@@ -122,6 +134,7 @@ class Commander {
   bool script_{false};
   bool keep_going_{false};
   bool echo_{false};
+  bool json_{false};
   bool quit_{false};
   int depth_{0};
   std::string file_{"<commandline>"};

@@ -40,6 +40,7 @@ void print_help() {
       "  -V          print more\n"
       "  -e          echo commands to stderr\n"
       "  -R          accepted; there is no lock to release\n"
+      "  --json      show, list, status, getp, gets, ptype and stype print JSON\n"
       "  -h [NAME]   this text, or that of one command\n"
       "\n"
       "Without a command, commands are read interactively. They are:\n");
@@ -100,7 +101,9 @@ int main(int argc, char** argv) {
   rtapi::set_program_name("halcmd");
   hal::HalcmdOptions options;
   int c = 0;
-  const option long_options[] = {{"help", no_argument, nullptr, 'h'}, {}};
+  constexpr int kJson = 256;
+  const option long_options[] = {
+      {"help", no_argument, nullptr, 'h'}, {"json", no_argument, nullptr, kJson}, {}};
   // '+': the command's own words may begin with '-'.
   while ((c = ::getopt_long(argc, argv, "+efi:kqQRsvVh", long_options, nullptr)) != -1) {
     if (c == 'h') {
@@ -109,6 +112,10 @@ int main(int argc, char** argv) {
       else
         print_help();
       return 0;
+    }
+    if (c == kJson) {
+      options.json = true;
+      continue;
     }
     if (!options.take(c, optarg)) return 255;
   }

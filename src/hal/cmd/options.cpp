@@ -34,6 +34,7 @@ void HalcmdOptions::apply(Commander& commander) const {
   commander.set_keep_going(keep_going);
   commander.set_script_mode(script);
   commander.set_echo(echo);
+  commander.set_json(json);
   if (ini) commander.set_ini(ini_lookup(*ini));
 }
 

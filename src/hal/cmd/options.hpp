@@ -16,6 +16,7 @@ struct HalcmdOptions {
   bool keep_going{false};
   bool script{false};
   bool echo{false};
+  bool json{false};  ///< --json
   Commander::Level level{Commander::Level::errors};
   std::unique_ptr<ini::IniFile> ini;
 

@@ -1,11 +1,10 @@
 #include "hal/cmd/show.hpp"
 
-#include <fnmatch.h>
-
 #include <cinttypes>
 #include <cstdarg>
 #include <cstdio>
 
+#include "hal/cmd/filter.hpp"
 #include "hal/core/value_text.hpp"
 #include "rtapi/base/suggest.hpp"
 
@@ -25,31 +24,6 @@ namespace {
   va_end(args);
   if (n > 0) out.append(line, std::min(static_cast<std::size_t>(n), sizeof line - 1));
 }
-
-/// Which names are wanted: any that begins with or matches one of the patterns; -tTYPE first restricts the type.
-struct Filter {
-  Type type{Type::unspecified};
-  std::span<const std::string> patterns;
-
-  static Result<Filter> make(std::span<const std::string> words) {
-    Filter f{Type::unspecified, words};
-    if (words.empty() || words[0].rfind("-t", 0) != 0) return f;
-    f.type = type_from_name(std::string_view(words[0]).substr(2));
-    if (f.type == Type::unspecified) {
-      return fail(Errc::bad_argument, "Unknown type '" + words[0].substr(2) + "'");
-    }
-    f.patterns = words.subspan(1);
-    return f;
-  }
-  [[nodiscard]] bool takes(const std::string& name, Type t = Type::unspecified) const {
-    if (type != Type::unspecified && t != type) return false;
-    if (patterns.empty()) return true;
-    for (const auto& p : patterns) {
-      if (name.rfind(p, 0) == 0 || fnmatch(p.c_str(), name.c_str(), 0) == 0) return true;
-    }
-    return false;
-  }
-};
 
 const char* arrow(Dir dir) {
   switch (dir) {

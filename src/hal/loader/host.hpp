@@ -39,6 +39,8 @@ class HostDriver {
   virtual void participant_removed(rtapi::Participant& /*participant*/) {}
   /// Lets some time pass while Host waits for the threads to finish a cycle; false: waited long enough.
   virtual bool wait_for_threads(int /*attempt*/) { return false; }
+  /// True: components are only to be looked at, see Builder::declares_only().
+  [[nodiscard]] virtual bool declares_only() const { return false; }
 };
 
 class Host {

@@ -21,7 +21,9 @@ class LiveBuilder final : public Builder {
 
   LiveBuilder(Host& host, Host::Loaded& loaded,
               std::map<std::string, std::string, std::less<>> args)
-      : host_(host), loaded_(loaded), args_(std::move(args)) {}
+      : host_(host), loaded_(loaded), args_(std::move(args)) {
+    declares_only_ = host.driver_ != nullptr && host.driver_->declares_only();
+  }
 
   void begin_instance(std::string_view prefix, std::int64_t personality) {
     prefix_ = Name(prefix);

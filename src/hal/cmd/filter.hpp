@@ -1,0 +1,40 @@
+// The patterns of show and list.
+#pragma once
+
+#include <fnmatch.h>
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "hal/core/value_text.hpp"
+#include "rtapi/base/result.hpp"
+
+namespace kerf::hal {
+
+/// Which names are wanted: any that begins with or matches one of the patterns; -tTYPE first restricts the type.
+struct Filter {
+  Type type{Type::unspecified};
+  std::span<const std::string> patterns;
+
+  static rtapi::Result<Filter> make(std::span<const std::string> words) {
+    Filter f{Type::unspecified, words};
+    if (words.empty() || words[0].rfind("-t", 0) != 0) return f;
+    f.type = type_from_name(std::string_view(words[0]).substr(2));
+    if (f.type == Type::unspecified) {
+      return rtapi::fail(rtapi::Errc::bad_argument, "Unknown type '" + words[0].substr(2) + "'");
+    }
+    f.patterns = words.subspan(1);
+    return f;
+  }
+  [[nodiscard]] bool takes(const std::string& name, Type t = Type::unspecified) const {
+    if (type != Type::unspecified && t != type) return false;
+    if (patterns.empty()) return true;
+    for (const auto& p : patterns) {
+      if (name.rfind(p, 0) == 0 || fnmatch(p.c_str(), name.c_str(), 0) == 0) return true;
+    }
+    return false;
+  }
+};
+
+}  // namespace kerf::hal

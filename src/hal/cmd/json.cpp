@@ -1,0 +1,298 @@
+#include "hal/cmd/json.hpp"
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "hal/cmd/filter.hpp"
+#include "hal/core/value_text.hpp"
+#include "rtapi/base/suggest.hpp"
+
+namespace kerf::hal {
+
+using rtapi::Errc;
+using rtapi::fail;
+using rtapi::Result;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+/// Names may hold bytes that are no UTF-8: they are replaced, since JSON has no others.
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Json number(double value) {
+  if (std::isnan(value)) return "nan";
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  return value;
+}
+
+Json value_of(Type type, std::uint64_t raw) {
+  switch (type) {
+    case Type::bit: return from_raw<bool>(raw);
+    case Type::floating: return number(from_raw<double>(raw));
+    case Type::s32: return from_raw<std::int32_t>(raw);
+    case Type::s64: return from_raw<std::int64_t>(raw);
+    case Type::u32:
+    case Type::port: return from_raw<std::uint32_t>(raw);
+    case Type::u64: return from_raw<std::uint64_t>(raw);
+    default: return nullptr;
+  }
+}
+
+const char* dir_word(Dir dir) {
+  switch (dir) {
+    case Dir::in: return "in";
+    case Dir::out: return "out";
+    case Dir::io: return "io";
+    case Dir::ro: return "ro";
+    case Dir::rw: return "rw";
+    default: return "unknown";
+  }
+}
+
+Json or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
+
+Json component_json(const ComponentInfo& c) {
+  Json out;
+  out["name"] = c.name;
+  out["id"] = c.id;
+  out["kind"] = c.type == ComponentKind::user       ? "user"
+                : c.type == ComponentKind::realtime ? "realtime"
+                                                    : "other";
+  out["pid"] = c.type == ComponentKind::user ? Json(c.pid) : Json();
+  out["ready"] = c.ready;
+  out["args"] = c.args;
+  return out;
+}
+
+Json item_json(const ItemInfo& item, bool is_pin) {
+  Json out;
+  out["name"] = item.name;
+  out["type"] = type_name(item.type);
+  out["dir"] = dir_word(item.dir);
+  out["value"] = value_of(item.type, item.raw);
+  out["owner"] = item.owner;
+  out["owner_id"] = item.owner_id;
+  if (is_pin) out["signal"] = or_null(item.signal);
+  return out;
+}
+
+Json signal_json(const SignalInfo& s) {
+  const auto pins = [&s](Dir dir) {
+    Json out = Json::array();
+    for (const auto& pin : s.pins)
+      if (pin.dir == dir) out.push_back(pin.name);
+    return out;
+  };
+  Json out;
+  out["name"] = s.name;
+  out["type"] = type_name(s.type);
+  out["value"] = value_of(s.type, s.raw);
+  out["writers"] = pins(Dir::out);
+  out["readers"] = pins(Dir::in);
+  out["bidirs"] = pins(Dir::io);
+  return out;
+}
+
+/// Where a function runs.
+struct Place {
+  std::string thread;
+  std::size_t position{0};
+};
+
+/// Value of a function's or thread's own item, such as NAME.time; null when it is not there.
+Json own_item(const View& view, const std::string& name, const char* item) {
+  const auto found = view.find_item(name + "." + item);
+  return found ? value_of(found->type, found->raw) : Json();
+}
+
+void put_times(Json& out, const View& view, const std::string& name) {
+  out["time_ns"] = own_item(view, name, "time");
+  out["tmax_ns"] = own_item(view, name, "tmax");
+}
+
+Json thread_json(const View& view, const ThreadInfo& t) {
+  Json out;
+  out["name"] = t.name;
+  out["period_ns"] = t.period_ns;
+  out["cycles"] = t.cycles;
+  put_times(out, view, t.name);
+  Json functions = Json::array();
+  std::size_t position = 0;
+  for (const auto& name : t.functions) {
+    Json f;
+    f["name"] = name;
+    f["position"] = ++position;
+    put_times(f, view, name);
+    functions.push_back(std::move(f));
+  }
+  out["functions"] = std::move(functions);
+  return out;
+}
+
+Json components_json(const View& view, const Filter& filter) {
+  Json out = Json::array();
+  for (const auto& c : view.components())
+    if (filter.takes(c.name)) out.push_back(component_json(c));
+  return out;
+}
+
+Json items_json(const std::vector<ItemInfo>& items, const Filter& filter, bool pins) {
+  Json out = Json::array();
+  for (const auto& item : items)
+    if (filter.takes(item.name, item.type)) out.push_back(item_json(item, pins));
+  return out;
+}
+
+Json signals_json(const View& view, const Filter& filter) {
+  Json out = Json::array();
+  for (const auto& s : view.signals())
+    if (filter.takes(s.name, s.type)) out.push_back(signal_json(s));
+  return out;
+}
+
+Json functions_json(const View& view, const Filter& filter) {
+  std::map<std::string, Place> places;
+  for (const auto& t : view.threads()) {
+    std::size_t position = 0;
+    for (const auto& name : t.functions) places[name] = {t.name, ++position};
+  }
+  Json out = Json::array();
+  for (const auto& f : view.functions()) {
+    if (!filter.takes(f.name)) continue;
+    const auto place = places.find(f.name);
+    Json one;
+    one["name"] = f.name;
+    one["owner"] = f.owner;
+    one["owner_id"] = f.owner_id;
+    one["users"] = f.users;
+    one["thread"] = place == places.end() ? Json() : Json(place->second.thread);
+    one["position"] = place == places.end() ? Json() : Json(place->second.position);
+    put_times(one, view, f.name);
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+Json threads_json(const View& view, const Filter& filter) {
+  Json out = Json::array();
+  for (const auto& t : view.threads())
+    if (filter.takes(t.name)) out.push_back(thread_json(view, t));
+  return out;
+}
+
+rtapi::Failure<rtapi::Error> unknown(const char* command, std::string_view item,
+                                     std::initializer_list<std::string_view> known) {
+  return fail(Errc::bad_argument, std::string("Unknown '") + command + "' type '" +
+                                      std::string(item) + "'" + rtapi::did_you_mean(item, known));
+}
+
+}  // namespace
+
+Result<std::string> show_json(const View& view, std::string_view item,
+                              std::span<const std::string> patterns) {
+  KERF_TRY(const Filter f, Filter::make(patterns));
+  const bool all = item.empty() || item == "all";
+  const auto wanted = [&](std::string_view a, std::string_view b = {}) {
+    return all || item == a || (!b.empty() && item == b);
+  };
+  Json out = Json::object();
+  if (wanted("comp")) out["components"] = components_json(view, f);
+  if (wanted("pin")) out["pins"] = items_json(view.pins(), f, true);
+  if (wanted("sig", "signal")) out["signals"] = signals_json(view, f);
+  if (wanted("param", "parameter")) out["parameters"] = items_json(view.params(), f, false);
+  if (wanted("funct", "function")) out["functions"] = functions_json(view, f);
+  if (wanted("thread")) out["threads"] = threads_json(view, f);
+  if (out.empty()) {
+    return unknown("show", item, {"all", "comp", "pin", "sig", "param", "funct", "thread"});
+  }
+  return text_of(out);
+}
+
+Result<std::string> list_json(const View& view, std::string_view item,
+                              std::span<const std::string> patterns) {
+  KERF_TRY(const Filter f, Filter::make(patterns));
+  Json out = Json::array();
+  const auto add = [&](const std::string& name, Type type = Type::unspecified) {
+    if (f.takes(name, type)) out.push_back(name);
+  };
+  if (item == "comp") {
+    for (const auto& c : view.components()) add(c.name);
+  } else if (item == "pin") {
+    for (const auto& p : view.pins()) add(p.name, p.type);
+  } else if (item == "sig" || item == "signal") {
+    for (const auto& s : view.signals()) add(s.name, s.type);
+  } else if (item == "param" || item == "parameter") {
+    for (const auto& p : view.params()) add(p.name, p.type);
+  } else if (item == "funct" || item == "function") {
+    for (const auto& fn : view.functions()) add(fn.name);
+  } else if (item == "thread") {
+    for (const auto& t : view.threads()) add(t.name);
+  } else {
+    return unknown("list", item, {"comp", "pin", "sig", "param", "funct", "thread"});
+  }
+  return text_of(out);
+}
+
+Result<std::string> status_json(const View& view, std::string_view item) {
+  const bool all = item.empty() || item == "all";
+  if (!all && item != "lock" && item != "mem")
+    return unknown("status", item, {"all", "lock", "mem"});
+  Json out = Json::object();
+  if (all) out["running"] = view.running();
+  if (all || item == "lock") {
+    const std::uint32_t bits = view.lock_bits();
+    Json lock;
+    lock["bits"] = bits;
+    lock["load"] = (bits & lock_load) != 0;
+    lock["config"] = (bits & lock_config) != 0;
+    lock["params"] = (bits & lock_params) != 0;
+    lock["run"] = (bits & lock_run) != 0;
+    out["lock"] = std::move(lock);
+  }
+  if (all || item == "mem") {
+    const auto counts = view.counts();
+    Json memory;
+    memory["used_bytes"] = counts.bytes_used;
+    memory["reusable_bytes"] = counts.bytes_free;
+    memory["total_bytes"] = counts.bytes_total;
+    const std::pair<const char*, Kind> rows[] = {
+        {"components", Kind::component}, {"pins", Kind::pin},           {"parameters", Kind::param},
+        {"signals", Kind::signal},       {"functions", Kind::function}, {"threads", Kind::thread}};
+    for (const auto& [label, kind] : rows) {
+      const auto k = static_cast<std::size_t>(kind);
+      memory[label] = {{"active", counts.active[k]}, {"recycled", counts.recycled[k]}};
+    }
+    out["memory"] = std::move(memory);
+  }
+  return text_of(out);
+}
+
+std::string value_json(const std::string& name, Type type, std::uint64_t raw) {
+  Json out;
+  out["name"] = name;
+  out["type"] = type_name(type);
+  out["value"] = value_of(type, raw);
+  return text_of(out);
+}
+
+std::string type_json(const std::string& name, Type type) {
+  Json out;
+  out["name"] = name;
+  out["type"] = type_name(type);
+  return text_of(out);
+}
+
+std::string error_json(const std::string& file, int line, const std::string& message) {
+  Json error;
+  error["file"] = file;
+  error["line"] = line;
+  error["message"] = message;
+  Json out;
+  out["error"] = std::move(error);
+  return out.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace kerf::hal
