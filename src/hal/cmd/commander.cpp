@@ -25,8 +25,8 @@ void CommandSink::out(std::string_view text) {
   std::fflush(stdout);
 }
 void CommandSink::err(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); }
-void CommandSink::message(std::string_view place, std::string_view text) {
-  err(std::string(place) + ": " + std::string(text) + "\n");
+void CommandSink::remark(const std::string& file, int line, std::string_view text) {
+  err(file + ":" + std::to_string(line) + ": " + std::string(text) + "\n");
 }
 void CommandSink::complaint(const std::string& file, int line, std::string_view text) {
   err(file + ":" + std::to_string(line) + ": " + std::string(text) + "\n");
@@ -305,7 +305,7 @@ void Commander::error(const std::string& text) {
 
 void Commander::say(const std::string& text) {
   if (level_ < Level::verbose) return;
-  sink_->message(file_ + ":" + std::to_string(line_), text);
+  sink_->remark(file_, line_, text);
 }
 
 // ---- commands of the host -----------------------------------------------------------------------

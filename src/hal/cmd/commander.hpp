@@ -30,6 +30,8 @@ class CommandSink {
   virtual void err(std::string_view text);
   /// A command failed. The default gives err() "FILE:LINE: text".
   virtual void complaint(const std::string& file, int line, std::string_view text);
+  /// What a command did, at Level::verbose. The default gives err() "FILE:LINE: text".
+  virtual void remark(const std::string& file, int line, std::string_view text);
 };
 
 class Commander {
