@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "hal/core/view.hpp"
-#include "hal/loader/leftovers.hpp"
 #include "rtapi/clock/join_clock.hpp"
+#include "rtapi/shm/leftovers.hpp"
 #include "rtapi/shm/process.hpp"
 #include "rtapi/shm/segment.hpp"
 
@@ -43,7 +43,7 @@ class ProgramsTest : public testing::Test {
       ::kill(pid, SIGKILL);
       ::waitpid(pid, nullptr, 0);
     }
-    (void)end_processes_of_run(run_id_, 0);
+    (void)rtapi::end_processes_of_run(run_id_, 0);
     (void)rtapi::Segment::remove(instance_);
     std::filesystem::remove_all(folder_);
   }
@@ -121,7 +121,7 @@ class ProgramsTest : public testing::Test {
   }
   /// No segment and no process of the instance is left.
   [[nodiscard]] bool nothing_left() const {
-    return !rtapi::Segment::attach(instance_).ok() && processes_of_run(run_id_).empty();
+    return !rtapi::Segment::attach(instance_).ok() && rtapi::processes_of_run(run_id_).empty();
   }
   std::int64_t owner_pid() {
     auto segment = rtapi::Segment::attach(instance_);

@@ -19,9 +19,9 @@
 #include "hal/cmd/options.hpp"
 #include "hal/cmd/processes.hpp"
 #include "hal/cmd/prompt.hpp"
-#include "hal/loader/leftovers.hpp"
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/log/log.hpp"
+#include "rtapi/shm/leftovers.hpp"
 #include "rtapi/shm/process.hpp"
 
 namespace {
@@ -131,7 +131,7 @@ int force_end(const std::string& instance) {
       clock->wait(spec);
     }
   }
-  (void)hal::end_processes_of_run(run_id, kPatienceMs);
+  (void)rtapi::end_processes_of_run(run_id, kPatienceMs);
   if (!rtapi::Segment::remove(instance)) {
     rtapi::log_message(rtapi::Level::error, "instance '%s' could not be ended", instance.c_str());
     return 1;
@@ -221,7 +221,7 @@ int main(int argc, char** argv) {
     rtapi::log_error(segment.error());
   }
   realtime.stop();
-  (void)hal::end_processes_of_run(run_id, kPatienceMs);
+  (void)rtapi::end_processes_of_run(run_id, kPatienceMs);
   (void)rtapi::Segment::remove(instance);
   return good ? 0 : 1;
 }

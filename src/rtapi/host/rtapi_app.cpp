@@ -15,13 +15,13 @@
 #include <string>
 
 #include "hal/loader/host.hpp"
-#include "hal/loader/leftovers.hpp"
 #include "hal/loader/module_source.hpp"
 #include "hal/loader/realtime_host.hpp"
 #include "hal/loader/server.hpp"
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/host/real_driver.hpp"
 #include "rtapi/log/log.hpp"
+#include "rtapi/shm/leftovers.hpp"
 #include "rtapi/shm/process.hpp"
 #include "rtapi/shm/segment.hpp"
 #include "rtapi/thread/cyclic_thread.hpp"
@@ -263,7 +263,7 @@ int main(int argc, char** argv) {
   // A living launcher tears down its own children; without one it is done here.
   if (made || orphaned) {
     const std::string run_id((*segment)->header().run_id.view());
-    (void)hal::end_processes_of_run(run_id, kPatienceMs);
+    (void)rtapi::end_processes_of_run(run_id, kPatienceMs);
     segment->reset();
     (void)rtapi::Segment::remove(options.instance);
   }

@@ -10,6 +10,8 @@ namespace kerf::rtapi {
 std::uint64_t process_start_time(std::int64_t pid);
 /// True while that process lives; a zombie is dead. `start` 0: any process with that number.
 bool process_lives(std::int64_t pid, std::uint64_t start);
+/// 0 when there is no such process.
+std::int64_t parent_of(std::int64_t pid);
 /// Command name, or "gone".
 std::string process_name(std::int64_t pid);
 

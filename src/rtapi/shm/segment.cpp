@@ -13,6 +13,7 @@
 #include <random>
 
 #include "rtapi/base/suggest.hpp"
+#include "rtapi/shm/leftovers.hpp"
 #include "rtapi/shm/process.hpp"
 
 namespace kerf::rtapi {
@@ -24,6 +25,10 @@ namespace {
 constexpr std::uint64_t kHeaderAbi = sizeof(SegmentHeader) * 1000 + 1;
 /// Memory is put behind the address space in steps of this size.
 constexpr std::uint64_t kBackingStep = 1U << 20U;
+/// How long a new run waits for those who take down the last one.
+constexpr int kTakeDownMs = 5000;
+/// How long processes of the last run may take to end by themselves.
+constexpr int kLeftoversMs = 500;
 
 constexpr std::uint64_t round_up(std::uint64_t n, std::uint64_t to) {
   return (n + to - 1) / to * to;
@@ -38,8 +43,8 @@ std::string new_run_id() {
 
 enum class Left { nothing, alive, dead, foreign };
 
-/// Who owns the segment that stands under this name?
-Left inspect(const std::string& name, std::int64_t& owner) {
+/// Who owns the segment that stands under this name? `run_id` is left empty when it cannot be told.
+Left inspect(const std::string& name, std::int64_t& owner, std::string* run_id = nullptr) {
   const int fd = shm_open(name.c_str(), O_RDONLY | O_CLOEXEC, 0);
   if (fd < 0) return Left::nothing;
   Left left = Left::foreign;
@@ -55,6 +60,8 @@ Left inspect(const std::string& name, std::int64_t& owner) {
     const bool alive =
         header->magic == SegmentHeader::kMagic && process_lives(owner, header->owner_start);
     left = alive ? Left::alive : Left::dead;
+    const bool whole = header->magic == SegmentHeader::kMagic && header->abi == kHeaderAbi;
+    if (run_id != nullptr && whole) *run_id = std::string(header->run_id.view());
     munmap(header, sizeof(SegmentHeader));
   } else {
     left = Left::dead;
@@ -82,15 +89,23 @@ Result<std::unique_ptr<Segment>> Segment::create(const std::string& instance, st
                 "instance name '" + instance +
                     "' may only have letters, digits, '-', '_' and '.', at most 40");
   const std::string name = segment_name(instance);
+  // From here on nobody else makes or removes a segment of this name. What stands there is dead, however far its maker came.
+  KERF_TRY(OwnerLock lock, OwnerLock::take(instance, kTakeDownMs));
   std::int64_t owner = 0;
-  const Left left = inspect(name, owner);
+  std::string old_run;
+  const Left left = inspect(name, owner, &old_run);
   if (left == Left::alive) {
     return fail(Errc::busy, "instance '" + instance + "' is in use by process " +
                                 std::to_string(owner) + " (" + process_name(owner) +
                                 "); stop it, or choose another name with --instance");
   }
-  if (left != Left::nothing) shm_unlink(name.c_str());
+  if (left != Left::nothing) {
+    // They listen on the instance's addresses and hold its devices.
+    (void)end_processes_of_run(old_run, kLeftoversMs);
+    shm_unlink(name.c_str());
+  }
   auto segment = std::unique_ptr<Segment>(new Segment());
+  segment->lock_ = std::move(lock);
   segment->mapping_ = std::make_unique<Mapping>();
   try {
     segment->mapping_->object = bip::shared_memory_object(bip::create_only, name.c_str() + 1,
@@ -182,6 +197,12 @@ std::unique_ptr<Segment> Segment::in_memory(std::size_t bytes) {
 bool Segment::remove(const std::string& instance) {
   const std::string name = segment_name(instance);
   std::int64_t owner = 0;
+  OwnerLock lock;
+  if (!OwnerLock::held_here(instance)) {
+    auto taken = OwnerLock::take(instance, 0);
+    if (!taken.ok()) return inspect(name, owner) == Left::nothing;
+    lock = std::move(*taken);
+  }
   const Left left = inspect(name, owner);
   if (left == Left::nothing) return true;
   if (left == Left::alive && owner != getpid()) return false;

@@ -10,6 +10,7 @@
 
 #include "rtapi/base/fixed_string.hpp"
 #include "rtapi/base/result.hpp"
+#include "rtapi/shm/owner_lock.hpp"
 #include "rtapi/sync/cell.hpp"
 
 namespace kerf::rtapi {
@@ -48,14 +49,16 @@ class Segment {
  public:
   static constexpr std::size_t kDefaultBytes = 64U << 20U;
 
-  /// Makes the instance's segment. One that a dead owner left is removed first; a live owner is an error that names it.
+  /// Makes the instance's segment, and holds the instance's OwnerLock as long as it lives. What a dead owner left, its processes
+  /// too, is removed first; a live owner is an error that names it.
   static Result<std::unique_ptr<Segment>> create(const std::string& instance,
                                                  std::size_t bytes = kDefaultBytes);
   /// Maps the instance's segment. not_found when the instance does not run; protocol when another build made it.
   static Result<std::unique_ptr<Segment>> attach(const std::string& instance);
   /// Private memory of this process, for tests. Copied by fork like all memory.
   static std::unique_ptr<Segment> in_memory(std::size_t bytes = kDefaultBytes);
-  /// Removes the name of an instance's segment, if its owner is dead or is this process. True when nothing is left.
+  /// Removes the name of an instance's segment, if its owner is dead or is this process and nobody else has the OwnerLock. True
+  /// when nothing is left.
   static bool remove(const std::string& instance);
 
   ~Segment();
@@ -110,6 +113,7 @@ class Segment {
   std::size_t bytes_{0};
   std::string instance_;
   bool owner_{false};
+  OwnerLock lock_;  ///< let go after the name is gone
 };
 
 /// Names of an instance's things. `KERF_INSTANCE` or, without it, "u" and the user id.
