@@ -29,7 +29,7 @@ ALLOWED = {
                   "task/api", "motion/api"],
     "gateway": ["rtapi", "ini", *HAL_CLIENT, "task/api", "motion/api"],
     "python": ["rtapi", "ini", *HAL_CLIENT, "task/api", "motion/api"],
-    "components": ["hal/component.hpp", "hal/stream.hpp", "hal/core/types.hpp", "rtapi/base"],
+    "components": ["hal/component.hpp", "hal/stream.hpp", "hal/stream_channels.hpp", "hal/core/types.hpp", "rtapi/base"],
     "components/tools": ["hal/component.hpp", "hal/stream.hpp", "hal/core/types.hpp", "rtapi/base", "motion/api"],
     "components/kinematics": ["hal/component.hpp", "hal/core/types.hpp", "rtapi/base", "motion/api"],
     "components/drivers": ["hal/component.hpp", "hal/core/types.hpp", "rtapi/base", "io/devices"],

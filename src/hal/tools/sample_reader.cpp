@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cinttypes>
 #include <cstring>
-#include <utility>
 
 namespace kerf::hal {
 
@@ -11,7 +10,7 @@ void SampleReader::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   next.watch(stream_.changed());
   // Read before the rows: what a sampler wrote before it was unloaded is still printed.
   const bool closed = stream_.closed();
-  StreamRow row{};
+  StreamRow row;
   // One FIFO full at most, so that a fast sampler does not keep us from seeing a stop.
   for (std::uint32_t n = 0; n < stream_.depth() && stream_.front(row); ++n) {
     print(row);
@@ -31,14 +30,11 @@ void SampleReader::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   }
 }
 
-void SampleReader::finish(std::string error) {
-  done_ = true;
-  error_ = std::move(error);
-}
-
 void SampleReader::print(const StreamRow& row) {
   if (row.lost_before > 0) std::fputs("overrun\n", out_);
-  if (options_.tagged) std::fprintf(out_, "%" PRId64 " ", row.number);
+  // Rows of a stream are numbered from 1, samples from 0.
+  if (options_.tagged)
+    std::fprintf(out_, "%" PRId64 " ", static_cast<std::int64_t>(row.number) - 1);
   for (std::size_t i = 0; i < stream_.columns(); ++i) {
     const std::uint64_t raw = row.values[i];
     switch (stream_.type(i)) {

@@ -18,7 +18,8 @@ class SampleReaderTest : public testing::Test {
     hal.set_arg("cfg", "fbsulk");
     hal.set_arg("depth", "3");
     ASSERT_TRUE(hal.create(module("sampler"), "sampler")) << hal.error();
-    stream = hal::Stream::attach(hal.block("hal.sampler.0"), hal::Stream::bytes(3, 6));
+    stream = hal::Stream::attach(hal.block(hal::stream_memory_name(hal::kSamplerKey)),
+                                 hal::Stream::bytes(3, 6));
     ASSERT_TRUE(stream.valid());
     out = std::tmpfile();
     ASSERT_NE(out, nullptr);

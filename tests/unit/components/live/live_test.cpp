@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 
+#include "hal/client/find_stream.hpp"
 #include "hal/core/view.hpp"
 #include "hal/loader/host.hpp"
 #include "hal/loader/realtime_host.hpp"
@@ -51,11 +52,7 @@ class LiveTest : public testing::Test {
     }
   }
   bool has(const char* pin) { return hal::View(*segment).find_pin(pin).has_value(); }
-  hal::Stream fifo() {
-    auto block = segment->find_block("hal.sampler.0", hal::kStreamAbi);
-    return block.ok() ? hal::Stream::attach(*block, segment->block_size("hal.sampler.0"))
-                      : hal::Stream();
-  }
+  hal::Stream fifo() { return hal::find_stream(*segment, hal::kSamplerKey).value_or({}); }
 
   std::unique_ptr<rtapi::Segment> segment{rtapi::Segment::in_memory(std::size_t{16} << 20U)};
   rtapi::LocalScheduler clock;

@@ -1,0 +1,104 @@
+// The lists cfg= and depth= of the components that have a stream a channel (sampler, streamer).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "hal/component.hpp"
+#include "hal/stream.hpp"
+
+namespace kerf::hal {
+
+/// Channels of one component.
+inline constexpr std::size_t kStreamChannels = 8;
+
+/// What loadrt said of one channel.
+struct StreamChannel {
+  std::string_view types;
+  std::uint32_t depth{0};
+};
+
+struct StreamChannels {
+  StreamChannel channel[kStreamChannels];
+  std::size_t size{0};
+};
+
+namespace detail {
+/// Cuts the text up to the next comma off the front of `list`.
+inline std::string_view next_field(std::string_view& list) noexcept {
+  const std::size_t comma = list.find(',');
+  const std::size_t size = comma == std::string_view::npos ? list.size() : comma;
+  const std::string_view field(list.data(), size);
+  list.remove_prefix(comma == std::string_view::npos ? size : size + 1);
+  return field;
+}
+
+inline void complain(Builder& b, std::string_view what, std::string_view about,
+                     std::string_view expected = {}) noexcept {
+  rtapi::FixedString<240> text;
+  text.append(what);
+  text.append(about);
+  text.append(expected);
+  b.fail(text);
+}
+
+inline bool parse_depth(std::string_view text, std::uint32_t& out) noexcept {
+  std::uint64_t value = 0;
+  for (const char c : text) {
+    if (c < '0' || c > '9' || value > kMaxStreamDepth) return false;
+    value = value * 10 + static_cast<std::uint64_t>(c - '0');
+  }
+  out = static_cast<std::uint32_t>(value);
+  return !text.empty() && value >= 1 && value <= kMaxStreamDepth;
+}
+
+inline bool read_channel(Builder& b, std::string_view types, std::string_view depth,
+                         StreamChannel& out) noexcept {
+  if (types.empty() || depth.empty()) {
+    complain(b, "cfg= and depth= have lists of different lengths", "");
+  } else if (types.size() > kStreamColumns) {
+    complain(b, "more than 21 pins in cfg=", types);
+  } else if (!parse_depth(depth, out.depth)) {
+    complain(b, "depth= must be a number from 1 to 10000000, not ", depth);
+  } else if (!good_stream_types(types)) {
+    complain(b, "unknown type letter in cfg=", types, "; the letters are b f s u l k");
+  }
+  out.types = types;
+  return !b.failed();
+}
+}  // namespace detail
+
+/// Reads and checks both lists. Empty, and the builder has failed, when they are wrong.
+inline StreamChannels read_stream_channels(Builder& b) noexcept {
+  std::string_view cfg = b.arg("cfg", "", "Letters of the pins of each channel");
+  std::string_view depth = b.arg("depth", "", "Samples that each channel's FIFO holds");
+  StreamChannels out;
+  if (b.failed()) return out;
+  if (cfg.empty() || depth.empty()) {
+    detail::complain(b, cfg.empty() ? "cfg=" : "depth=", " is missing");
+    return out;
+  }
+  for (std::size_t n = 0; !cfg.empty() || !depth.empty(); ++n) {
+    if (n == kStreamChannels) {
+      detail::complain(b, "more than 8 channels", "");
+      return {};
+    }
+    if (!detail::read_channel(b, detail::next_field(cfg), detail::next_field(depth),
+                              out.channel[n])) {
+      return {};
+    }
+    out.size = n + 1;
+  }
+  return out;
+}
+
+/// The stream of one channel in memory of the instance; not valid, and the builder has failed, when there is none.
+inline Stream make_channel_stream(Builder& b, std::uint32_t key,
+                                  const StreamChannel& channel) noexcept {
+  std::byte* memory = b.shared_block(
+      stream_memory_name(key), Stream::bytes(channel.depth, channel.types.size()), kStreamAbi);
+  return memory == nullptr ? Stream() : Stream::create(memory, channel.depth, channel.types);
+}
+
+}  // namespace kerf::hal
