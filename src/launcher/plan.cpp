@@ -62,7 +62,7 @@ class Planner {
   void read_kerf() {
     plan_.virtual_time = reader_.choice("KERF", "CLOCK", {"real", "virtual"}, 0) == 1;
     const auto mb = reader_.integer("KERF", "SEGMENT_MB",
-                                    {.fallback = 64, .min = 16, .max = 4096, .unit = "MiB"});
+                                    {.fallback = 64, .min = 16, .max = 2047, .unit = "MiB"});
     plan_.segment_mb = static_cast<std::size_t>(mb);
     reader_.known_key("KERF", "HEARTBEAT_TIMEOUT");  // of task
     plan_.rt_cpus = reader_.string("KERF", "RT_CPUS", "");

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "hal/core/view.hpp"
 #include "launcher/svg.hpp"
 #include "motion/api/shared.hpp"
 #include "rtapi/clock/real_clock.hpp"
@@ -104,7 +105,8 @@ void ProgramRun::answer_pause(const task::TaskStatus& status) {
 
 std::vector<JointLimits> ProgramRun::joint_limits() const {
   std::vector<JointLimits> limits;
-  auto shared = p_.segment.find<motion::MotionShared>(motion::kMotionBlock, motion::kMotionAbi);
+  auto shared =
+      hal::View(p_.segment).block<motion::MotionShared>(motion::kMotionBlock, motion::kMotionAbi);
   motion::MachineConfig config;
   if (!shared.ok() || !(*shared)->config.read(config)) return limits;
   for (std::int32_t i = 0; i < config.joints && i < static_cast<std::int32_t>(motion::kMaxJoints);

@@ -1,9 +1,12 @@
 #include "launcher/recorder.hpp"
 
+#include "hal/core/view.hpp"
+
 namespace kerf::launcher {
 
 rtapi::Status Recorder::attach(rtapi::Segment& segment, const std::string& log_path) {
-  KERF_TRY(log_, segment.find<motion::JointLog>(motion::kJointLogBlock, motion::kJointLogAbi));
+  KERF_TRY(log_, hal::View(segment).block<motion::JointLog>(motion::kJointLogBlock,
+                                                            motion::kJointLogAbi));
   if (!log_path.empty()) return file_.open(log_path);
   return {};
 }

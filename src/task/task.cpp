@@ -134,7 +134,8 @@ rtapi::Status Task::prepare() {
 
 rtapi::Status Task::connect() {
   Parts& p = *parts_;
-  auto motion = p.segment.find<motion::MotionShared>(motion::kMotionBlock, motion::kMotionAbi);
+  auto motion =
+      hal::View(p.segment).block<motion::MotionShared>(motion::kMotionBlock, motion::kMotionAbi);
   if (!motion.ok() && motion.error().code == Errc::not_found)
     return fail(Errc::not_found, "no motion in instance '" + p.segment.instance() +
                                      "': motmod is not loaded; a HAL file must say: loadrt motmod "

@@ -199,7 +199,8 @@ std::unique_ptr<Machine> Machine::start(const MachineOptions& options) {
     return machine;
   }
   if (!p.task->warnings().empty()) complain(p.task->warnings());
-  p.shared = *p.segment->find<motion::MotionShared>(motion::kMotionBlock, motion::kMotionAbi);
+  p.shared =
+      *hal::View(*p.segment).block<motion::MotionShared>(motion::kMotionBlock, motion::kMotionAbi);
   p.watcher.shared = p.shared;
   if (!p.halcmd->run_line("start", "start", 0)) return machine;
   p.scheduler.add(*p.realtime);

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "hal/core/view.hpp"
+
 namespace kerf::hal {
 
 using rtapi::Errc;
@@ -10,9 +12,10 @@ using rtapi::fail;
 rtapi::Result<Stream> find_stream(rtapi::Segment& segment, std::uint32_t key,
                                   std::string_view types) {
   const auto name = stream_memory_name(key);
-  auto block = segment.find_block(name.c_str(), kStreamAbi);
+  const auto memory = View(segment).find_memory(name);
   Stream stream;
-  if (block.ok()) stream = Stream::attach(*block, segment.block_size(name.c_str()));
+  if (memory && memory->abi == kStreamAbi)
+    stream = Stream::attach(segment.base() + memory->offset, memory->bytes);
   if (!stream.valid()) {
     return fail(Errc::not_found, "there is no stream with the key " + std::to_string(key));
   }

@@ -2,6 +2,9 @@
 //
 // Structure (names, types, lists) is guarded by a generation count: odd while the writer changes something, so that a reader
 // copies, looks again and retries. Values and links are relaxed atomics of their own and are not covered by the count.
+//
+// Records and link slots stand in the region `structure`, value slots in `shared`. Slots are 8 bytes each, in pools of their
+// own and in order of creation, so that the pins of one instance share cache lines and no thread drags names through its cache.
 #pragma once
 
 #include <atomic>
@@ -18,8 +21,18 @@ namespace kerf::hal {
 using rtapi::Offset;
 using rtapi::Word;
 
-enum class Kind : std::uint32_t { none = 0, pin, param, signal, component, function, thread };
-inline constexpr std::size_t kKinds = 7;
+enum class Kind : std::uint32_t {
+  none = 0,
+  pin,
+  param,
+  signal,
+  component,
+  function,
+  thread,
+  memory,
+  original  ///< the name of a pin or parameter that has an alias
+};
+inline constexpr std::size_t kKinds = 9;
 
 enum class ComponentKind : std::uint32_t { user = 0, realtime = 1, other = 2 };
 
@@ -40,29 +53,54 @@ struct Record {
   Word<Offset> previous{0};
   Word<Offset> hash_next{0};  ///< chain of its bucket
   Kind kind{Kind::none};
-  std::uint32_t id{0};  ///< handle shown by `show`; never given twice
+  std::uint32_t id{
+      0};  ///< handle shown by `show`; never given twice, rises along the list; 0 when removed
   Name name;
 };
 
-/// A pin or a parameter.
+/// A pin or a parameter. `name` is the alias when it has one.
 struct ItemRecord : Record {
-  std::atomic<std::uint64_t> link{
-      0};  ///< offset of the slot in effect: `value` here or the signal's
-  std::atomic<std::uint64_t> value{0};
+  Offset link{
+      0};  ///< of the link slot, which holds the offset of the value in effect: `value` or the signal's
+  Offset value{0};  ///< of the item's own value: a value slot, or with `native` memory of its owner
   Type type{Type::unspecified};
   Dir dir{Dir::unspecified};
-  Offset owner{0};  ///< ComponentRecord
+  std::uint32_t native{
+      0};  ///< 1: the value stands in the owner's memory, in the width of its C type
+  std::uint32_t reserved{0};
+  Offset owner{0};             ///< ComponentRecord
+  Word<Offset> owner_next{0};  ///< chain of the items of one component, in order of creation
   Word<Offset> signal{0};
-  Word<Offset> signal_next{0};  ///< chain of the pins of one signal
+  Word<Offset> signal_next{0};  ///< chain of the pins of one signal, the last linked first
+  Word<Offset> signal_previous{0};
+  Word<Offset> original{0};  ///< OriginalRecord; 0: no alias
+  std::uint64_t cell{
+      0};  ///< C API: address, in the writer's process, of the owner's pointer to the value
+  std::uint64_t owner_base{0};  ///< C API: where the owner maps the segment
+};
+
+/// The original name of an item with an alias; its kind in the hash is that of the item.
+struct OriginalRecord : Record {
+  Kind of{Kind::none};
+  std::uint32_t reserved{0};
+  Offset item{0};
 };
 
 struct SignalRecord : Record {
-  std::atomic<std::uint64_t> value{0};
+  Offset value{0};  ///< of the value slot
   Type type{Type::unspecified};
   std::uint32_t readers{0}, writers{0}, bidirs{0};
-  std::uint32_t user_seen{
-      0};  ///< a pin of a user component was linked: its process may hold the slot's address
+  /// A pin of a user component was linked: its process may hold the slot's address.
+  std::uint32_t user_seen{0};
+  std::uint32_t port_bytes{0};  ///< a port: of its buffer, which the value is the handle of
   Word<Offset> first_pin{0};
+};
+
+/// Memory that processes find by its name; it stands in `shared`.
+struct MemoryRecord : Record {
+  Offset memory{0};
+  std::uint64_t bytes{0};
+  std::uint64_t abi{0};
 };
 
 struct ComponentRecord : Record {
@@ -72,19 +110,24 @@ struct ComponentRecord : Record {
   std::uint32_t loaded_by_loadrt{0};
   std::uint32_t args_size{0};
   Offset args{0};  ///< text of the loadrt arguments
+  Word<Offset> first_item{0};
+  Offset last_item{0};
+  Word<Offset> first_function{0};
+  Offset last_function{0};
 };
 
 struct FunctionRecord : Record {
   Offset owner{0};
-  std::uint64_t code{0};  ///< addresses in the realtime host, for `show` only
+  Word<Offset> owner_next{0};  ///< chain of the functions of one component
+  std::uint64_t code{0};       ///< addresses in the realtime host, for `show` only
   std::uint64_t argument{0};
   std::uint32_t users{0};  ///< threads that run it: 0 or 1
 };
 
-/// The functions of a thread, in order. Immutable: the writer makes a new one and swaps the offset.
+/// The functions of a thread, in order. For readers of the structure only: the thread itself runs a list of its own.
 struct RunListRecord {
-  std::uint64_t count{0};
-  // Offsets of `count` FunctionRecords follow.
+  std::uint64_t capacity{0};
+  // Offsets of `capacity` FunctionRecords follow.
   [[nodiscard]] Offset* functions() noexcept { return reinterpret_cast<Offset*>(this + 1); }
   [[nodiscard]] const Offset* functions() const noexcept {
     return reinterpret_cast<const Offset*>(this + 1);
@@ -95,6 +138,7 @@ struct ThreadRecord : Record {
   std::int64_t period_ns{0};
   Offset owner{0};
   Word<Offset> run_list{0};
+  Word<std::uint64_t> run_count{0};  ///< functions in it
   /// Cycles ended, counted also while functions do not run (`stop`): the grace of whoever gives memory back.
   Word<std::uint64_t> cycles{0};
   /// 1: a thread of its own runs the cycles, so memory may be in use at any moment; 0: cycles run in the writer's thread.
@@ -106,10 +150,12 @@ struct ThreadRecord : Record {
 /// The block "hal".
 struct Root {
   static constexpr const char* kBlock = "hal";
-  static constexpr std::uint64_t kAbi = 0x6b68616c'00000001ULL;
-  static constexpr std::size_t kBuckets = 16384;
+  static constexpr std::uint64_t kAbi = 0x6b68616c'00000002ULL;
+  static constexpr std::size_t kBuckets = 32768;
   Word<std::uint64_t> generation{0};  ///< odd: being changed
-  rtapi::Cell changed;                ///< notified after each change of structure
+  std::int64_t writer_pid{0};
+  std::uint64_t writer_start{0};
+  rtapi::Cell changed;  ///< notified after each change of structure
   Word<std::uint32_t> lock{lock_none};
   Word<std::uint32_t> running{0};     ///< 1 after `start`
   Word<std::uint64_t> bytes_used{0};  ///< of the arena, reusable ones not counted

@@ -1,9 +1,15 @@
 #include "hal/core/registry.hpp"
 
+#include <unistd.h>
+
+#include <bit>
 #include <cstring>
 #include <new>
 
 #include "hal/core/registry_change.hpp"
+#include "hal/core/value_access.hpp"
+#include "rtapi/base/suggest.hpp"
+#include "rtapi/shm/process.hpp"
 
 namespace kerf::hal {
 
@@ -13,11 +19,6 @@ using rtapi::Result;
 using rtapi::Status;
 
 namespace {
-
-constexpr std::size_t kChunkBytes = 1U << 20U;
-constexpr std::size_t kGrain = 64;  // a cache line: two pins of different threads share none
-
-constexpr std::size_t rounded(std::size_t bytes) { return (bytes + kGrain - 1) / kGrain * kGrain; }
 
 std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
 
@@ -29,6 +30,7 @@ const char* kind_name(Kind kind) {
     case Kind::component: return "component";
     case Kind::function: return "function";
     case Kind::thread: return "thread";
+    case Kind::memory: return "memory";
     default: return "object";
   }
 }
@@ -50,94 +52,10 @@ std::string bad_name_reason(std::string_view name) {
 }
 
 Result<std::unique_ptr<Registry>> Registry::create(rtapi::Segment& segment) {
-  KERF_TRY(Root * root, segment.make<Root>(Root::kBlock, Root::kAbi));
+  KERF_TRY(Root * root, segment.make<Root>(Root::kBlock, Root::kAbi, rtapi::Region::structure));
+  root->writer_pid = ::getpid();
+  root->writer_start = rtapi::process_start_time(::getpid());
   return std::unique_ptr<Registry>(new Registry(segment, *root));
-}
-
-// ---- memory -------------------------------------------------------------------------------------
-
-Result<Offset> Registry::allocate(std::size_t bytes, Kind kind) {
-  bytes = rounded(bytes);
-  auto it = free_.find(bytes);
-  if (it != free_.end() && !it->second.empty()) {
-    const Offset offset = it->second.back();
-    it->second.pop_back();
-    std::memset(segment_.at<std::byte>(offset), 0, bytes);
-    root_.bytes_free.set(root_.bytes_free.get() - bytes);
-    root_.bytes_used.set(root_.bytes_used.get() + bytes);
-    auto& recycled = root_.recycled[static_cast<std::size_t>(kind)];
-    if (recycled.get() > 0) recycled.set(recycled.get() - 1);
-    return offset;
-  }
-  if (chunk_left_ < bytes) {
-    const std::size_t size = std::max(bytes, kChunkBytes);
-    const auto name = rtapi::format_fixed<40>("hal.%d", chunks_);
-    auto block = segment_.make_block(name.c_str(), size, Root::kAbi);
-    if (!block.ok()) {
-      return fail(Errc::no_memory, rtapi::format_fixed<480>(
-                                       "HAL memory is full (%s); give a larger [KERF]SEGMENT_MB",
-                                       block.error().message().c_str()));
-    }
-    ++chunks_;
-    chunk_ = *block;
-    chunk_left_ = size;
-    arena_bytes_ += size;
-  }
-  std::byte* p = chunk_;
-  chunk_ += bytes;
-  chunk_left_ -= bytes;
-  root_.bytes_used.set(root_.bytes_used.get() + bytes);
-  return offset_of(p);
-}
-
-void Registry::retire(Offset offset, std::size_t bytes, Kind kind) {
-  pending_.push_back({offset, rounded(bytes), kind});
-}
-
-void Registry::give_back(const Block& block) {
-  free_[block.bytes].push_back(block.offset);
-  root_.bytes_used.set(root_.bytes_used.get() - block.bytes);
-  root_.bytes_free.set(root_.bytes_free.get() + block.bytes);
-  auto& recycled = root_.recycled[static_cast<std::size_t>(block.kind)];
-  recycled.set(recycled.get() + 1);
-}
-
-bool Registry::user_component_before(std::uint32_t id) const noexcept {
-  for (auto* c = at<ComponentRecord>(root_.head[static_cast<std::size_t>(Kind::component)].get());
-       c != nullptr; c = at<ComponentRecord>(c->next.get())) {
-    if (c->type == ComponentKind::user && c->id < id) return true;
-  }
-  return false;
-}
-
-void Registry::reclaim() {
-  const auto grace_is_over = [this] {
-    for (const auto& seen : snapshot_) {
-      if (seen.thread->ticking.get() != 0 && seen.thread->cycles.observe() == seen.cycles)
-        return false;
-    }
-    return true;
-  };
-  // Two rounds: what is in grace, and then, with no thread ticking, what was removed since.
-  for (int round = 0; round < 2; ++round) {
-    if (!in_grace_.empty()) {
-      if (!grace_is_over()) break;
-      for (const auto& block : in_grace_) give_back(block);
-      in_grace_.clear();
-    }
-    if (pending_.empty()) break;
-    in_grace_.swap(pending_);
-    snapshot_.clear();
-    for (auto* t = at<ThreadRecord>(root_.head[static_cast<std::size_t>(Kind::thread)].get());
-         t != nullptr; t = at<ThreadRecord>(t->next.get())) {
-      snapshot_.push_back({t, t->cycles.observe()});
-    }
-  }
-  std::erase_if(held_, [this](const HeldBlock& held) {
-    if (user_component_before(held.before_id)) return false;
-    pending_.push_back(held.block);
-    return true;
-  });
 }
 
 // ---- lists and look-ups -------------------------------------------------------------------------
@@ -154,11 +72,25 @@ T* Registry::find(Kind kind, std::string_view name) const noexcept {
 ComponentRecord* Registry::find_component(std::string_view name) const noexcept {
   return find<ComponentRecord>(Kind::component, name);
 }
+ItemRecord* Registry::find_item(Kind kind, std::string_view name) const noexcept {
+  for (auto* r = at<Record>(root_.bucket[bucket_of(kind, name)].get()); r != nullptr;
+       r = at<Record>(r->hash_next.get())) {
+    if (!(r->name == name)) continue;
+    if (r->kind == kind) return static_cast<ItemRecord*>(r);
+    if (r->kind != Kind::original) continue;
+    const auto* original = static_cast<OriginalRecord*>(r);
+    if (original->of == kind) return at<ItemRecord>(original->item);
+  }
+  return nullptr;
+}
 ItemRecord* Registry::find_pin(std::string_view name) const noexcept {
-  return find<ItemRecord>(Kind::pin, name);
+  return find_item(Kind::pin, name);
 }
 ItemRecord* Registry::find_param(std::string_view name) const noexcept {
-  return find<ItemRecord>(Kind::param, name);
+  return find_item(Kind::param, name);
+}
+MemoryRecord* Registry::find_memory(std::string_view name) const noexcept {
+  return find<MemoryRecord>(Kind::memory, name);
 }
 SignalRecord* Registry::find_signal(std::string_view name) const noexcept {
   return find<SignalRecord>(Kind::signal, name);
@@ -184,15 +116,33 @@ Result<T*> Registry::make(Kind kind, std::string_view name) {
   reclaim();
   if (const auto reason = bad_name_reason(name); !reason.empty())
     return fail(Errc::bad_argument, reason);
-  if (find<T>(kind, name) != nullptr) {
+  const bool taken = kind == Kind::pin || kind == Kind::param ? find_item(kind, name) != nullptr
+                                                              : find<T>(kind, name) != nullptr;
+  if (taken) {
     return fail(Errc::exists, std::string("duplicate ") + kind_name(kind) + " " + quoted(name));
   }
-  KERF_TRY(const Offset offset, allocate(sizeof(T), kind));
+  KERF_TRY(const Offset offset, allocate(sizeof(T), Region::structure, kind));
   T* record = new (segment_.at<T>(offset)) T();
   record->kind = kind;
   record->id = next_id_++;
   record->name = Name(name);
   return record;
+}
+
+// Defined here for the other files of Registry.
+template Result<MemoryRecord*> Registry::make<MemoryRecord>(Kind, std::string_view);
+template Result<SignalRecord*> Registry::make<SignalRecord>(Kind, std::string_view);
+
+void Registry::insert_in_hash(Record& record, Kind kind) {
+  auto& bucket = root_.bucket[bucket_of(kind, record.name)];
+  record.hash_next.set(bucket.get());
+  bucket.publish(offset_of(&record));
+}
+
+void Registry::erase_from_hash(Record& record, Kind kind) {
+  Word<Offset>* chain = &root_.bucket[bucket_of(kind, record.name)];
+  while (chain->get() != offset_of(&record)) chain = &at<Record>(chain->get())->hash_next;
+  chain->set(record.hash_next.get());
 }
 
 void Registry::insert(Record& record) {
@@ -205,15 +155,15 @@ void Registry::insert(Record& record) {
   else
     at<Record>(tail)->next.publish(self);
   root_.tail[k].set(self);
-  auto& bucket = root_.bucket[bucket_of(record.kind, record.name)];
-  record.hash_next.set(bucket.get());
-  bucket.publish(self);
+  if (record.kind == Kind::original)
+    insert_in_hash(record, static_cast<OriginalRecord&>(record).of);
+  else
+    insert_in_hash(record, record.kind);
   root_.count[k].add(1);
 }
 
 void Registry::erase(Record& record, std::size_t bytes) {
   const auto k = static_cast<std::size_t>(record.kind);
-  const Offset self = offset_of(&record);
   const Offset next = record.next.get();
   const Offset previous = record.previous.get();
   if (previous == 0)
@@ -224,11 +174,13 @@ void Registry::erase(Record& record, std::size_t bytes) {
     root_.tail[k].set(previous);
   else
     at<Record>(next)->previous.set(previous);
-  Word<Offset>* chain = &root_.bucket[bucket_of(record.kind, record.name)];
-  while (chain->get() != self) chain = &at<Record>(chain->get())->hash_next;
-  chain->set(record.hash_next.get());
+  if (record.kind == Kind::original)
+    erase_from_hash(record, static_cast<OriginalRecord&>(record).of);
+  else
+    erase_from_hash(record, record.kind);
   root_.count[k].set(root_.count[k].get() - 1);
-  retire(self, bytes, record.kind);
+  record.id = 0;
+  retire_record(record, bytes);
 }
 
 // ---- components ---------------------------------------------------------------------------------
@@ -241,15 +193,16 @@ Result<ComponentRecord*> Registry::add_component(std::string_view name, Componen
   c->pid = pid;
   c->loaded_by_loadrt = by_loadrt ? 1 : 0;
   if (!args.empty()) {
-    auto text = allocate(args.size(), Kind::none);
+    auto text = allocate(args.size(), Region::structure, Kind::none);
     if (!text.ok()) {
-      retire(offset_of(c), sizeof *c, Kind::component);
+      retire_record(*c, sizeof *c);
       return rtapi::Failure{text.error()};
     }
     std::memcpy(segment_.at<char>(*text), args.data(), args.size());
     c->args = *text;
     c->args_size = static_cast<std::uint32_t>(args.size());
   }
+  if (kind == ComponentKind::user) user_holders_[c] = add_holder();
   const Change change(root_);
   insert(*c);
   return c;
@@ -260,19 +213,22 @@ void Registry::set_ready(ComponentRecord& component) {
   component.ready = 1;
 }
 
+void Registry::set_unready(ComponentRecord& component) {
+  const Change change(root_);
+  component.ready = 0;
+}
+
 void Registry::remove_component(ComponentRecord& component) {
   const Change change(root_);
   const Offset self = offset_of(&component);
-  for (const Kind kind : {Kind::pin, Kind::param}) {
-    auto* item = at<ItemRecord>(root_.head[static_cast<std::size_t>(kind)].get());
-    while (item != nullptr) {
-      auto* next = at<ItemRecord>(item->next.get());
-      if (item->owner == self) {
-        detach(*item);
-        erase(*item, sizeof *item);
-      }
-      item = next;
-    }
+  const bool of_user = component.type != ComponentKind::realtime;
+  for (auto* item = at<ItemRecord>(component.first_item.get()); item != nullptr;) {
+    auto* next = at<ItemRecord>(item->owner_next.get());
+    detach(*item);
+    erase_original(*item);
+    retire_item(*item, of_user);
+    erase(*item, sizeof *item);
+    item = next;
   }
   auto* thread = at<ThreadRecord>(root_.head[static_cast<std::size_t>(Kind::thread)].get());
   while (thread != nullptr) {
@@ -280,53 +236,180 @@ void Registry::remove_component(ComponentRecord& component) {
     if (thread->owner == self) erase_thread(*thread);
     thread = next;
   }
-  auto* function = at<FunctionRecord>(root_.head[static_cast<std::size_t>(Kind::function)].get());
-  while (function != nullptr) {
-    auto* next = at<FunctionRecord>(function->next.get());
-    if (function->owner == self) erase(*function, sizeof *function);
+  for (auto* function = at<FunctionRecord>(component.first_function.get()); function != nullptr;) {
+    auto* next = at<FunctionRecord>(function->owner_next.get());
+    erase(*function, sizeof *function);
     function = next;
   }
-  if (component.args != 0) retire(component.args, component.args_size, Kind::none);
+  if (component.args != 0)
+    retire({component.args, component.args_size, Kind::none, Store::structure});
   erase(component, sizeof component);
+  if (const auto it = user_holders_.find(&component); it != user_holders_.end()) {
+    remove_holder(it->second);
+    user_holders_.erase(it);
+  }
 }
 
 void Registry::erase_thread(ThreadRecord& thread) {
   // A snapshot must not look at a thread that is gone: its cycles are over, which is all the grace there is.
   std::erase_if(snapshot_, [&](const Seen& seen) { return seen.thread == &thread; });
-  if (auto* list = at<RunListRecord>(thread.run_list.get()); list != nullptr) {
-    for (std::uint64_t i = 0; i < list->count; ++i) {
-      if (auto* f = at<FunctionRecord>(list->functions()[i]); f->users > 0) --f->users;
-    }
-    retire(thread.run_list.get(), sizeof(RunListRecord) + list->count * sizeof(Offset), Kind::none);
+  if (const auto* list = at<RunListRecord>(thread.run_list.get()); list != nullptr) {
+    for (std::uint64_t i = 0; i < thread.run_count.get(); ++i)
+      --at<FunctionRecord>(list->functions()[i])->users;
   }
+  retire_run_list(thread);
   erase(thread, sizeof thread);
 }
 
-Result<ItemRecord*> Registry::add_item(Kind kind, ComponentRecord& owner, std::string_view name,
-                                       Type type, Dir dir, std::uint64_t initial) {
-  KERF_TRY(ItemRecord * item, make<ItemRecord>(kind, name));
-  item->type = type;
-  item->dir = dir;
+// ---- pins and parameters ------------------------------------------------------------------------
+
+Status Registry::check_spec(const ComponentRecord& owner, const ItemSpec& spec) const {
+  const auto reachable = [&](const void* p, std::size_t bytes) {
+    if (!segment_.contains(p) || !segment_.in_use(offset_of(p), bytes)) return false;
+    if (offset_of(p) % bytes != 0) return false;
+    return owner.type == ComponentKind::realtime ||
+           offset_of(p) >= segment_.region(Region::shared).begin;
+  };
+  if (spec.cell != nullptr && !reachable(spec.cell, sizeof *spec.cell)) {
+    return fail(Errc::bad_argument,
+                "pin " + quoted(spec.name) + ": its pointer must be in memory from hal_malloc");
+  }
+  if (spec.native != nullptr && !reachable(spec.native, value_bytes(spec.type))) {
+    return fail(Errc::bad_argument,
+                "parameter " + quoted(spec.name) + ": its value must be in memory from hal_malloc");
+  }
+  return {};
+}
+
+void Registry::point(ItemRecord& pin, Offset slot) noexcept {
+  // Release: pairs with the acquire load of SlotRef, so what stands in the slot is there before the slot is used.
+  segment_.at<std::atomic<std::uint64_t>>(pin.link)->store(slot, std::memory_order_release);
+  if (pin.cell == 0) return;
+  // The same for the owner's pointer; C code reads it as plain memory, which on all our machines is such a load.
+  reinterpret_cast<std::atomic<std::uint64_t>*>(pin.cell)->store(pin.owner_base + slot,
+                                                                 std::memory_order_release);
+}
+
+Result<ItemRecord*> Registry::add_item(Kind kind, ComponentRecord& owner, const ItemSpec& spec) {
+  if (spec.type == Type::unspecified)
+    return fail(Errc::bad_argument,
+                std::string(kind_name(kind)) + " " + quoted(spec.name) + " has no type");
+  KERF_CHECK(check_spec(owner, spec));
+  KERF_TRY(ItemRecord * item, make<ItemRecord>(kind, spec.name));
+  auto link = take_slot(links_);
+  auto value = spec.native != nullptr ? Result<Offset>(offset_of(spec.native)) : take_slot(values_);
+  if (!link.ok() || !value.ok()) {
+    if (link.ok()) retire({*link, SlotPool::kSlotBytes, Kind::none, Store::link});
+    if (value.ok() && spec.native == nullptr)
+      retire({*value, SlotPool::kSlotBytes, Kind::none, Store::value});
+    retire_record(*item, sizeof *item);
+    return rtapi::Failure{link.ok() ? value.error() : link.error()};
+  }
+  item->link = *link;
+  item->value = *value;
+  item->type = spec.type;
+  item->dir = spec.dir;
+  item->native = spec.native != nullptr ? 1 : 0;
   item->owner = offset_of(&owner);
-  item->value.store(initial, std::memory_order_relaxed);
-  item->link.store(offset_of(&item->value), std::memory_order_relaxed);
+  item->cell = std::bit_cast<std::uintptr_t>(spec.cell);
+  item->owner_base = spec.owner_base;
+  if (spec.native == nullptr) store_slot(segment_.at<std::byte>(*value), spec.initial);
+  point(*item, *value);
   const Change change(root_);
   insert(*item);
+  if (owner.last_item == 0)
+    owner.first_item.set(offset_of(item));
+  else
+    at<ItemRecord>(owner.last_item)->owner_next.set(offset_of(item));
+  owner.last_item = offset_of(item);
   return item;
 }
 
-Result<ItemRecord*> Registry::add_pin(ComponentRecord& owner, std::string_view name, Type type,
-                                      Dir dir, std::uint64_t initial) {
-  if (find_signal(name) != nullptr) {
-    return fail(Errc::exists, "pin " + quoted(name) + " would have the name of a signal");
-  }
-  return add_item(Kind::pin, owner, name, type, dir, initial);
+void Registry::retire_item(ItemRecord& item, bool of_user) {
+  const Block link{item.link, SlotPool::kSlotBytes, Kind::none, Store::link};
+  const Block value{item.value, SlotPool::kSlotBytes, Kind::none, Store::value};
+  if (of_user)
+    retire_held(link, Holds::own);
+  else
+    retire(link);
+  if (item.native == 0) retire_held(value, of_user ? Holds::own : Holds::everything);
 }
 
-Result<ItemRecord*> Registry::add_param(ComponentRecord& owner, std::string_view name, Type type,
-                                        Dir dir, std::uint64_t initial) {
-  return add_item(Kind::param, owner, name, type, dir, initial);
+Result<ItemRecord*> Registry::add_pin(ComponentRecord& owner, const ItemSpec& spec) {
+  if (find_signal(spec.name) != nullptr) {
+    return fail(Errc::exists, "pin " + quoted(spec.name) + " would have the name of a signal");
+  }
+  return add_item(Kind::pin, owner, spec);
 }
+
+Result<ItemRecord*> Registry::add_param(ComponentRecord& owner, const ItemSpec& spec) {
+  return add_item(Kind::param, owner, spec);
+}
+
+Status Registry::alias(Kind kind, std::string_view name, std::string_view alias) {
+  reclaim();
+  ItemRecord* item = find_item(kind, name);
+  if (item == nullptr) {
+    return fail(Errc::not_found, std::string(kind_name(kind)) + " " + quoted(name) + " not found" +
+                                     rtapi::did_you_mean(name, names(kind)));
+  }
+  if (const auto reason = bad_name_reason(alias); !reason.empty())
+    return fail(Errc::bad_argument, reason);
+  if (const ItemRecord* other = find_item(kind, alias); other != nullptr) {
+    return fail(Errc::exists,
+                "duplicate " + std::string(kind_name(kind)) + "/alias name " + quoted(alias));
+  }
+  if (item->original.get() == 0) {
+    KERF_TRY(const Offset offset,
+             allocate(sizeof(OriginalRecord), Region::structure, Kind::original));
+    auto* original = new (segment_.at<OriginalRecord>(offset)) OriginalRecord();
+    original->kind = Kind::original;
+    original->id = next_id_++;
+    original->name = item->name;
+    original->of = kind;
+    original->item = offset_of(item);
+    const Change change(root_);
+    erase_from_hash(*item, kind);
+    insert(*original);
+    item->original.set(offset);
+    item->name = Name(alias);
+    insert_in_hash(*item, kind);
+    return {};
+  }
+  const Change change(root_);
+  erase_from_hash(*item, kind);
+  item->name = Name(alias);
+  insert_in_hash(*item, kind);
+  return {};
+}
+
+Status Registry::unalias(Kind kind, std::string_view name) {
+  reclaim();
+  ItemRecord* item = find_item(kind, name);
+  if (item == nullptr) {
+    return fail(Errc::not_found, std::string(kind_name(kind)) + " " + quoted(name) + " not found" +
+                                     rtapi::did_you_mean(name, names(kind)));
+  }
+  if (item->original.get() == 0) {
+    return fail(Errc::bad_argument,
+                std::string(kind_name(kind)) + " " + quoted(name) + " has no alias");
+  }
+  const Change change(root_);
+  erase_from_hash(*item, kind);
+  item->name = at<OriginalRecord>(item->original.get())->name;
+  erase_original(*item);
+  insert_in_hash(*item, kind);
+  return {};
+}
+
+void Registry::erase_original(ItemRecord& item) {
+  if (item.original.get() == 0) return;
+  auto& original = *at<OriginalRecord>(item.original.get());
+  item.original.set(0);
+  erase(original, sizeof original);
+}
+
+// ---- functions and threads ----------------------------------------------------------------------
 
 Result<FunctionRecord*> Registry::add_function(ComponentRecord& owner, std::string_view name,
                                                std::uint64_t code, std::uint64_t argument) {
@@ -336,6 +419,11 @@ Result<FunctionRecord*> Registry::add_function(ComponentRecord& owner, std::stri
   f->argument = argument;
   const Change change(root_);
   insert(*f);
+  if (owner.last_function == 0)
+    owner.first_function.set(offset_of(f));
+  else
+    at<FunctionRecord>(owner.last_function)->owner_next.set(offset_of(f));
+  owner.last_function = offset_of(f);
   return f;
 }
 
@@ -349,23 +437,67 @@ Result<ThreadRecord*> Registry::add_thread(ComponentRecord& owner, std::string_v
   return t;
 }
 
+void Registry::retire_run_list(ThreadRecord& thread) {
+  const auto* list = at<RunListRecord>(thread.run_list.get());
+  if (list == nullptr) return;
+  retire({offset_of(list), sizeof *list + list->capacity * sizeof(Offset), Kind::none,
+          Store::structure});
+}
+
+Result<RunListRecord*> Registry::run_list_with_room(ThreadRecord& thread, std::size_t functions) {
+  auto* old = at<RunListRecord>(thread.run_list.get());
+  if (old != nullptr && functions <= old->capacity) return old;
+  const std::size_t capacity = std::bit_ceil(std::max<std::size_t>(functions, 8));
+  KERF_TRY(const Offset offset, allocate(sizeof(RunListRecord) + capacity * sizeof(Offset),
+                                         Region::structure, Kind::none));
+  auto* list = new (segment_.at<RunListRecord>(offset)) RunListRecord();
+  list->capacity = capacity;
+  const Change change(root_);
+  if (old != nullptr)
+    std::memcpy(list->functions(), old->functions(), thread.run_count.get() * sizeof(Offset));
+  retire_run_list(thread);
+  thread.run_list.set(offset);
+  return list;
+}
+
 Status Registry::set_run_list(ThreadRecord& thread, std::span<FunctionRecord* const> functions) {
   reclaim();
-  KERF_TRY(const Offset offset,
-           allocate(sizeof(RunListRecord) + functions.size() * sizeof(Offset), Kind::none));
-  auto* list = new (segment_.at<RunListRecord>(offset)) RunListRecord();
-  list->count = functions.size();
-  for (std::size_t i = 0; i < functions.size(); ++i) list->functions()[i] = offset_of(functions[i]);
+  KERF_TRY(RunListRecord * list, run_list_with_room(thread, functions.size()));
   const Change change(root_);
-  if (auto* old = at<RunListRecord>(thread.run_list.get()); old != nullptr) {
-    for (std::uint64_t i = 0; i < old->count; ++i) {
-      if (auto* f = at<FunctionRecord>(old->functions()[i]); f->users > 0) --f->users;
-    }
-    retire(thread.run_list.get(), sizeof(RunListRecord) + old->count * sizeof(Offset), Kind::none);
+  for (std::uint64_t i = 0; i < thread.run_count.get(); ++i)
+    --at<FunctionRecord>(list->functions()[i])->users;
+  for (std::size_t i = 0; i < functions.size(); ++i) {
+    list->functions()[i] = offset_of(functions[i]);
+    ++functions[i]->users;
   }
-  for (auto* f : functions) ++f->users;
-  thread.run_list.publish(offset);
+  thread.run_count.set(functions.size());
   return {};
+}
+
+Status Registry::insert_in_run_list(ThreadRecord& thread, std::size_t index,
+                                    FunctionRecord& function) {
+  reclaim();
+  const std::size_t count = thread.run_count.get();
+  if (index > count)
+    return fail(Errc::bad_argument, "position behind the end of the thread's list");
+  KERF_TRY(RunListRecord * list, run_list_with_room(thread, count + 1));
+  const Change change(root_);
+  Offset* at_index = list->functions() + index;
+  std::memmove(at_index + 1, at_index, (count - index) * sizeof(Offset));
+  *at_index = offset_of(&function);
+  ++function.users;
+  thread.run_count.set(count + 1);
+  return {};
+}
+
+void Registry::erase_from_run_list(ThreadRecord& thread, std::size_t index) {
+  const std::size_t count = thread.run_count.get();
+  if (index >= count) return;
+  const Change change(root_);
+  Offset* at_index = at<RunListRecord>(thread.run_list.get())->functions() + index;
+  --at<FunctionRecord>(*at_index)->users;
+  std::memmove(at_index, at_index + 1, (count - index - 1) * sizeof(Offset));
+  thread.run_count.set(count - 1);
 }
 
 void Registry::set_running(bool on) noexcept {

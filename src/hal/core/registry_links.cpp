@@ -1,7 +1,9 @@
 // Registry: signals, links and values.
 #include "hal/core/registry.hpp"
 
+#include "hal/core/port.hpp"
 #include "hal/core/registry_change.hpp"
+#include "hal/core/value_access.hpp"
 #include "hal/core/value_text.hpp"
 #include "rtapi/base/suggest.hpp"
 
@@ -25,29 +27,34 @@ Status Registry::new_signal(std::string_view name, Type type) {
     return fail(Errc::exists, "Signal name " + quoted(name) + " must not be the same as a pin.");
   }
   if (type == Type::unspecified) return fail(Errc::bad_argument, "unknown signal type");
-  if (const auto reason = bad_name_reason(name); !reason.empty()) {
-    return fail(Errc::bad_argument, reason);
+  if (auto made = make_signal(name, type); !made.ok()) return rtapi::Failure{made.error()};
+  return {};
+}
+
+Result<SignalRecord*> Registry::make_signal(std::string_view name, Type type) {
+  KERF_TRY(SignalRecord * signal, make<SignalRecord>(Kind::signal, name));
+  auto value = take_slot(signal_values_);
+  if (!value.ok()) {
+    retire_record(*signal, sizeof *signal);
+    return rtapi::Failure{value.error()};
   }
-  if (find_signal(name) != nullptr) return fail(Errc::exists, "duplicate signal " + quoted(name));
-  KERF_TRY(const Offset offset, allocate(sizeof(SignalRecord), Kind::signal));
-  auto* signal = new (segment_.at<SignalRecord>(offset)) SignalRecord();
-  signal->kind = Kind::signal;
-  signal->id = next_id_++;
-  signal->name = Name(name);
   signal->type = type;
+  signal->value = *value;
+  store_slot(segment_.at<std::byte>(*value), 0);
   const Change change(root_);
   insert(*signal);
-  return {};
+  return signal;
 }
 
 void Registry::erase_signal(SignalRecord& signal) {
   while (signal.first_pin.get() != 0) detach(*at<ItemRecord>(signal.first_pin.get()));
-  const bool held = signal.user_seen != 0 && user_component_before(next_id_);
-  erase(signal, sizeof signal);
-  if (held) {
-    held_.push_back({pending_.back(), next_id_});
-    pending_.pop_back();
+  const Holds least = signal.user_seen != 0 ? Holds::own : Holds::everything;
+  if (signal.port_bytes != 0) {
+    const Offset queue = load_value(Type::port, segment_.at<std::byte>(signal.value));
+    retire_held({queue, Port::bytes(signal.port_bytes), Kind::none, Store::shared}, least);
   }
+  retire_held({signal.value, SlotPool::kSlotBytes, Kind::none, Store::signal_value}, least);
+  erase(signal, sizeof signal);
 }
 
 Status Registry::delete_signal(std::string_view name) {
@@ -63,6 +70,8 @@ Status Registry::delete_signal(std::string_view name) {
 }
 
 const ItemRecord* Registry::pin_with(const SignalRecord& signal, Dir dir) const noexcept {
+  // Most signals have no such pin and many readers: only look for one that is there.
+  if ((dir == Dir::out ? signal.writers : signal.bidirs) == 0) return nullptr;
   for (auto* pin = at<ItemRecord>(signal.first_pin.get()); pin != nullptr;
        pin = at<ItemRecord>(pin->signal_next.get())) {
     if (pin->dir == dir) return pin;
@@ -93,10 +102,13 @@ Status Registry::check_link(const ItemRecord& pin, const SignalRecord& signal) c
 }
 
 void Registry::attach(ItemRecord& pin, SignalRecord& signal) noexcept {
-  if (signal.first_pin.get() == 0) {
+  auto* value = segment_.at<std::byte>(signal.value);
+  if (signal.first_pin.get() == 0 && signal.type != Type::port) {
     // The first pin gives the signal its value, so that linking never makes a value jump.
-    signal.value.store(pin.value.load(std::memory_order_relaxed), std::memory_order_relaxed);
+    store_slot(value, load_value(pin.type, segment_.at<std::byte>(pin.value)));
   }
+  if (auto* first = at<ItemRecord>(signal.first_pin.get()); first != nullptr)
+    first->signal_previous.set(offset_of(&pin));
   pin.signal_next.set(signal.first_pin.get());
   signal.first_pin.set(offset_of(&pin));
   pin.signal.set(offset_of(&signal));
@@ -105,18 +117,26 @@ void Registry::attach(ItemRecord& pin, SignalRecord& signal) noexcept {
   if (pin.dir == Dir::io) ++signal.bidirs;
   const auto* owner = at<ComponentRecord>(pin.owner);
   if (owner != nullptr && owner->type != ComponentKind::realtime) signal.user_seen = 1;
-  pin.link.store(offset_of(&signal.value), std::memory_order_release);
+  point(pin, signal.value);
 }
 
 void Registry::detach(ItemRecord& pin) noexcept {
   auto* signal = at<SignalRecord>(pin.signal.get());
   if (signal == nullptr) return;
-  pin.value.store(signal->value.load(std::memory_order_relaxed), std::memory_order_relaxed);
-  pin.link.store(offset_of(&pin.value), std::memory_order_release);
-  Word<Offset>* chain = &signal->first_pin;
-  while (chain->get() != offset_of(&pin)) chain = &at<ItemRecord>(chain->get())->signal_next;
-  chain->set(pin.signal_next.get());
+  // A pin alone has no queue: that of the signal may end before the pin does.
+  const std::uint64_t last =
+      pin.type == Type::port ? 0 : load_value(pin.type, segment_.at<std::byte>(signal->value));
+  store_slot(segment_.at<std::byte>(pin.value), last);
+  point(pin, pin.value);
+  const Offset next = pin.signal_next.get();
+  const Offset previous = pin.signal_previous.get();
+  if (previous == 0)
+    signal->first_pin.set(next);
+  else
+    at<ItemRecord>(previous)->signal_next.set(next);
+  if (next != 0) at<ItemRecord>(next)->signal_previous.set(previous);
   pin.signal_next.set(0);
+  pin.signal_previous.set(0);
   pin.signal.set(0);
   if (pin.dir == Dir::in) --signal->readers;
   if (pin.dir == Dir::out) --signal->writers;
@@ -176,8 +196,9 @@ Status Registry::net(std::string_view name, std::span<const std::string> pins) {
     fresh.push_back(pin);
   }
   if (signal == nullptr) {
-    KERF_CHECK(new_signal(name, first->type));
-    signal = find_signal(name);
+    auto made = make_signal(name, first->type);
+    if (!made.ok()) return rtapi::Failure{made.error()};
+    signal = *made;
   }
   const Change change(root_);
   for (auto* pin : fresh) attach(*pin, *signal);
@@ -231,15 +252,8 @@ Status Registry::link_pins(std::string_view first, std::string_view second) {
                                          " both write, they cannot be linked");
   }
   // The signal bears the first pin's name, which `newsig` would refuse.
-  if (find_signal(first) != nullptr) return fail(Errc::exists, "duplicate signal " + quoted(first));
-  KERF_TRY(const Offset offset, allocate(sizeof(SignalRecord), Kind::signal));
-  auto* signal = new (segment_.at<SignalRecord>(offset)) SignalRecord();
-  signal->kind = Kind::signal;
-  signal->id = next_id_++;
-  signal->name = Name(first);
-  signal->type = a->type;
+  KERF_TRY(SignalRecord * signal, make_signal(first, a->type));
   const Change change(root_);
-  insert(*signal);
   attach(*a, *signal);
   if (a != b) attach(*b, *signal);
   return {};
@@ -263,7 +277,11 @@ Status Registry::set_item(std::string_view name, std::string_view value) {
       return fail(Errc::permission, "param " + quoted(name) + " is not writable");
     }
     KERF_TRY(const std::uint64_t raw, parse_value(param->type, value));
-    param->value.store(raw, std::memory_order_relaxed);
+    auto* at = segment_.at<std::byte>(param->value);
+    if (param->native != 0)
+      store_value(param->type, at, raw);
+    else
+      store_slot(at, raw);
     return {};
   }
   ItemRecord* pin = find_pin(name);
@@ -281,7 +299,7 @@ Status Registry::set_item(std::string_view name, std::string_view value) {
                                 std::string(signal->name) + "): use sets");
   }
   KERF_TRY(const std::uint64_t raw, parse_value(pin->type, value));
-  pin->value.store(raw, std::memory_order_relaxed);
+  store_slot(segment_.at<std::byte>(pin->value), raw);
   return {};
 }
 
@@ -296,8 +314,31 @@ Status Registry::set_signal(std::string_view name, std::string_view value) {
     return fail(Errc::busy, "signal " + quoted(name) + " already has writer(s): " +
                                 (writer != nullptr ? quoted(writer->name) : std::string("?")));
   }
+  if (signal->type == Type::port) return make_queue(*signal, value);
   KERF_TRY(const std::uint64_t raw, parse_value(signal->type, value));
-  signal->value.store(raw, std::memory_order_relaxed);
+  store_slot(segment_.at<std::byte>(signal->value), raw);
+  return {};
+}
+
+Status Registry::make_queue(SignalRecord& signal, std::string_view size) {
+  KERF_TRY(const std::uint64_t bytes, parse_value(Type::u32, size));
+  if (signal.port_bytes != 0) {
+    return fail(Errc::busy, "port " + quoted(signal.name) + " has a queue of " +
+                                std::to_string(signal.port_bytes) + " bytes already");
+  }
+  if (bytes == 0 || bytes > kPortBytesMax) {
+    return fail(Errc::bad_argument, "size of port " + quoted(signal.name) + " is " +
+                                        std::to_string(bytes) + ", but must be between 1 and " +
+                                        std::to_string(kPortBytesMax));
+  }
+  const auto width = static_cast<std::uint32_t>(bytes);
+  KERF_TRY(const Offset offset, allocate(Port::bytes(width), Region::shared, Kind::none));
+  auto* header = new (segment_.at<PortHeader>(offset)) PortHeader();
+  header->size = width;
+  const Change change(root_);
+  signal.port_bytes = width;
+  // Release: the queue is there before a pin leads to it.
+  slot(signal).store(offset, std::memory_order_release);
   return {};
 }
 

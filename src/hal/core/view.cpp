@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "hal/core/value_access.hpp"
 #include "hal/core/value_text.hpp"
 #include "rtapi/base/suggest.hpp"
 #include "rtapi/clock/real_clock.hpp"
@@ -30,8 +31,8 @@ const Root* View::root() const {
 template <class T>
 const T* View::at(Offset offset) const {
   // The offset may be half of a change: it is only trusted to lie in the segment.
-  const std::uint64_t limit = segment_.header().used.get();
-  if (offset == 0 || offset % alignof(T) != 0 || offset + sizeof(T) > limit) return nullptr;
+  if (offset == 0 || offset % alignof(T) != 0 || !segment_.in_use(offset, sizeof(T)))
+    return nullptr;
   return segment_.at<const T>(offset);
 }
 
@@ -78,6 +79,25 @@ const T* View::lookup(const Root& root, Kind kind, std::string_view name) const 
   return nullptr;
 }
 
+const ItemRecord* View::lookup_item(const Root& root, Kind kind, std::string_view name) const {
+  const Record* r = at<Record>(root.bucket[bucket_of(kind, name)].observe());
+  for (std::size_t n = 0; r != nullptr && n < kLongest; ++n) {
+    if (r->name == name && r->kind == kind) return at<ItemRecord>(segment_.offset_of(r));
+    if (r->name == name && r->kind == Kind::original) {
+      const auto* original = at<OriginalRecord>(segment_.offset_of(r));
+      if (original != nullptr && original->of == kind) return at<ItemRecord>(original->item);
+    }
+    r = at<Record>(r->hash_next.observe());
+  }
+  return nullptr;
+}
+
+std::uint64_t View::value_at(Type type, Offset offset) const {
+  const std::size_t bytes = value_bytes(type);
+  if (offset == 0 || offset % bytes != 0 || !segment_.in_use(offset, bytes)) return 0;
+  return load_value(type, segment_.at<std::byte>(offset));
+}
+
 std::string View::name_at(Offset offset) const {
   const Record* r = at<Record>(offset);
   return r == nullptr ? std::string() : std::string(r->name.view());
@@ -88,8 +108,10 @@ ItemInfo View::info(const ItemRecord& r) const {
   out.name = r.name.view();
   out.type = r.type;
   out.dir = r.dir;
-  const auto* slot = at<std::atomic<std::uint64_t>>(r.link.load(std::memory_order_acquire));
-  out.raw = slot == nullptr ? 0 : slot->load(std::memory_order_relaxed);
+  out.original_name = name_at(r.original.get());
+  // Acquire: see SlotRef.
+  if (const auto* link = at<std::atomic<std::uint64_t>>(r.link); link != nullptr)
+    out.raw = value_at(r.type, link->load(std::memory_order_acquire));
   if (const auto* owner = at<ComponentRecord>(r.owner); owner != nullptr) {
     out.owner_id = owner->id;
     out.owner = owner->name.view();
@@ -102,7 +124,7 @@ SignalInfo View::info(const SignalRecord& r) const {
   SignalInfo out;
   out.name = r.name.view();
   out.type = r.type;
-  out.raw = r.value.load(std::memory_order_relaxed);
+  out.raw = value_at(r.type, r.value);
   out.readers = r.readers;
   out.writers = r.writers;
   out.bidirs = r.bidirs;
@@ -124,10 +146,8 @@ ComponentInfo View::info(const ComponentRecord& r) const {
   out.pid = r.pid;
   out.ready = r.ready != 0;
   out.loaded_by_loadrt = r.loaded_by_loadrt != 0;
-  if (const auto* text = at<char>(r.args);
-      text != nullptr && at<char>(r.args + r.args_size) != nullptr) {
-    out.args.assign(text, r.args_size);
-  }
+  if (r.args != 0 && segment_.in_use(r.args, r.args_size))
+    out.args.assign(segment_.at<const char>(r.args), r.args_size);
   return out;
 }
 
@@ -141,18 +161,17 @@ ThreadInfo View::info(const ThreadRecord& r) const {
     out.owner = owner->name.view();
   }
   if (const auto* list = at<RunListRecord>(r.run_list.observe()); list != nullptr) {
-    for (std::uint64_t i = 0; i < list->count && i < kLongest; ++i) {
-      const auto* f = at<Offset>(segment_.offset_of(list->functions() + i));
-      if (f == nullptr) break;
-      out.functions.push_back(name_at(*f));
-    }
+    const std::uint64_t count = r.run_count.get();
+    const auto* functions = list->functions();
+    if (count <= kLongest && segment_.in_use(segment_.offset_of(functions), count * sizeof(Offset)))
+      for (std::uint64_t i = 0; i < count; ++i) out.functions.push_back(name_at(functions[i]));
   }
   return out;
 }
 
 std::optional<ItemInfo> View::find(Kind kind, std::string_view name) const {
   return consistent([&](const Root& root) -> std::optional<ItemInfo> {
-    const auto* r = lookup<ItemRecord>(root, kind, name);
+    const auto* r = lookup_item(root, kind, name);
     if (r == nullptr) return std::nullopt;
     return info(*r);
   });
@@ -191,6 +210,34 @@ std::optional<ThreadInfo> View::find_thread(std::string_view name) const {
     if (r == nullptr) return std::nullopt;
     return info(*r);
   });
+}
+
+std::optional<MemoryInfo> View::find_memory(std::string_view name) const {
+  return consistent([&](const Root& root) -> std::optional<MemoryInfo> {
+    const auto* r = lookup<MemoryRecord>(root, Kind::memory, name);
+    if (r == nullptr || !segment_.in_use(r->memory, r->bytes)) return std::nullopt;
+    return MemoryInfo{std::string(r->name.view()), r->memory, r->bytes, r->abi};
+  });
+}
+
+std::vector<MemoryInfo> View::memories() const {
+  return consistent([&](const Root& root) {
+    std::vector<MemoryInfo> list;
+    each<MemoryRecord>(root, Kind::memory, [&](const MemoryRecord& r) {
+      list.push_back({std::string(r.name.view()), r.memory, r.bytes, r.abi});
+    });
+    return list;
+  });
+}
+
+rtapi::Result<std::byte*> View::block_bytes(const char* name, std::uint64_t abi) const {
+  const auto memory = find_memory(name);
+  if (!memory) return segment_.find_block(name, abi);
+  if (memory->abi != abi) {
+    return rtapi::fail(rtapi::Errc::protocol,
+                       std::string("memory '") + name + "' was made by another build of Kerf");
+  }
+  return segment_.base() + memory->offset;
 }
 
 namespace {
@@ -283,12 +330,12 @@ rtapi::Result<std::string> View::value(std::string_view name) const {
 }
 
 SlotRef View::slot(std::string_view name) const {
-  const Root* r = root();
-  if (r == nullptr) return {};
-  const auto* item = lookup<ItemRecord>(*r, Kind::param, name);
-  if (item == nullptr) item = lookup<ItemRecord>(*r, Kind::pin, name);
-  if (item == nullptr) return {};
-  return {segment_.base(), &item->link};
+  return consistent([&](const Root& root) -> SlotRef {
+    const auto* item = lookup_item(root, Kind::param, name);
+    if (item == nullptr) item = lookup_item(root, Kind::pin, name);
+    if (item == nullptr || at<std::uint64_t>(item->link) == nullptr) return {};
+    return slot_at(segment_, item->link);
+  });
 }
 
 std::uint32_t View::lock_bits() const { return root() == nullptr ? 0 : root()->lock.get(); }

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <new>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,7 +23,8 @@ namespace kerf::hal {
 
 /// A pin or a parameter.
 struct ItemInfo {
-  std::string name;
+  std::string name;           ///< the alias, when it has one
+  std::string original_name;  ///< empty: no alias
   Type type{Type::unspecified};
   Dir dir{Dir::unspecified};
   std::uint64_t raw{0};
@@ -70,6 +72,14 @@ struct ThreadInfo {
   std::vector<std::string> functions;
 };
 
+/// Memory with a name.
+struct MemoryInfo {
+  std::string name;
+  Offset offset{0};  ///< from the base of the segment
+  std::uint64_t bytes{0};
+  std::uint64_t abi{0};
+};
+
 class View {
  public:
   explicit View(const rtapi::Segment& segment) : segment_(segment) {}
@@ -77,6 +87,7 @@ class View {
   /// False until the realtime host has made HAL in this segment.
   [[nodiscard]] bool attached() const { return root() != nullptr; }
 
+  /// Pins and parameters are found by either name.
   [[nodiscard]] std::optional<ItemInfo> find_pin(std::string_view name) const;
   [[nodiscard]] std::optional<ItemInfo> find_param(std::string_view name) const;
   /// The parameter, if both a pin and a parameter have the name.
@@ -85,6 +96,15 @@ class View {
   [[nodiscard]] std::optional<ComponentInfo> find_component(std::string_view name) const;
   [[nodiscard]] std::optional<ThreadInfo> find_thread(std::string_view name) const;
 
+  [[nodiscard]] std::optional<MemoryInfo> find_memory(std::string_view name) const;
+  /// A block by its name, whether a component or the instance's maker made it. not_found; protocol when the abi differs.
+  template <class T>
+  [[nodiscard]] rtapi::Result<T*> block(const char* name, std::uint64_t abi = sizeof(T)) const {
+    auto found = block_bytes(name, abi);
+    if (!found.ok()) return rtapi::Failure{found.error()};
+    return std::launder(reinterpret_cast<T*>(*found));
+  }
+
   /// All of a kind. Pins, parameters, signals, functions by name; components and threads newest first.
   [[nodiscard]] std::vector<ItemInfo> pins() const { return items(Kind::pin); }
   [[nodiscard]] std::vector<ItemInfo> params() const { return items(Kind::param); }
@@ -92,6 +112,7 @@ class View {
   [[nodiscard]] std::vector<ComponentInfo> components() const;
   [[nodiscard]] std::vector<FunctionInfo> functions() const;
   [[nodiscard]] std::vector<ThreadInfo> threads() const;
+  [[nodiscard]] std::vector<MemoryInfo> memories() const;
   /// Names of a kind, in order of creation, for "did you mean".
   [[nodiscard]] std::vector<std::string> names(Kind kind) const;
 
@@ -127,6 +148,10 @@ class View {
   [[nodiscard]] const T* lookup(const Root& root, Kind kind, std::string_view name) const;
   [[nodiscard]] std::vector<ItemInfo> items(Kind kind) const;
   [[nodiscard]] std::optional<ItemInfo> find(Kind kind, std::string_view name) const;
+  [[nodiscard]] rtapi::Result<std::byte*> block_bytes(const char* name, std::uint64_t abi) const;
+  [[nodiscard]] std::uint64_t value_at(Type type, Offset offset) const;
+  [[nodiscard]] const ItemRecord* lookup_item(const Root& root, Kind kind,
+                                              std::string_view name) const;
   [[nodiscard]] std::string name_at(Offset offset) const;
   [[nodiscard]] ItemInfo info(const ItemRecord& r) const;
   [[nodiscard]] SignalInfo info(const SignalRecord& r) const;

@@ -201,7 +201,7 @@ Reply Host::item_new(Words argv, bool pin) {
   auto made = pin ? registry_->add_pin(record, argv[1], type, dir, initial)
                   : registry_->add_param(record, argv[1], type, dir, initial);
   if (!made.ok()) return bad(made.error().code, made.error().message());
-  return {0, std::to_string(segment().offset_of(&(*made)->link))};
+  return {0, std::to_string((*made)->link)};
 }
 
 Reply Host::pin_new(Words argv) { return item_new(argv, true); }

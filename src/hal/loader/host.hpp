@@ -118,7 +118,7 @@ class Host {
     std::vector<Memory> memory;
     std::vector<FunctionRecord*> functions;
     std::vector<std::string> services;
-    std::vector<std::string> blocks;
+    std::vector<MemoryRecord*> blocks;
     std::vector<rtapi::Participant*> participants;
     std::set<Loaded*> uses;  ///< whose services it has
     std::vector<std::unique_ptr<std::string>> texts;

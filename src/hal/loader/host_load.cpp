@@ -197,7 +197,7 @@ void Host::destroy(Loaded& l) {
     l.module->destroy(it->object);
   for (auto* function : l.functions) functions_.erase(function);
   for (const auto& service : l.services) services_.erase(service);
-  for (const auto& block : l.blocks) segment().drop_block(block.c_str());
+  for (auto* block : l.blocks) registry_->remove_memory(*block);
   registry_->remove_component(*l.record);
   for (const auto& m : l.memory) ::operator delete(m.data, std::align_val_t(m.align));
   l.memory.clear();

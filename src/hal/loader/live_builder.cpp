@@ -100,14 +100,13 @@ void* LiveBuilder::allocate(std::size_t bytes, std::size_t align) noexcept {
 std::byte* LiveBuilder::shared_block(std::string_view name, std::size_t bytes,
                                      std::uint64_t abi) noexcept {
   if (failed()) return nullptr;
-  const std::string text(name);
-  auto block = host_.segment().make_block(text.c_str(), bytes, abi);
+  auto block = host_.registry().add_memory(name, bytes, abi);
   if (!block.ok()) {
     fail(block.error().message());
     return nullptr;
   }
-  loaded_.blocks.push_back(text);
-  return *block;
+  loaded_.blocks.push_back(*block);
+  return host_.segment().at<std::byte>((*block)->memory);
 }
 
 void LiveBuilder::provide(std::string_view service, void* object) noexcept {

@@ -185,7 +185,7 @@ int fail(const rtapi::Error& error) {
 }
 
 rtapi::Result<std::unique_ptr<rtapi::Segment>> open_segment(const Options& o, bool& made) {
-  auto found = rtapi::Segment::attach(o.instance);
+  auto found = rtapi::Segment::attach(o.instance, rtapi::Access::whole);
   if (found.ok()) {
     const auto& header = (*found)->header();
     // A segment whose maker is dead is a leftover: create() below removes it.

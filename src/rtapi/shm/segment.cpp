@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/interprocess/mapped_region.hpp>
 #include <boost/interprocess/shared_memory_object.hpp>
 #include <cerrno>
@@ -22,13 +23,17 @@ namespace bip = boost::interprocess;
 
 namespace {
 
-constexpr std::uint64_t kHeaderAbi = sizeof(SegmentHeader) * 1000 + 1;
+constexpr std::uint64_t kHeaderAbi = sizeof(SegmentHeader) * 1000 + 2;
 /// Memory is put behind the address space in steps of this size.
 constexpr std::uint64_t kBackingStep = 1U << 20U;
 /// How long a new run waits for those who take down the last one.
 constexpr int kTakeDownMs = 5000;
 /// How long processes of the last run may take to end by themselves.
 constexpr int kLeftoversMs = 500;
+
+const char* region_name(Region region) {
+  return region == Region::structure ? "structure" : "values and blocks";
+}
 
 constexpr std::uint64_t round_up(std::uint64_t n, std::uint64_t to) {
   return (n + to - 1) / to * to;
@@ -88,6 +93,10 @@ Result<std::unique_ptr<Segment>> Segment::create(const std::string& instance, st
     return fail(Errc::bad_argument,
                 "instance name '" + instance +
                     "' may only have letters, digits, '-', '_' and '.', at most 40");
+  if (bytes < 2 * kBackingStep || bytes > kMostBytes)
+    return fail(Errc::bad_argument, "[KERF]SEGMENT_MB is " + std::to_string(bytes >> 20U) +
+                                        ", but must be between 2 and " +
+                                        std::to_string(kMostBytes >> 20U));
   const std::string name = segment_name(instance);
   // From here on nobody else makes or removes a segment of this name. What stands there is dead, however far its maker came.
   KERF_TRY(OwnerLock lock, OwnerLock::take(instance, kTakeDownMs));
@@ -121,24 +130,35 @@ Result<std::unique_ptr<Segment>> Segment::create(const std::string& instance, st
   segment->bytes_ = bytes;
   segment->instance_ = instance;
   segment->owner_ = true;
-  const std::uint64_t first = round_up(sizeof(SegmentHeader), kBackingStep);
-  if (posix_fallocate(segment->mapping_->fd, 0, static_cast<off_t>(first)) != 0) {
+  if (posix_fallocate(segment->mapping_->fd, 0, static_cast<off_t>(kBackingStep)) != 0) {
     shm_unlink(name.c_str());
     return fail(Errc::no_memory, "no memory behind " + name + "; is /dev/shm full?");
   }
-  auto* header = new (segment->base_) SegmentHeader();
-  header->abi = kHeaderAbi;
-  header->size = bytes;
-  header->owner_pid.set(getpid());
-  header->owner_start = process_start_time(getpid());
-  header->run_id = FixedString<63>(new_run_id());
-  header->used.set(round_up(sizeof(SegmentHeader), 64));
-  header->backed.set(first);
-  header->magic = SegmentHeader::kMagic;
+  segment->lay_out(bytes);
+  SegmentHeader& header = segment->header();
+  header.owner_start = process_start_time(getpid());
+  header.run_id = FixedString<63>(new_run_id());
+  header.magic = SegmentHeader::kMagic;
   return segment;
 }
 
-Result<std::unique_ptr<Segment>> Segment::attach(const std::string& instance) {
+void Segment::lay_out(std::size_t bytes) {
+  static_assert(sizeof(SegmentHeader) < kBackingStep);
+  auto* header = new (base_) SegmentHeader();
+  header->abi = kHeaderAbi;
+  header->size = bytes;
+  header->owner_pid.set(getpid());
+  auto& structure = header->regions[static_cast<std::size_t>(Region::structure)];
+  auto& shared = header->regions[static_cast<std::size_t>(Region::shared)];
+  structure.end = shared.begin = bytes / 2 / kBackingStep * kBackingStep;
+  shared.end = bytes;
+  structure.used.set(round_up(sizeof(SegmentHeader), 64));
+  structure.backed.set(kBackingStep);
+  shared.used.set(shared.begin);
+  shared.backed.set(shared.begin);
+}
+
+Result<std::unique_ptr<Segment>> Segment::attach(const std::string& instance, Access access) {
   const std::string name = segment_name(instance);
   auto segment = std::unique_ptr<Segment>(new Segment());
   segment->mapping_ = std::make_unique<Mapping>();
@@ -168,6 +188,10 @@ Result<std::unique_ptr<Segment>> Segment::attach(const std::string& instance) {
   if (header.magic != SegmentHeader::kMagic || header.abi != kHeaderAbi)
     return fail(Errc::protocol, "shared memory " + name +
                                     " was made by another build of Kerf; stop that instance first");
+  segment->whole_ = access == Access::whole;
+  if (!segment->whole_ &&
+      mprotect(segment->base_, segment->region(Region::structure).end, PROT_READ) != 0)
+    return fail(Errc::system, "cannot protect shared memory " + name);
   return segment;
 }
 
@@ -183,14 +207,11 @@ std::unique_ptr<Segment> Segment::in_memory(std::size_t bytes) {
   segment->base_ = static_cast<std::byte*>(p);
   segment->bytes_ = bytes;
   segment->instance_ = "private";
-  auto* header = new (segment->base_) SegmentHeader();
-  header->abi = kHeaderAbi;
-  header->size = bytes;
-  header->owner_pid.set(getpid());
-  header->used.set(round_up(sizeof(SegmentHeader), 64));
-  header->backed.set(bytes);
-  header->run_id = FixedString<63>("private");
-  header->magic = SegmentHeader::kMagic;
+  segment->lay_out(bytes);
+  SegmentHeader& header = segment->header();
+  for (RegionHead& region : header.regions) region.backed.set(region.end);
+  header.run_id = FixedString<63>("private");
+  header.magic = SegmentHeader::kMagic;
   return segment;
 }
 
@@ -214,10 +235,34 @@ Segment::~Segment() {
   if (owner_ && header().owner_pid.get() == getpid()) shm_unlink(segment_name(instance_).c_str());
 }
 
-Result<std::byte*> Segment::make_block(const char* name, std::size_t bytes, std::uint64_t abi) {
-  SegmentHeader& h = header();
+Result<Offset> Segment::extend(Region region, std::size_t bytes) {
+  if (!whole_)
+    return fail(Errc::permission, "only the maker of " + segment_name(instance_) +
+                                      " and rtapi_app take memory of it");
+  RegionHead& r = header().regions[static_cast<std::size_t>(region)];
+  const Offset offset = r.used.get();
+  if (bytes > r.end - offset || round_up(bytes, 64) > r.end - offset)
+    return fail(Errc::no_memory, "the shared memory of " + std::to_string(bytes_ >> 20U) +
+                                     " MiB is full (its half for " + region_name(region) +
+                                     "); raise [KERF]SEGMENT_MB");
+  const Offset end = offset + round_up(bytes, 64);
+  if (const Offset backed = r.backed.get(); end > backed) {
+    const Offset more = std::min(round_up(end, kBackingStep), r.end);
+    if (posix_fallocate(mapping_->fd, static_cast<off_t>(backed),
+                        static_cast<off_t>(more - backed)) != 0)
+      return fail(Errc::no_memory, "/dev/shm is full: no memory for " +
+                                       std::to_string((more - backed) >> 20U) + " MiB more of " +
+                                       segment_name(instance_));
+    r.backed.set(more);
+  }
+  r.used.set(end);
+  return offset;
+}
+
+Result<std::byte*> Segment::make_block(const char* name, std::size_t bytes, std::uint64_t abi,
+                                       Region region) {
   BlockEntry* free_entry = nullptr;
-  for (BlockEntry& entry : h.blocks) {
+  for (BlockEntry& entry : header().blocks) {
     if (entry.state.observe() == 0) {
       if (free_entry == nullptr) free_entry = &entry;
     } else if (entry.name == std::string_view(name)) {
@@ -225,23 +270,9 @@ Result<std::byte*> Segment::make_block(const char* name, std::size_t bytes, std:
     }
   }
   if (free_entry == nullptr)
-    return fail(Errc::no_memory,
-                std::string("no room for segment block '") + name + "': 128 blocks are in use");
-  const std::uint64_t offset = h.used.get();
-  const std::uint64_t end = round_up(offset + bytes, 64);
-  if (end > bytes_) {
-    return fail(Errc::no_memory, "the shared memory of " + std::to_string(bytes_ >> 20U) +
-                                     " MiB is full; raise [KERF]SEGMENT_MB");
-  }
-  if (end > h.backed.get()) {
-    const std::uint64_t backed = std::min<std::uint64_t>(round_up(end, kBackingStep), bytes_);
-    if (posix_fallocate(mapping_->fd, static_cast<off_t>(h.backed.get()),
-                        static_cast<off_t>(backed - h.backed.get())) != 0)
-      return fail(Errc::no_memory,
-                  "/dev/shm is full: no memory for segment block '" + std::string(name) + "'");
-    h.backed.set(backed);
-  }
-  h.used.set(end);
+    return fail(Errc::no_memory, std::string("no room for segment block '") + name + "': " +
+                                     std::to_string(SegmentHeader::kBlocks) + " blocks are in use");
+  KERF_TRY(const Offset offset, extend(region, bytes));
   std::memset(static_cast<void*>(base_ + offset), 0, bytes);
   free_entry->name = FixedString<47>(name);
   free_entry->abi = abi;

@@ -18,6 +18,20 @@ namespace kerf::rtapi {
 /// A place in the segment, as bytes from its base; 0 is nowhere.
 using Offset = std::uint64_t;
 
+/// The two parts of the segment. `structure` says what there is (records, links): clients map it read-only, so none can damage it,
+/// however it fails. `shared` is what programs write too: values, blocks, rings.
+enum class Region : std::uint32_t { structure = 0, shared = 1 };
+inline constexpr std::size_t kRegions = 2;
+
+/// What a process may write: a client only `shared`, the instance's maker and the realtime host everything.
+enum class Access { client, whole };
+
+struct RegionHead {
+  Offset begin{0}, end{0};
+  Word<Offset> used{0};    ///< handed out up to here
+  Word<Offset> backed{0};  ///< memory is behind it up to here
+};
+
 struct BlockEntry {
   FixedString<47> name;
   std::uint64_t abi{0};
@@ -33,28 +47,31 @@ struct SegmentHeader {
   std::uint64_t abi{0};    ///< of this header
   std::uint64_t size{0};   ///< reserved bytes
   Word<std::int64_t> owner_pid{0};
-  std::uint64_t owner_start{0};   ///< start time of the owner (/proc/PID/stat): tells a reused pid
-  FixedString<63> run_id;         ///< unique a start; children carry it as KERF_RUN_ID
-  Word<std::uint64_t> used{0};    ///< bytes handed out, from the base
-  Word<std::uint64_t> backed{0};  ///< bytes that have memory behind them
+  std::uint64_t owner_start{0};  ///< start time of the owner (/proc/PID/stat): tells a reused pid
+  FixedString<63> run_id;        ///< unique a start; children carry it as KERF_RUN_ID
+  RegionHead regions[kRegions];  ///< this header is the first thing in `structure`
   BlockEntry blocks[kBlocks];
 };
 
 /// Mapping of the segment. Address space for the whole size is reserved at attach and never moves; memory is put behind it
 /// piece by piece, so that a full machine is an error that names `[KERF]SEGMENT_MB`, never a SIGBUS.
 ///
-/// Blocks are made by one process at a time (the launcher before the host starts, then the realtime host) and are never
-/// given back; their content is the maker's business.
+/// Each region has half of the address space. Blocks are made by one process at a time (the launcher before the host starts,
+/// then the realtime host) and are never given back; their content is the maker's business.
 class Segment {
  public:
   static constexpr std::size_t kDefaultBytes = 64U << 20U;
+  /// Places in the segment fit 31 bits: handles of ports are so wide.
+  static constexpr std::size_t kMostBytes = 2047U << 20U;
 
   /// Makes the instance's segment, and holds the instance's OwnerLock as long as it lives. What a dead owner left, its processes
   /// too, is removed first; a live owner is an error that names it.
   static Result<std::unique_ptr<Segment>> create(const std::string& instance,
                                                  std::size_t bytes = kDefaultBytes);
-  /// Maps the instance's segment. not_found when the instance does not run; protocol when another build made it.
-  static Result<std::unique_ptr<Segment>> attach(const std::string& instance);
+  /// Maps the instance's segment. not_found when the instance does not run; protocol when another build made it. A client that
+  /// writes to `structure` all the same dies of SIGSEGV.
+  static Result<std::unique_ptr<Segment>> attach(const std::string& instance,
+                                                 Access access = Access::client);
   /// Private memory of this process, for tests. Copied by fork like all memory.
   static std::unique_ptr<Segment> in_memory(std::size_t bytes = kDefaultBytes);
   /// Removes the name of an instance's segment, if its owner is dead or is this process and nobody else has the OwnerLock. True
@@ -71,8 +88,23 @@ class Segment {
   }
   [[nodiscard]] const std::string& instance() const noexcept { return instance_; }
 
-  /// Makes a zero-filled block, aligned to 64. exists: the name is taken; no_memory: the segment is full.
-  Result<std::byte*> make_block(const char* name, std::size_t bytes, std::uint64_t abi);
+  /// Takes fresh memory, zero-filled and aligned to 64, off a region for good. no_memory: it is full; permission: a client asked.
+  Result<Offset> extend(Region region, std::size_t bytes);
+  [[nodiscard]] const RegionHead& region(Region region) const noexcept {
+    return header().regions[static_cast<std::size_t>(region)];
+  }
+  /// True when all of the bytes have been handed out.
+  [[nodiscard]] bool in_use(Offset offset, std::size_t bytes) const noexcept {
+    for (const RegionHead& r : header().regions) {
+      const Offset end = r.used.get();
+      if (offset >= r.begin && offset < end) return bytes <= end - offset;
+    }
+    return false;
+  }
+
+  /// Makes a zero-filled block, aligned to 64. exists: the name is taken; otherwise as extend().
+  Result<std::byte*> make_block(const char* name, std::size_t bytes, std::uint64_t abi,
+                                Region region = Region::shared);
   /// not_found; protocol when the abi differs.
   [[nodiscard]] Result<std::byte*> find_block(const char* name, std::uint64_t abi) const;
   [[nodiscard]] std::size_t block_size(const char* name) const;
@@ -80,8 +112,8 @@ class Segment {
   void drop_block(const char* name);
 
   template <class T>
-  Result<T*> make(const char* name, std::uint64_t abi = sizeof(T)) {
-    auto block = make_block(name, sizeof(T), abi);
+  Result<T*> make(const char* name, std::uint64_t abi = sizeof(T), Region region = Region::shared) {
+    auto block = make_block(name, sizeof(T), abi, region);
     if (!block.ok()) return Failure{block.error()};
     return new (*block) T();
   }
@@ -107,6 +139,7 @@ class Segment {
 
  private:
   Segment() = default;
+  void lay_out(std::size_t bytes);
   struct Mapping;  ///< hides Boost.Interprocess
   std::unique_ptr<Mapping> mapping_;
   std::byte* base_{nullptr};
@@ -114,6 +147,7 @@ class Segment {
   std::string instance_;
   bool owner_{false};
   OwnerLock lock_;  ///< let go after the name is gone
+  bool whole_{true};  ///< may write `structure`
 };
 
 /// Names of an instance's things. `KERF_INSTANCE` or, without it, "u" and the user id.
