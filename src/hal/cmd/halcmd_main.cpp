@@ -10,6 +10,7 @@
 
 #include "hal/client/user_component.hpp"
 #include "hal/cmd/commander.hpp"
+#include "hal/cmd/front_doors.hpp"
 #include "hal/cmd/options.hpp"
 #include "hal/cmd/prompt.hpp"
 #include "rtapi/clock/join_clock.hpp"
@@ -119,7 +120,12 @@ int main(int argc, char** argv) {
     }
     if (!options.take(c, optarg)) return 255;
   }
-  const std::vector<std::string> words(argv + optind, argv + argc);
+  std::vector<std::string> words(argv + optind, argv + argc);
+  if (!words.empty() && words[0] == "check" && !options.from_file) {
+    if (!options.ini_path.empty()) words.insert(words.end(), {"-i", options.ini_path});
+    if (options.json) words.emplace_back("--json");
+    return hal::check_main(words);
+  }
   if (!options.load_ini()) return 1;
   struct sigaction action {};
   action.sa_handler = on_signal;

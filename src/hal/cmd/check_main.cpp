@@ -1,0 +1,110 @@
+// `halcmd check`: options, and findings as text or JSON.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "hal/cmd/check.hpp"
+#include "hal/cmd/front_doors.hpp"
+#include "ini/ini_file.hpp"
+
+namespace kerf::hal {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::size_t count(const std::vector<Finding>& findings, Finding::Level level) {
+  return static_cast<std::size_t>(std::count_if(
+      findings.begin(), findings.end(), [level](const Finding& f) { return f.level == level; }));
+}
+
+std::string counted(std::size_t n, const char* one) {
+  return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
+}
+
+void print_text(const std::vector<Finding>& findings, bool quiet) {
+  for (const auto& f : findings) {
+    if (quiet && f.level == Finding::Level::note) continue;
+    std::puts(f.text_line().c_str());
+  }
+  std::puts((counted(count(findings, Finding::Level::error), "error") + ", " +
+             counted(count(findings, Finding::Level::warning), "warning") + ", " +
+             counted(count(findings, Finding::Level::note), "note"))
+                .c_str());
+}
+
+void print_json(const ScriptCheck& check, const std::vector<Finding>& findings) {
+  Json list = Json::array();
+  for (const auto& f : findings) {
+    Json one;
+    one["level"] = level_name(f.level);
+    one["kind"] = f.kind;
+    one["file"] = f.at.file;
+    one["line"] = f.at.line;
+    one["text"] = f.text;
+    list.push_back(std::move(one));
+  }
+  Json unchecked = Json::array();
+  for (const auto& pin : check.trace().unchecked) unchecked.push_back(pin.name);
+  Json out;
+  out["files"] = check.files();
+  out["errors"] = count(findings, Finding::Level::error);
+  out["warnings"] = count(findings, Finding::Level::warning);
+  out["notes"] = count(findings, Finding::Level::note);
+  out["findings"] = std::move(list);
+  out["unchecked"] = std::move(unchecked);
+  std::puts(out.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+}
+
+}  // namespace
+
+int check_main(std::span<const std::string> words) {
+  CLI::App app{
+      "Checks HAL files without a running HAL: unknown names, types, writers, what never runs.",
+      "halcmd check"};
+  std::vector<std::string> files;
+  std::string ini_path;
+  bool json = false, quiet = false;
+  app.add_option("FILE", files, "HAL files, carried out one after the other");
+  app.add_option("-i", ini_path,
+                 "INI file with the values of [SECTION]KEY; without FILE, the HAL files it names");
+  app.add_flag("--json", json, "print the findings as JSON");
+  app.add_flag("-q", quiet, "print no notes");
+  try {
+    std::vector<std::string> reversed(words.rbegin(), words.rend() - 1);
+    app.parse(reversed);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  if (files.empty() && ini_path.empty()) {
+    std::fputs("halcmd check: name a HAL file, or an INI file with -i\n", stderr);
+    return 2;
+  }
+  ini::LoadResult ini;
+  if (!ini_path.empty()) {
+    ini = ini::IniFile::load(ini_path);
+    for (const auto& d : ini.diagnostics) std::fprintf(stderr, "%s\n", d.message().c_str());
+    if (!ini.ok) return 1;
+    if (files.empty()) {
+      // As on the machine, where everything starts in the INI's folder.
+      const auto folder = std::filesystem::absolute(ini_path).parent_path();
+      ::setenv("CONFIG_DIR", folder.c_str(), 1);
+      ::setenv("INI_FILE_NAME", std::filesystem::absolute(ini_path).c_str(), 1);
+      std::error_code error;
+      std::filesystem::current_path(folder, error);
+    }
+  }
+  DlopenSource modules;
+  ScriptCheck check(modules, ini_path.empty() ? nullptr : &ini.file);
+  if (files.empty()) check.run_ini_files();
+  for (const auto& file : files) check.run_file(file);
+  const auto findings = check.finish();
+  if (json)
+    print_json(check, findings);
+  else
+    print_text(findings, quiet);
+  return count(findings, Finding::Level::error) == 0 ? 0 : 1;
+}
+
+}  // namespace kerf::hal

@@ -1,0 +1,1 @@
+loadrt madebytcl

@@ -1,0 +1,1 @@
+loadrt and2

@@ -1,0 +1,111 @@
+// Each folder in check/ is a case of `halcmd check`: its test.hal, or the files that its file `files` names, or else those of its
+// test.ini. What is found is compared with the file `expected`. KERF_GOLDEN_UPDATE=1 writes it anew.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "hal/cmd/check.hpp"
+#include "ini/ini_file.hpp"
+
+namespace kerf::hal::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kFolder = fs::path(KERF_SOURCE_DIR) / "tests/hal/check";
+
+std::string read_file(const fs::path& path) {
+  std::ifstream in(path);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::vector<std::string> cases() {
+  std::vector<std::string> out;
+  for (const auto& entry : fs::directory_iterator(kFolder))
+    if (entry.is_directory()) out.push_back(entry.path().filename().string());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+std::string found_in_present_folder() {
+  ini::LoadResult ini;
+  if (fs::exists("test.ini")) {
+    ini = ini::IniFile::load("test.ini");
+    EXPECT_TRUE(ini.ok);
+  }
+  StaticSource modules(static_components());
+  ScriptCheck check(modules, fs::exists("test.ini") ? &ini.file : nullptr);
+  if (fs::exists("test.hal")) {
+    check.run_file("test.hal");
+  } else if (fs::exists("files")) {
+    std::istringstream names(read_file("files"));
+    for (std::string name; std::getline(names, name);) check.run_file(name);
+  } else {
+    check.run_ini_files();
+  }
+  std::string out;
+  for (const auto& finding : check.finish()) out += finding.text_line() + "\n";
+  return out;
+}
+
+class HalCheck : public testing::TestWithParam<std::string> {};
+
+TEST_P(HalCheck, FindsWhatIsExpected) {
+  const fs::path folder = kFolder / GetParam();
+  const fs::path old = fs::current_path();
+  fs::current_path(folder);
+  const std::string got = found_in_present_folder();
+  fs::current_path(old);
+  if (std::getenv("KERF_GOLDEN_UPDATE") != nullptr) {
+    std::ofstream(folder / "expected") << got;
+    GTEST_SKIP() << "written anew";
+  }
+  EXPECT_EQ(got, read_file(folder / "expected"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Folders, HalCheck, testing::ValuesIn(cases()), [](const auto& tested) {
+  std::string name = tested.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
+
+/// A driver that would open its device in any circumstances.
+class Careless final : public Component<Careless> {
+ public:
+  static constexpr Info kInfo{.name = "careless", .summary = "Opens a file", .singleton = true};
+  explicit Careless(Builder& b) noexcept : Component(b) {
+    declared_only = b.declares_only();
+    std::ifstream device("/dev/null");
+    opened = device.is_open();
+  }
+  static inline bool opened{false};
+  static inline bool declared_only{false};
+};
+const Module kCareless{
+    kModuleAbi,
+    Careless::kInfo,
+    sizeof(Careless),
+    alignof(Careless),
+    [](void* storage, Builder& b) noexcept { new (storage) Careless(b); },
+    [](void* object) noexcept { std::destroy_at(static_cast<Careless*>(object)); }};
+
+TEST(HalCheckOfDrivers, TouchesNoDevice) {
+  const StaticModule table[] = {{"careless", &kCareless}};
+  StaticSource modules(table);
+  ScriptCheck check(modules, nullptr);
+  check.run_text("loadrt careless\n", "drivers.hal");
+  EXPECT_THAT(check.finish(), testing::IsEmpty());
+  EXPECT_TRUE(Careless::declared_only);
+  EXPECT_FALSE(Careless::opened);
+  EXPECT_TRUE(std::ifstream("/dev/null").is_open()) << "files may be opened again";
+}
+
+}  // namespace
+}  // namespace kerf::hal::test
