@@ -19,6 +19,7 @@ ALLOWED = {
     "ini": [],
     "hal": ["rtapi"],
     "hal/cmd": ["hal", "rtapi", "ini"],
+    "hal/tcl": ["hal", "rtapi", "ini"],
     "motion/api": ["rtapi/base", "rtapi/sync"],
     "motion/core": ["motion/api", "rtapi/base"],
     "motion/motmod": ["motion/api", "motion/core", "hal", "rtapi"],
@@ -43,9 +44,9 @@ THIRD_PARTY = [
     (r"nlohmann/", r"src/(hal|task|launcher|io|gateway|python)/.*\.cpp$"),
     (r"CLI/", r"src/(hal/cmd|hal/tools|interp|task|launcher|io|gateway|rtapi/host)/.*\.cpp$"),
     (r"fmt/", r"src/.*\.cpp$"),
-    (r"(editline/|histedit\.h)", r"src/(hal/cmd|launcher|task)/.*\.cpp$"),
+    (r"(editline/|histedit\.h)", r"src/(hal/cmd|hal/tcl|launcher|task)/.*\.cpp$"),
     (r"(yaml-cpp|modbus|gpiod)", r"(src/io/devices|components/drivers)/"),
-    (r"(tcl|pybind11/|Python\.h)", r"src/(hal/cmd|interp|python|task)/"),
+    (r"(tcl|pybind11/|Python\.h)", r"src/(hal/tcl|interp|python|task)/"),
     (r"(gtest|gmock|benchmark)/", None),
 ]
 

@@ -260,6 +260,16 @@ bool Commander::run_words(Words words) {
   return run(std::move(out));
 }
 
+bool Commander::run_exact(std::vector<std::string> words, const std::string& file,
+                          int line_number) {
+  const std::string old_file = std::exchange(file_, file);
+  const int old_line = std::exchange(line_, line_number);
+  const bool good = run(std::move(words));
+  file_ = old_file;
+  line_ = old_line;
+  return good;
+}
+
 bool Commander::run(std::vector<std::string> words) {
   if (words.empty()) return true;
   if (words.size() == 3 && words[1] == "=") words = {"setp", words[0], words[2]};

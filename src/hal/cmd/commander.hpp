@@ -65,6 +65,8 @@ class Commander {
   bool run_line(std::string_view line, const std::string& file, int line_number);
   /// Words of a command line: substituted one by one, not split again.
   bool run_words(std::span<const std::string> words);
+  /// Words that are final: nothing is substituted, not even '$' or '['. File and line stand in messages.
+  bool run_exact(std::vector<std::string> words, const std::string& file, int line_number);
 
   /// True after `quit` or `exit`.
   [[nodiscard]] bool quit_requested() const { return quit_; }

@@ -1,4 +1,5 @@
-// halrun: a realtime environment for one HAL file or one interactive session, taken down in every case.
+// halrun: a realtime environment for one HAL file or one interactive session, in halcmd's language or in Tcl, taken down in every
+// case.
 #include <getopt.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -30,23 +31,31 @@ using namespace kerf;  // NOLINT(google-build-using-namespace): the program's ow
 
 constexpr int kPatienceMs = 2000;
 rtapi::WaitClock* wait_clock = nullptr;  // for the signal handler
+volatile sig_atomic_t interrupted = 0;
+volatile sig_atomic_t tcl_process = 0;
 
 void on_signal(int /*signal*/) {
+  interrupted = 1;
   if (wait_clock != nullptr) wait_clock->stop();
+  if (tcl_process > 0) ::kill(tcl_process, SIGTERM);
 }
 
 void print_help() {
   std::puts(
-      "Usage: halrun [-I] [HALCMD OPTIONS] [FILE.hal]\n"
+      "Usage: halrun [-I] [HALCMD OPTIONS] [FILE.hal | FILE.tcl]\n"
+      "       halrun -T [HALCMD OPTIONS] [FILE.hal | FILE.tcl]\n"
       "       halrun -U\n"
       "\n"
-      "Starts a realtime environment, does the commands of FILE, and takes everything down again.\n"
-      "Without FILE, or with -I after it, commands are read interactively.\n"
+      "Starts a realtime environment, does the commands of FILE by halcmd or haltcl, and takes "
+      "everything down again.\n"
+      "Without FILE, and after it with -I or -T, commands are read interactively.\n"
       "\n"
-      "  -I          interactive session before taking down\n"
+      "  -I          interactive halcmd before taking down\n"
+      "  -T          interactive haltcl before taking down\n"
       "  -U          end the environment of this instance by force\n"
       "  -f FILE     the same as FILE\n"
-      "  -i INI, -k, -q, -Q, -s, -v, -V, -e: as for halcmd\n"
+      "  -i INI      values for [SECTION]KEY, or $::SECTION(KEY) in Tcl\n"
+      "  -k, -q, -Q, -s, -v, -V, -e: as for halcmd, for .hal files\n"
       "  -h          this text");
 }
 
@@ -85,7 +94,8 @@ class RealtimeProcess {
     ssize_t n = 0;
     do {
       n = ::read(fd_, &byte, 1);
-    } while (n < 0 && errno == EINTR);
+    } while (n < 0 && errno == EINTR && interrupted == 0);
+    if (interrupted != 0) return rtapi::fail(rtapi::Errc::cancelled, "interrupted");
     if (n != 1) return rtapi::fail(rtapi::Errc::dead, "rtapi_app did not start");
     return {};
   }
@@ -139,67 +149,151 @@ int force_end(const std::string& instance) {
   return 0;
 }
 
-bool run_commands(rtapi::Segment& segment, const hal::HalcmdOptions& options,
-                  const std::string& file, bool interactive) {
+/// What the command line asks for.
+struct Wish {
+  hal::HalcmdOptions options;
+  std::string file;  ///< "": none; "-": stdin
+  bool interactive{false};
+  bool interactive_tcl{false};
+  [[nodiscard]] bool tcl_file() const {
+    return file.size() > 4 && file.compare(file.size() - 4, 4, ".tcl") == 0;
+  }
+};
+
+/// haltcl with the terminal, as a child in this process group; gives its exit status.
+int run_haltcl(const Wish& wish, const std::string& file) {
+  if (interrupted != 0) return 1;
+  std::vector<std::string> words{program_folder() + "/haltcl"};
+  if (!wish.options.ini_path.empty()) words.insert(words.end(), {"-i", wish.options.ini_path});
+  if (!file.empty()) words.push_back(file);
+  std::vector<char*> argv;
+  for (auto& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const pid_t pid = ::fork();
+  if (pid == 0) {
+    ::execv(argv[0], argv.data());
+    std::fprintf(stderr, "halrun: %s: %s\n", argv[0], std::strerror(errno));
+    ::_exit(127);
+  }
+  tcl_process = pid;
+  // A person's Ctrl-C is for the command that they wait for.
+  if (file.empty()) ::signal(SIGINT, SIG_IGN);
+  if (interrupted != 0) ::kill(pid, SIGTERM);  // the handler did not know the child yet
+  int status = -1;
+  while (pid > 0 && (status = hal::child_status(pid)) < 0) {
+    siginfo_t info{};
+    if (interrupted == 0) {
+      (void)::waitid(P_PID, static_cast<id_t>(pid), &info, WEXITED | WNOWAIT);
+      continue;
+    }
+    // It has been asked to end.
+    const auto clock = rtapi::make_real_clock();
+    for (int waited = 0; (status = hal::child_status(pid)) < 0; ++waited) {
+      if (waited == kPatienceMs) ::kill(pid, SIGKILL);
+      rtapi::WaitSpec spec;
+      spec.wake_at(clock->now() + rtapi::kMillisecond);
+      clock->wait(spec);
+    }
+    break;
+  }
+  tcl_process = 0;
+  return status;
+}
+
+/// Gives halrun's exit status.
+int run_commands(rtapi::Segment& segment, const Wish& wish) {
   auto session = hal::SocketSession::connect(segment);
   if (!session.ok()) {
     rtapi::log_error(session.error());
-    return false;
+    return 1;
   }
   const auto clock = rtapi::make_real_clock();
   wait_clock = clock.get();
-  bool good = true;
+  int status = 0;
   {
     hal::UserComponent self(**session, "halcmd" + std::to_string(::getpid()));
     (void)self.ready();
     hal::Commander commander(**session);
     commander.set_clock(clock.get());
-    options.apply(commander);
-    if (!file.empty()) good = commander.run_file(file);
-    if (interactive && !clock->stopped()) good = hal::run_interactive(commander) && good;
+    wish.options.apply(commander);
+    if (wish.tcl_file())
+      status = run_haltcl(wish, wish.file);
+    else if (!wish.file.empty())
+      status = commander.run_file(wish.file) ? 0 : 1;
+    // What a person types fails before their eyes; only the file's status counts.
+    if (wish.interactive && !clock->stopped()) (void)hal::run_interactive(commander);
+    if (wish.interactive_tcl && interrupted == 0) (void)run_haltcl(wish, "");
     hal::Commander last(**session);
     last.set_level(hal::Commander::Level::silent);
     const std::string words[] = {"unloadusr", "all"};
     (void)last.run_words(words);
   }
   wait_clock = nullptr;
-  return good;
+  return interrupted != 0 && status == 0 && !wish.interactive ? 1 : status;
+}
+
+/// -1: go on; else the exit status. Codes are those of the peer's halrun.
+int parse(int argc, char** argv, const std::string& instance, Wish& wish) {
+  int c = 0;
+  const option long_options[] = {{"help", no_argument, nullptr, 'h'}, {}};
+  while ((c = ::getopt_long(argc, argv, "+ef:i:kqQRsvVhIUT", long_options, nullptr)) != -1) {
+    switch (c) {
+      case 'h': print_help(); return 0;
+      case 'U': return force_end(instance);
+      case 'I': wish.interactive = true; break;
+      case 'T': wish.interactive_tcl = true; break;
+      case 'f': wish.file = optarg; break;
+      default:
+        if (wish.options.take(c, optarg)) break;
+        std::fputs("Try: halrun -h\n", stderr);
+        return 1;
+    }
+  }
+  if (argc - optind > (wish.file.empty() ? 1 : 0)) {
+    rtapi::log_message(rtapi::Level::error, "one file only: what is '%s'?", argv[argc - 1]);
+    return 1;
+  }
+  if (optind < argc) wish.file = argv[optind];
+  if (wish.file.empty() && !wish.interactive_tcl) wish.interactive = true;
+  if (wish.file.empty() || wish.file == "-") return -1;
+  const bool known = wish.tcl_file() || std::filesystem::path(wish.file).extension() == ".hal";
+  if (!known) {
+    rtapi::log_message(rtapi::Level::error, "'%s': expected a file that ends in .hal or .tcl",
+                       wish.file.c_str());
+    return 1;
+  }
+  if (::access(wish.file.c_str(), R_OK) != 0) {
+    rtapi::log_message(rtapi::Level::error, "could not open file '%s': %s", wish.file.c_str(),
+                       std::strerror(errno));
+    return wish.tcl_file() ? 1 : 255;
+  }
+  return -1;
+}
+
+/// Programs and packages that scripts name are those beside this one.
+void set_environment(const std::string& instance) {
+  const auto prepend = [](const char* name, const std::string& first, const char* rest) {
+    const char* old = std::getenv(name);
+    if (old != nullptr && *old != '\0') rest = old;
+    ::setenv(name, *rest != '\0' ? (first + rest).c_str() : first.c_str(), 1);
+  };
+  const std::string folder = program_folder();
+  prepend("PATH", folder + ":", "/usr/bin:/bin");
+  prepend("TCLLIBPATH", std::filesystem::path(folder).parent_path().string() + "/tcl ", "");
+  ::setenv("KERF_INSTANCE", instance.c_str(), 1);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   rtapi::set_program_name("halrun");
-  hal::HalcmdOptions options;
-  bool interactive = false;
+  Wish wish;
   const std::string instance = rtapi::default_instance();
-  int c = 0;
-  const option long_options[] = {{"help", no_argument, nullptr, 'h'}, {}};
-  while ((c = ::getopt_long(argc, argv, "+efi:kqQRsvVhIUT", long_options, nullptr)) != -1) {
-    if (c == 'h') {
-      print_help();
-      return 0;
-    }
-    if (c == 'U') return force_end(instance);
-    if (c == 'I') {
-      interactive = true;
-    } else if (c == 'T') {
-      rtapi::log_message(rtapi::Level::error, "-T: this build has no haltcl");
-      return 1;
-    } else if (!options.take(c, optarg)) {
-      return 255;
-    }
-  }
-  const std::string file = optind < argc ? argv[optind] : options.from_file ? "-" : "";
-  if (file.empty()) interactive = true;
-  if (!options.load_ini()) return 1;
+  if (const int end = parse(argc, argv, instance, wish); end >= 0) return end;
+  if (!wish.options.load_ini()) return 255;
 
-  // Programs that scripts call by name are those beside this one; orphans of orphans come back here.
-  const char* path = std::getenv("PATH");
-  ::setenv("PATH", (program_folder() + ":" + (path != nullptr ? path : "/usr/bin:/bin")).c_str(),
-           1);
-  ::setenv("KERF_INSTANCE", instance.c_str(), 1);
-  ::prctl(PR_SET_CHILD_SUBREAPER, 1);
+  set_environment(instance);
+  ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans of orphans come back here
   struct sigaction action {};
   action.sa_handler = on_signal;
   ::sigaction(SIGTERM, &action, nullptr);
@@ -212,16 +306,17 @@ int main(int argc, char** argv) {
     rtapi::log_error(started.error());
     return 1;
   }
-  bool good = false;
+  int exit_status = 1;
   std::string run_id;
   if (auto segment = rtapi::Segment::attach(instance); segment.ok()) {
     run_id = std::string((*segment)->header().run_id.view());
-    good = run_commands(**segment, options, file, interactive);
+    if (!run_id.empty()) ::setenv("KERF_RUN_ID", run_id.c_str(), 1);
+    exit_status = run_commands(**segment, wish);
   } else {
     rtapi::log_error(segment.error());
   }
   realtime.stop();
   (void)rtapi::end_processes_of_run(run_id, kPatienceMs);
   (void)rtapi::Segment::remove(instance);
-  return good ? 0 : 1;
+  return exit_status;
 }

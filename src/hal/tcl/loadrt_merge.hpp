@@ -1,0 +1,56 @@
+// LoadrtMerge: the loadrt lines of all HAL files of a machine, put together to one a module ([HAL]TWOPASS).
+//
+//   LoadrtMerge merge;
+//   merge.add({"and2", "names=a"}, {"core.hal", 3});
+//   merge.add({"and2", "names=b,c"}, {"panel.tcl", 7});
+//   merge.modules()[0].words()                  // and2 names=a,b,c
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "rtapi/base/result.hpp"
+
+namespace kerf::hal::tcl {
+
+/// Where a command stands in a user's file.
+struct Place {
+  std::string file;
+  int line{0};
+  /// FILE:LINE
+  [[nodiscard]] std::string text() const { return file + ":" + std::to_string(line); }
+};
+
+class LoadrtMerge {
+ public:
+  struct Parameter {
+    std::string key;  ///< "" for a word without '='
+    std::string value;
+    Place at;  ///< where it stood first
+  };
+  struct Module {
+    std::string name;
+    std::vector<Parameter> parameters;
+    std::vector<Place> places;  ///< of all its loadrt lines, in order
+    /// loadrt's words after "loadrt".
+    [[nodiscard]] std::vector<std::string> words() const;
+    /// Places of all lines, separated by ", ".
+    [[nodiscard]] std::string places_text() const;
+
+    std::size_t instances{0};  ///< counted by names= or count=
+    bool has_personality{false};
+  };
+
+  /// `words`: module and parameters, without "loadrt". count= and num_chan= are summed; names=, personality= and other arrays of
+  /// known components are joined by commas; anything else may be repeated with the same value only.
+  rtapi::Status add(std::span<const std::string> words, const Place& at);
+
+  /// In the order of their first lines.
+  [[nodiscard]] const std::vector<Module>& modules() const { return modules_; }
+
+ private:
+  std::vector<Module> modules_;
+};
+
+}  // namespace kerf::hal::tcl

@@ -1,0 +1,1 @@
+package ifneeded Hal 1.0 [list load [file join $dir libhaltcl.so] Hal]
