@@ -32,6 +32,16 @@ std::vector<std::string> without_arrows(std::span<const std::string> w) {
   return out;
 }
 
+/// What the arrows beside word i of a `net` say of the pin: in, out or unspecified. In "a => b c <= d" whoever has an arrow on the
+/// left is what that one says.
+Dir arrow_dir(std::span<const std::string> w, std::size_t i) {
+  const std::string before = i > 2 && is_arrow(w[i - 1]) ? w[i - 1] : "";
+  const std::string after = i + 1 < w.size() && is_arrow(w[i + 1]) ? w[i + 1] : "";
+  if (before == "=>" || (before.empty() && after == "<=")) return Dir::in;
+  if (before == "<=" || (before.empty() && after == "=>")) return Dir::out;
+  return Dir::unspecified;
+}
+
 class StillClock final : public rtapi::Clock {
  public:
   [[nodiscard]] rtapi::Nanos now() const noexcept override { return 0; }
@@ -451,28 +461,22 @@ void ScriptCheck::check_arrows(Words w, const ScriptPlace& at) {
     if (is_arrow(w[i])) continue;
     const auto pin = machine_->view.find_pin(w[i]);
     if (!pin || pin->dir == Dir::io) continue;
-    const std::string before = i > 2 && is_arrow(w[i - 1]) ? w[i - 1] : "";
-    const std::string after = i + 1 < w.size() && is_arrow(w[i + 1]) ? w[i + 1] : "";
-    // "=> a b => c": whoever has an arrow on its left is what that arrow says.
-    const bool says_reads = before == "=>" || (before.empty() && after == "<=");
-    const bool says_writes = before == "<=" || (before.empty() && after == "=>");
-    const char* word = pin->dir == Dir::out && says_reads   ? "writes"
-                       : pin->dir == Dir::in && says_writes ? "reads"
-                                                            : nullptr;
-    if (word == nullptr) continue;
+    const Dir says = arrow_dir(w, i);
+    if (says == Dir::unspecified || says == pin->dir) continue;
     add(Finding::Level::warning, "arrow", at,
-        "pin " + in_quotes(w[i]) + " " + word + " signal " + in_quotes(w[1]) +
-            ", the arrow points the other way");
+        "pin " + in_quotes(w[i]) + (pin->dir == Dir::out ? " writes" : " reads") + " signal " +
+            in_quotes(w[1]) + ", the arrow points the other way");
   }
 }
 
 ScriptCheck::Done ScriptCheck::net(Words w, const ScriptPlace& at) {
   check_arrows(w, at);
   bool good = true, asked = false;
-  for (const auto& pin : w.subspan(2)) {
+  for (std::size_t i = 2; i < w.size(); ++i) {
+    const std::string& pin = w[i];
     if (is_arrow(pin)) continue;
     if (!machine_->view.find_pin(pin) && is_unchecked(pin)) {
-      trace_.unchecked.push_back({pin, w[1], at});
+      trace_.unchecked.push_back({pin, w[1], at, arrow_dir(w, i)});
       trace_.signals.emplace(w[1], at);
       if (!machine_->view.find_signal(w[1])) untyped_signals_.insert(w[1]);
       asked = true;
@@ -508,7 +512,7 @@ ScriptCheck::Done ScriptCheck::link(Words words, const ScriptPlace& at) {
     const std::string signal = pins ? pin : other;
     trace_.signals.emplace(signal, at);
     for (const auto& name : {pin, other})
-      if (stranger(name)) trace_.unchecked.push_back({name, signal, at});
+      if (stranger(name)) trace_.unchecked.push_back({name, signal, at, Dir::unspecified});
     return Status{};
   }
   const Status done = ask(w);
@@ -524,7 +528,7 @@ ScriptCheck::Done ScriptCheck::link(Words words, const ScriptPlace& at) {
 
 ScriptCheck::Done ScriptCheck::set_item(Words w, const ScriptPlace& at) {
   if (!machine_->view.find_item(w[1]) && is_unchecked(w[1])) {
-    trace_.unchecked.push_back({w[1], "", at});
+    trace_.unchecked.push_back({w[1], "", at, Dir::unspecified});
     return Status{};
   }
   trace_.set_items.insert(w[1]);
@@ -541,7 +545,7 @@ ScriptCheck::Done ScriptCheck::read_item(Words w, const ScriptPlace& at) {
   const bool known = view.find_item(w[1]).has_value() ||
                      std::find(functions.begin(), functions.end(), w[1]) != functions.end();
   if (known || !is_unchecked(w[1])) return std::nullopt;
-  trace_.unchecked.push_back({w[1], "", at});
+  trace_.unchecked.push_back({w[1], "", at, Dir::unspecified});
   return Status{};
 }
 

@@ -49,6 +49,7 @@ struct UncheckedPin {
   std::string name;
   std::string signal;  ///< empty: only set or read
   ScriptPlace at;
+  Dir dir{Dir::unspecified};  ///< in or out, as the arrows of `net` say
 };
 
 /// What the scripts did, as far as HAL itself does not show it.
@@ -136,5 +137,9 @@ class ScriptCheck {
       untyped_signals_;    ///< those with unchecked pins only: HAL does not know them
   bool strangers_{false};  ///< something was started whose pins have any name
 };
+
+/// Reads a machine's INI file and sets the variables that HAL files find in their environment; what is wrong with it goes to
+/// stderr. `enter_folder`: its HAL files are to be read.
+bool load_machine_ini(const std::string& path, bool enter_folder, ini::LoadResult& ini);
 
 }  // namespace kerf::hal

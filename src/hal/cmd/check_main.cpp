@@ -6,7 +6,6 @@
 
 #include "hal/cmd/check.hpp"
 #include "hal/cmd/front_doors.hpp"
-#include "ini/ini_file.hpp"
 
 namespace kerf::hal {
 
@@ -59,6 +58,19 @@ void print_json(const ScriptCheck& check, const std::vector<Finding>& findings) 
 
 }  // namespace
 
+bool load_machine_ini(const std::string& path, bool enter_folder, ini::LoadResult& ini) {
+  const auto whole = std::filesystem::absolute(path);
+  ini = ini::IniFile::load(path);
+  for (const auto& d : ini.diagnostics) std::fprintf(stderr, "%s\n", d.message().c_str());
+  if (!ini.ok) return false;
+  // As on the machine, where everything starts in the INI's folder.
+  ::setenv("CONFIG_DIR", whole.parent_path().c_str(), 1);
+  ::setenv("INI_FILE_NAME", whole.c_str(), 1);
+  std::error_code error;
+  if (enter_folder) std::filesystem::current_path(whole.parent_path(), error);
+  return true;
+}
+
 int check_main(std::span<const std::string> words) {
   CLI::App app{
       "Checks HAL files without a running HAL: unknown names, types, writers, what never runs.",
@@ -72,8 +84,7 @@ int check_main(std::span<const std::string> words) {
   app.add_flag("--json", json, "print the findings as JSON");
   app.add_flag("-q", quiet, "print no notes");
   try {
-    std::vector<std::string> reversed(words.rbegin(), words.rend() - 1);
-    app.parse(reversed);
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend() - 1));
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
@@ -83,17 +94,7 @@ int check_main(std::span<const std::string> words) {
   }
   ini::LoadResult ini;
   if (!ini_path.empty()) {
-    ini = ini::IniFile::load(ini_path);
-    for (const auto& d : ini.diagnostics) std::fprintf(stderr, "%s\n", d.message().c_str());
-    if (!ini.ok) return 1;
-    if (files.empty()) {
-      // As on the machine, where everything starts in the INI's folder.
-      const auto folder = std::filesystem::absolute(ini_path).parent_path();
-      ::setenv("CONFIG_DIR", folder.c_str(), 1);
-      ::setenv("INI_FILE_NAME", std::filesystem::absolute(ini_path).c_str(), 1);
-      std::error_code error;
-      std::filesystem::current_path(folder, error);
-    }
+    if (!load_machine_ini(ini_path, files.empty(), ini)) return 1;
   }
   DlopenSource modules;
   ScriptCheck check(modules, ini_path.empty() ? nullptr : &ini.file);

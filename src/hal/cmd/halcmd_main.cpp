@@ -121,10 +121,10 @@ int main(int argc, char** argv) {
     if (!options.take(c, optarg)) return 255;
   }
   std::vector<std::string> words(argv + optind, argv + argc);
-  if (!words.empty() && words[0] == "check" && !options.from_file) {
+  if (!options.from_file && !words.empty() && (words[0] == "check" || words[0] == "graph")) {
     if (!options.ini_path.empty()) words.insert(words.end(), {"-i", options.ini_path});
     if (options.json) words.emplace_back("--json");
-    return hal::check_main(words);
+    return words[0] == "check" ? hal::check_main(words) : hal::graph_main(words);
   }
   if (!options.load_ini()) return 1;
   struct sigaction action {};

@@ -64,4 +64,15 @@ std::optional<std::size_t> Instances::of_pin(const ItemInfo& pin) const {
   return most > 0 ? best : std::nullopt;
 }
 
+bool Instances::late(const ItemInfo& writer, const ItemInfo& reader) const {
+  const auto from = of_pin(writer), to = of_pin(reader);
+  if (!from || !to) return false;
+  if (*from == *to) return true;
+  for (const auto& [thread, w] : all_[*from].runs) {
+    const auto r = all_[*to].runs.find(thread);
+    if (r != all_[*to].runs.end() && w.front() > r->second.back()) return true;
+  }
+  return false;
+}
+
 }  // namespace kerf::hal

@@ -27,6 +27,9 @@ class Instances {
   [[nodiscard]] std::size_t size() const { return all_.size(); }
   /// The only one of the owner, or the one whose function's name has most words in common with the pin's; nullopt: cannot tell.
   [[nodiscard]] std::optional<std::size_t> of_pin(const ItemInfo& pin) const;
+  /// True when, in a thread that runs both, the reading instance is done before the writing one begins: the value that is read is
+  /// one cycle old. Which of an instance's functions uses a pin is not known, so anything else counts as in time.
+  [[nodiscard]] bool late(const ItemInfo& writer, const ItemInfo& reader) const;
 
  private:
   std::vector<Instance> all_;

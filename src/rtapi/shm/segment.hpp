@@ -146,7 +146,7 @@ class Segment {
   std::size_t bytes_{0};
   std::string instance_;
   bool owner_{false};
-  OwnerLock lock_;  ///< let go after the name is gone
+  OwnerLock lock_;    ///< let go after the name is gone
   bool whole_{true};  ///< may write `structure`
 };
 
