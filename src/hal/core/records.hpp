@@ -12,9 +12,11 @@
 #include <cstdint>
 
 #include "hal/component.hpp"
+#include "hal/core/timing.hpp"
 #include "hal/core/types.hpp"
 #include "rtapi/shm/segment.hpp"
 #include "rtapi/sync/cell.hpp"
+#include "rtapi/sync/seq_cell.hpp"
 
 namespace kerf::hal {
 
@@ -122,6 +124,7 @@ struct FunctionRecord : Record {
   std::uint64_t code{0};       ///< addresses in the realtime host, for `show` only
   std::uint64_t argument{0};
   std::uint32_t users{0};  ///< threads that run it: 0 or 1
+  TimingRecord timing;
 };
 
 /// The functions of a thread, in order. For readers of the structure only: the thread itself runs a list of its own.
@@ -145,6 +148,9 @@ struct ThreadRecord : Record {
   Word<std::uint32_t> ticking{0};
   /// Breadcrumb: the FunctionRecord that runs now, 0 between functions.
   Word<Offset> running{0};
+  TimingRecord timing;              ///< of whole cycles
+  TimingRecord wake_up;             ///< from the planned to the real start of a cycle
+  rtapi::SeqCell<Overrun> overrun;  ///< the last one
 };
 
 /// The block "hal".
@@ -157,9 +163,11 @@ struct Root {
   std::uint64_t writer_start{0};
   rtapi::Cell changed;  ///< notified after each change of structure
   Word<std::uint32_t> lock{lock_none};
-  Word<std::uint32_t> running{0};     ///< 1 after `start`
-  Word<std::uint64_t> bytes_used{0};  ///< of the arena, reusable ones not counted
-  Word<std::uint64_t> bytes_free{0};  ///< reusable
+  Word<std::uint32_t> running{0};  ///< 1 after `start`
+  Word<std::uint32_t> timing_mode{static_cast<std::uint32_t>(TimingMode::sampled)};
+  Word<std::uint32_t> timing_epoch{0};  ///< raised by each reset of the times
+  Word<std::uint64_t> bytes_used{0};    ///< of the arena, reusable ones not counted
+  Word<std::uint64_t> bytes_free{0};    ///< reusable
   Word<std::uint32_t> count[kKinds];
   Word<std::uint32_t> recycled[kKinds];
   Word<Offset> head[kKinds];

@@ -309,6 +309,56 @@ std::vector<FunctionInfo> View::functions() const {
   return out;
 }
 
+ThreadTiming View::timing_of(const ThreadRecord& r, std::uint32_t epoch) const {
+  ThreadTiming out;
+  out.name = r.name.view();
+  out.period_ns = r.period_ns;
+  out.stats = r.timing.stats(epoch);
+  out.wake_up = r.wake_up.stats(epoch);
+  if (const auto* list = at<RunListRecord>(r.run_list.observe()); list != nullptr) {
+    const std::uint64_t count = r.run_count.get();
+    const auto* functions = list->functions();
+    if (count > kLongest || !segment_.in_use(segment_.offset_of(functions), count * sizeof(Offset)))
+      return out;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const auto* function = at<FunctionRecord>(functions[i]);
+      if (function == nullptr) break;
+      out.functions.push_back({std::string(function->name.view()), function->timing.stats(epoch)});
+    }
+  }
+  Overrun last;
+  if (out.stats.overruns == 0 || r.overrun.version() == 0 || !r.overrun.read(last)) return out;
+  auto& shown = out.last_overrun.emplace();
+  shown.cycle = last.cycle;
+  shown.took_ns = last.took_ns;
+  shown.woken_late_ns = last.woken_late_ns;
+  // The functions may be gone since: then their names are empty.
+  const auto* function = at<FunctionRecord>(last.function);
+  if (function == nullptr || function->kind != Kind::function) return out;
+  shown.function = function->name.view();
+  shown.last_function = name_at(last.last_function);
+  shown.function_ns = last.function_ns;
+  shown.function_usual_ns = last.function_usual_ns;
+  shown.function_stats = function->timing.stats(epoch);
+  return out;
+}
+
+std::vector<ThreadTiming> View::timings() const {
+  auto out = consistent([&](const Root& root) {
+    std::vector<ThreadTiming> list;
+    each<ThreadRecord>(root, Kind::thread, [&](const ThreadRecord& r) {
+      list.push_back(timing_of(r, root.timing_epoch.get()));
+    });
+    return list;
+  });
+  std::reverse(out.begin(), out.end());
+  return out;
+}
+
+TimingMode View::timing_mode() const {
+  return root() == nullptr ? TimingMode::off : static_cast<TimingMode>(root()->timing_mode.get());
+}
+
 std::vector<std::string> View::names(Kind kind) const {
   return consistent([&](const Root& root) {
     std::vector<std::string> list;

@@ -80,6 +80,32 @@ struct MemoryInfo {
   std::uint64_t abi{0};
 };
 
+struct FunctionTiming {
+  std::string name;
+  FunctionStats stats;
+};
+
+/// What a thread and its functions cost, since start or since `timing reset`.
+struct ThreadTiming {
+  /// The last cycle that did not end in time.
+  struct LastOverrun {
+    std::uint64_t cycle{0};
+    std::int64_t took_ns{0};
+    std::int64_t woken_late_ns{0};
+    std::string function;       ///< to blame; empty: the thread was woken too late
+    std::string last_function;  ///< other than `function`: one of those from there to here
+    std::int64_t function_ns{0};
+    std::int64_t function_usual_ns{0};
+    FunctionStats function_stats;
+  };
+  std::string name;
+  std::int64_t period_ns{0};
+  FunctionStats stats;                    ///< of whole cycles
+  FunctionStats wake_up;                  ///< from the planned to the real start
+  std::vector<FunctionTiming> functions;  ///< in the order in which they run
+  std::optional<LastOverrun> last_overrun;
+};
+
 class View {
  public:
   explicit View(const rtapi::Segment& segment) : segment_(segment) {}
@@ -113,6 +139,9 @@ class View {
   [[nodiscard]] std::vector<FunctionInfo> functions() const;
   [[nodiscard]] std::vector<ThreadInfo> threads() const;
   [[nodiscard]] std::vector<MemoryInfo> memories() const;
+  /// What functions cost, threads newest first.
+  [[nodiscard]] std::vector<ThreadTiming> timings() const;
+  [[nodiscard]] TimingMode timing_mode() const;
   /// Names of a kind, in order of creation, for "did you mean".
   [[nodiscard]] std::vector<std::string> names(Kind kind) const;
 
@@ -157,6 +186,7 @@ class View {
   [[nodiscard]] SignalInfo info(const SignalRecord& r) const;
   [[nodiscard]] ComponentInfo info(const ComponentRecord& r) const;
   [[nodiscard]] ThreadInfo info(const ThreadRecord& r) const;
+  [[nodiscard]] ThreadTiming timing_of(const ThreadRecord& r, std::uint32_t epoch) const;
 
   const rtapi::Segment& segment_;
   mutable const Root* root_{nullptr};

@@ -54,6 +54,7 @@ std::span<const Host::Row> Host::rows() {
       {"stop", 0, 0, lock_run, &Host::stop},
       {"lock", 0, 1, 0, &Host::lock},
       {"unlock", 0, 1, 0, &Host::unlock},
+      {"timing", 1, 1, 0, &Host::timing},
       {"comp-new", 1, 1, 0, &Host::component_new},
       {"pin-new", 4, 5, 0, &Host::pin_new},
       {"param-new", 4, 5, 0, &Host::param_new},
@@ -67,6 +68,7 @@ Result<std::unique_ptr<Host>> Host::create(rtapi::Segment& segment, const rtapi:
                                            ModuleSource& modules, HostDriver* driver) {
   std::unique_ptr<Host> host(new Host(clock, modules, driver));
   KERF_TRY(host->registry_, Registry::create(segment));
+  if (!clock.is_virtual()) host->counter_ = rtapi::CycleCounter::monotonic();
   return host;
 }
 
@@ -151,6 +153,21 @@ Reply Host::unlock(Words argv) {
   else
     return bad(Errc::bad_argument,
                "Unknown 'unlock' type " + quoted(what) + "; known are tune, all");
+  return {};
+}
+
+Reply Host::timing(Words argv) {
+  if (argv[0] == "reset") {
+    auto& epoch = registry_->root().timing_epoch;
+    epoch.set(epoch.get() + 1);
+    return {};
+  }
+  const auto mode = timing_mode_of(argv[0]);
+  if (!mode) {
+    return bad(Errc::bad_argument, "Unknown 'timing' word " + quoted(argv[0]) +
+                                       "; known are every, sampled, off, reset");
+  }
+  set_timing_mode(*mode);
   return {};
 }
 

@@ -75,6 +75,11 @@ class Host {
   [[nodiscard]] const rtapi::Clock& clock() const noexcept { return clock_; }
   [[nodiscard]] bool running() const noexcept { return registry_->root().running.get() != 0; }
   void set_driver(HostDriver* driver) noexcept { driver_ = driver; }
+  /// What threads made from now on time their functions with. Default: CLOCK_MONOTONIC, on the virtual clock nothing.
+  void set_cycle_counter(const rtapi::CycleCounter& counter) noexcept { counter_ = counter; }
+  void set_timing_mode(TimingMode mode) noexcept {
+    registry_->root().timing_mode.set(static_cast<std::uint32_t>(mode));
+  }
   /// Stops, then unloads all realtime components, last first.
   void unload_all();
 
@@ -94,11 +99,16 @@ class Host {
     void* object;
     Loaded* provider;
   };
+  /// Room for a run list to grow in: entries beyond a list's count are nobody's yet.
+  struct RunStore {
+    std::vector<RunEntry> entries;
+    std::vector<RunTimer> timers;
+  };
   struct Thread {
     std::unique_ptr<ThreadRunner> runner;
     ComponentRecord* component;
     std::vector<FunctionRecord*> functions;
-    std::unique_ptr<RunEntry[]> entries;
+    std::shared_ptr<RunStore> store;
     std::unique_ptr<RunList> list;
     Loaded* owner;
   };
@@ -106,7 +116,7 @@ class Host {
   struct OldList {
     const ThreadRecord* thread;
     std::uint64_t cycles;
-    std::unique_ptr<RunEntry[]> entries;
+    std::shared_ptr<RunStore> store;
     std::unique_ptr<RunList> list;
   };
   /// A realtime component that is loaded.
@@ -151,6 +161,7 @@ class Host {
   Reply stop(Words argv);
   Reply lock(Words argv);
   Reply unlock(Words argv);
+  Reply timing(Words argv);
   Reply component_new(Words argv);
   Reply pin_new(Words argv);
   Reply param_new(Words argv);
@@ -178,7 +189,8 @@ class Host {
   std::vector<std::unique_ptr<Loaded>> loaded_;
   std::vector<std::unique_ptr<Thread>> threads_;
   std::vector<OldList> old_lists_;
-  std::map<FunctionRecord*, RunEntry> functions_;
+  std::map<FunctionRecord*, RunFunction> functions_;
+  rtapi::CycleCounter counter_;
   std::map<std::string, Service, std::less<>> services_;
   std::map<std::string, UserComponent, std::less<>> user_components_;
   std::uint64_t thread_changes_{0};

@@ -1,5 +1,6 @@
 // Host: threads and their function lists.
 #include <algorithm>
+#include <bit>
 
 #include "hal/core/value_text.hpp"
 #include "hal/loader/host.hpp"
@@ -55,10 +56,11 @@ Status Host::add_thread(Loaded& owner, std::string_view name, std::int64_t perio
     thread->component = component;
     thread->owner = &owner;
     thread->runner = std::make_unique<ThreadRunner>(
-        registry_->root(), *record, clock_,
+        registry_->root(), *record,
         ThreadRunner::Items{Out<std::int32_t>(registry_->slot_ref(*time)),
                             Param<std::int32_t>(registry_->slot_ref(*tmax)),
-                            Out<std::int64_t>(registry_->slot_ref(*beat))});
+                            Out<std::int64_t>(registry_->slot_ref(*beat))},
+        counter_);
     KERF_CHECK(publish_list(*thread, {}));
     if (driver_ != nullptr) KERF_CHECK(driver_->thread_added(*thread->runner));
     threads_.push_back(std::move(thread));
@@ -89,11 +91,31 @@ void Host::remove_threads(Loaded& owner) {
 }
 
 Status Host::publish_list(Thread& thread, std::vector<FunctionRecord*> functions) {
-  auto entries = std::make_unique<RunEntry[]>(functions.size());
-  for (std::size_t i = 0; i < functions.size(); ++i) entries[i] = functions_.at(functions[i]);
-  auto list = std::make_unique<RunList>(RunList{entries.get(), functions.size()});
+  const std::size_t before = thread.functions.size();
+  auto store = thread.store;
+  // Functions are added at the end as a rule: then the list grows where it stands, and a thousand cost no more than a thousand times one.
+  const bool grows =
+      store != nullptr && functions.size() <= store->entries.size() && functions.size() >= before &&
+      std::equal(thread.functions.begin(), thread.functions.end(), functions.begin());
+  if (!grows) {
+    store = std::make_shared<RunStore>();
+    const std::size_t room = std::bit_ceil(std::max<std::size_t>(functions.size() + 1, 16));
+    store->entries.resize(room);
+    store->timers.resize(room);
+  }
+  for (std::size_t i = grows ? before : 0; i < functions.size(); ++i) {
+    const RunFunction& function = functions_.at(functions[i]);
+    store->entries[i] = function.entry;
+    store->timers[i] = function.timer;
+  }
+  auto list = std::make_unique<RunList>(
+      RunList{store->entries.data(), store->timers.data(), functions.size()});
   ThreadRecord& record = thread.runner->record();
-  KERF_CHECK(registry_->set_run_list(record, functions));
+  if (grows && functions.size() == before + 1) {
+    KERF_CHECK(registry_->insert_in_run_list(record, before, *functions.back()));
+  } else {
+    KERF_CHECK(registry_->set_run_list(record, functions));
+  }
   std::erase_if(old_lists_, [](const OldList& old) {
     return old.thread->ticking.get() == 0 || old.thread->cycles.observe() > old.cycles;
   });
@@ -102,9 +124,9 @@ Status Host::publish_list(Thread& thread, std::vector<FunctionRecord*> functions
   rtapi::full_fence();
   const std::uint64_t cycles = record.cycles.observe();
   if (thread.list != nullptr) {
-    old_lists_.push_back({&record, cycles, std::move(thread.entries), std::move(thread.list)});
+    old_lists_.push_back({&record, cycles, std::move(thread.store), std::move(thread.list)});
   }
-  thread.entries = std::move(entries);
+  thread.store = std::move(store);
   thread.list = std::move(list);
   thread.functions = std::move(functions);
   return {};

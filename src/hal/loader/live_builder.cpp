@@ -47,17 +47,16 @@ void LiveBuilder::add_function(std::string_view name, FunctionThunk thunk, void*
                                     reinterpret_cast<std::uintptr_t>(object));
   if (!made.ok()) return fail(made.error().message());
   loaded_.functions.push_back(*made);
-  RunEntry entry;
-  entry.thunk = thunk;
-  entry.object = object;
-  entry.record = *made;
-  entry.record_offset = registry.segment().offset_of(*made);
   const std::string base(name);
-  entry.time = make_pin<Out<std::int32_t>>(*this, base + ".time", "Time of the last run [ns]");
-  entry.tmax = make_param<Param<std::int32_t>>(*this, base + ".tmax", "Longest time of a run [ns]");
-  entry.tmax_increased =
+  RunFunction function;
+  function.entry = {thunk, object, registry.segment().offset_of(*made)};
+  RunTimer& timer = function.timer;
+  timer.record = *made;
+  timer.time = make_pin<Out<std::int32_t>>(*this, base + ".time", "Time of the last run [ns]");
+  timer.tmax = make_param<Param<std::int32_t>>(*this, base + ".tmax", "Longest time of a run [ns]");
+  timer.tmax_increased =
       make_param<RoParam<bool>>(*this, base + ".tmax-increased", "The last run raised tmax");
-  host_.functions_.emplace(*made, entry);
+  host_.functions_.emplace(*made, function);
 }
 
 std::string_view LiveBuilder::arg(std::string_view name, std::string_view default_text,

@@ -1,4 +1,10 @@
 // ThreadRunner: one cycle of one HAL thread. All of it runs on the realtime thread.
+//
+// A cycle calls the functions of its list in order and stores, before each call, which one it is (ThreadRecord::running).
+// Reading the clock costs as much as a small function, so by default the functions are timed in turn: the list is cut into at
+// most 16 chunks or chunks of 16 functions, the clock is read after each chunk, and in each cycle every sixteenth chunk has its
+// functions timed one by one. When a cycle does not end in time, the function (or the chunk) that exceeded its usual time by
+// most is named, and the thread is timed in full for a while, so that the next time names the function.
 #pragma once
 
 #include <cstddef>
@@ -6,41 +12,59 @@
 
 #include "hal/component.hpp"
 #include "hal/core/records.hpp"
-#include "rtapi/clock/clock.hpp"
+#include "hal/core/timing.hpp"
+#include "rtapi/clock/cycle_counter.hpp"
 
 namespace kerf::hal {
 
-/// One function in a thread's list, with the items that show what it costs.
+/// What a call of a function needs, and no more: the loop over these is the cost of HAL.
 struct RunEntry {
   FunctionThunk thunk{nullptr};
   void* object{nullptr};
-  FunctionRecord* record{nullptr};
   Offset record_offset{0};
+};
+
+/// Where a function's times are shown.
+struct RunTimer {
+  FunctionRecord* record{nullptr};
   Out<std::int32_t> time;        ///< NAME.time, ns
   Param<std::int32_t> tmax;      ///< NAME.tmax, ns
   RoParam<bool> tmax_increased;  ///< NAME.tmax-increased
 };
 
-/// Immutable once published.
+/// A function as the host keeps it.
+struct RunFunction {
+  RunEntry entry;
+  RunTimer timer;
+};
+
+/// Functions of a thread in order. Once published, the host only adds at the end, beyond `count`, or makes another list.
 struct RunList {
   const RunEntry* entries{nullptr};
+  const RunTimer* timers{nullptr};
   std::size_t count{0};
 };
 
 class ThreadRunner {
  public:
+  static constexpr std::size_t kSampledEvery = 16;
+  /// Cycles that are timed in full after one that overran.
+  static constexpr std::uint64_t kWatchedCycles = 8192;
+
   /// Items of the thread itself: NAME.time, NAME.tmax, NAME.threadbeat.
   struct Items {
     Out<std::int32_t> time;
     Param<std::int32_t> tmax;
     Out<std::int64_t> threadbeat;
   };
-  ThreadRunner(Root& root, ThreadRecord& record, const rtapi::Clock& clock, Items items) noexcept
-      : root_(root), record_(record), clock_(clock), items_(items), timed_(!clock.is_virtual()) {}
+  /// Without a counter nothing is timed: on the virtual clock two runs stay identical and cost nothing.
+  ThreadRunner(Root& root, ThreadRecord& record, Items items,
+               rtapi::CycleCounter counter = {}) noexcept
+      : root_(root), record_(record), items_(items), counter_(counter) {}
   ThreadRunner(const ThreadRunner&) = delete;
   ThreadRunner& operator=(const ThreadRunner&) = delete;
 
-  /// @rt. Runs the functions if HAL runs. On the virtual clock nothing is timed: two runs stay identical and cost nothing.
+  /// @rt. Runs the functions if HAL runs. The cycle should have begun at `scheduled` and did at `actual`.
   void run_cycle(rtapi::Nanos scheduled, rtapi::Nanos actual) noexcept;
   /// The same, as CyclicThread calls it.
   static void cycle(void* self, rtapi::Nanos scheduled, rtapi::Nanos actual) noexcept {
@@ -50,8 +74,6 @@ class ThreadRunner {
   [[nodiscard]] const char* name() const noexcept { return record_.name.c_str(); }
   [[nodiscard]] std::int64_t period_ns() const noexcept { return record_.period_ns; }
   [[nodiscard]] ThreadRecord& record() noexcept { return record_; }
-  /// Name of the function that took longest in the last cycle; for CyclicThread's overrun report.
-  [[nodiscard]] const char* const* breadcrumb() const noexcept { return &slowest_; }
 
   /// @nonrt. The old list may be in use until the thread has finished a cycle.
   const RunList* swap_list(const RunList* list) noexcept {
@@ -61,16 +83,45 @@ class ThreadRunner {
   }
 
  private:
-  void run_timed(const RunList& list, const Period& period) noexcept;
+  /// The part of a cycle that exceeded its usual time by most, so far.
+  struct Suspect {
+    std::uint64_t excess{0};  ///< ticks
+    std::uint64_t took{0};
+    std::uint64_t usual{0};
+    std::uint32_t functions{0};
+    std::size_t first{0};
+  };
+
+  /// What is known in a cycle that is timed.
+  struct Timed {
+    const RunList& list;
+    const Period& period;
+    const std::uint32_t epoch;
+    std::uint64_t last;  ///< end of what ran last
+    Suspect suspect;
+  };
+
+  void run_plain(const RunList& list, const Period& period) noexcept;
+  /// Functions `first` to `end`, each timed, and as one.
+  void time_each(Timed& timed, std::size_t first, std::size_t end) noexcept;
+  void time_together(Timed& timed, std::size_t first, std::size_t end,
+                     std::uint64_t& usual16) noexcept;
+  void run_timed(const RunList& list, const Period& period, TimingMode mode, rtapi::Nanos scheduled,
+                 rtapi::Nanos actual) noexcept;
+  void note_overrun(const RunList& list, const Suspect& suspect, rtapi::Nanos took,
+                    rtapi::Nanos woken_late) noexcept;
 
   Root& root_;
   ThreadRecord& record_;
-  const rtapi::Clock& clock_;
   Items items_;
-  bool timed_;
+  rtapi::CycleCounter counter_;
   rtapi::Nanos last_{0};
-  const char* slowest_{nullptr};
+  std::uint64_t watched_until_{0};  ///< in cycles
   Word<const RunList*> list_{nullptr};
+  /// What the chunks of the list usually take, in ticks, times 16; a list of another length begins anew.
+  static constexpr std::size_t kChunks = 256;
+  std::uint64_t usual16_[kChunks]{};
+  std::size_t usual_count_{0};
 };
 
 }  // namespace kerf::hal

@@ -1,5 +1,8 @@
 #include "rtapi/host/real_driver.hpp"
 
+#include <string>
+
+#include "hal/core/view.hpp"
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/log/log.hpp"
 
@@ -9,6 +12,40 @@ namespace {
 constexpr int kHighestPriority = 80;
 constexpr int kLowestPriority = 50;
 constexpr int kPatienceMs = 3000;  ///< three times the longest period that a thread may have
+
+std::string text_of(std::int64_t ns) { return std::to_string(ns) + " ns"; }
+
+/// What to say of the thread's last overrun.
+std::string overrun_text(const rtapi::Segment& segment, const ThreadRunner& thread,
+                         const rtapi::ThreadStats& stats) {
+  const std::string head = std::string("thread ") + thread.name() + " ";
+  const std::string period = text_of(thread.period_ns());
+  for (const auto& timing : View(segment).timings()) {
+    if (timing.name != thread.name() || !timing.last_overrun) continue;
+    const auto& last = *timing.last_overrun;
+    if (last.function.empty()) {
+      return head + "was woken " + text_of(last.woken_late_ns) + " late in cycle " +
+             std::to_string(last.cycle) + ", its period is " + period +
+             ": the machine was busy otherwise";
+    }
+    const bool exact = last.function == last.last_function;
+    std::string text = head + "overran its period of " + period + " in cycle " +
+                       std::to_string(last.cycle) + ", which took " + text_of(last.took_ns) + ": ";
+    text += exact ? "function " + last.function
+                  : "one of the functions " + last.function + " to " + last.last_function;
+    text += " took " + text_of(last.function_ns) + ", usually " + text_of(last.function_usual_ns);
+    if (exact && last.function_stats.count > 1)
+      text += " (p99 " + text_of(last.function_stats.p99_ns) + ")";
+    if (!exact) text += "; each is timed now, see 'halcmd timing'";
+    return text;
+  }
+  if (stats.last_overrun_ns < thread.period_ns())
+    return head + "was woken later than its period of " + period +
+           ": the machine was busy otherwise";
+  return head + "overran its period of " + period + ": a cycle took " +
+         text_of(stats.last_overrun_ns) + "; 'halcmd timing every' finds the function";
+}
+
 }  // namespace
 
 rtapi::Status RealDriver::thread_added(ThreadRunner& thread) {
@@ -20,7 +57,6 @@ rtapi::Status RealDriver::thread_added(ThreadRunner& thread) {
   config.cpu = cpu_;
   config.cycle = &ThreadRunner::cycle;
   config.self = &thread;
-  config.breadcrumb = thread.breadcrumb();
   auto cyclic = std::make_unique<rtapi::CyclicThread>(config);
   thread.record().ticking.publish(1);
   // Whole multiples of the period, so that the cycles of several threads keep their places.
@@ -76,24 +112,12 @@ bool RealDriver::wait_for_threads(int attempt) {
 
 void RealDriver::report_overruns() {
   for (auto& c : cyclic_) {
+    if (c.overrun_reported) continue;  // once a thread: `halcmd timing` tells the rest
     const auto stats = c.thread->stats();
-    if (stats.overruns == c.overruns_seen) continue;
-    const bool first = c.overruns_seen == 0;
-    c.overruns_seen = stats.overruns;
-    if (!first) continue;  // once a thread: the counters tell the rest
-    if (stats.last_overrun_ns < c.runner->period_ns()) {
-      rtapi::log_message(
-          rtapi::Level::warning,
-          "thread %s was woken later than its period of %lld ns: the machine was busy otherwise",
-          c.runner->name(), static_cast<long long>(c.runner->period_ns()));
-      continue;
-    }
-    rtapi::log_message(
-        rtapi::Level::warning,
-        "thread %s overran its period of %lld ns: a cycle took %lld ns, in function %s",
-        c.runner->name(), static_cast<long long>(c.runner->period_ns()),
-        static_cast<long long>(stats.last_overrun_ns),
-        stats.last_overrun_in != nullptr ? stats.last_overrun_in : "(none)");
+    if (stats.overruns == 0 && c.runner->record().overrun.version() == 0) continue;
+    c.overrun_reported = true;
+    rtapi::log_message(rtapi::Level::warning, "%s",
+                       overrun_text(segment_, *c.runner, stats).c_str());
   }
 }
 

@@ -23,14 +23,14 @@ class RealDriver final : public HostDriver {
   rtapi::Status participant_added(rtapi::Participant& participant) override;
   void participant_removed(rtapi::Participant& participant) override;
   bool wait_for_threads(int attempt) override;
-  /// Reports new overruns to the log. Call it now and then.
+  /// Reports a thread's first overrun to the log: which function, how long. Call it now and then.
   void report_overruns();
 
  private:
   struct Cyclic {
     ThreadRunner* runner;
     std::unique_ptr<rtapi::CyclicThread> thread;
-    std::uint64_t overruns_seen{0};
+    bool overrun_reported{false};
   };
   struct Worker {
     rtapi::Participant* participant;

@@ -44,6 +44,7 @@ struct Options {
   bool make_virtual{false};
   int cpu{-1};
   std::size_t segment_bytes{rtapi::Segment::kDefaultBytes};
+  hal::TimingMode timing{hal::TimingMode::sampled};
 };
 
 void print_help() {
@@ -55,6 +56,9 @@ void print_help() {
       "  --instance NAME    the instance (default: KERF_INSTANCE, else by user)\n"
       "  --virtual          a new instance runs on virtual time\n"
       "  --cpu N            run realtime threads on this CPU (default: KERF_RT_CPUS, else any)\n"
+      "  --function-timing every|sampled|off\n"
+      "                     time each function in every cycle, in every 16th, or none\n"
+      "                     (default: KERF_FUNCTION_TIMING, else sampled)\n"
       "  --segment-mb N     shared memory of a new instance (default 64)\n"
       "  --help             this text");
 }
@@ -65,11 +69,14 @@ bool parse_options(int argc, char** argv, Options& o, int& status) {
                                      {"virtual", no_argument, nullptr, 'v'},
                                      {"cpu", required_argument, nullptr, 'c'},
                                      {"segment-mb", required_argument, nullptr, 'm'},
+                                     {"function-timing", required_argument, nullptr, 't'},
                                      {"help", no_argument, nullptr, 'h'},
                                      {nullptr, 0, nullptr, 0}};
   o.instance = rtapi::default_instance();
   if (const char* cpus = std::getenv("KERF_RT_CPUS"); cpus != nullptr && *cpus != '\0')
     o.cpu = std::atoi(cpus);
+  if (const char* timing = std::getenv("KERF_FUNCTION_TIMING"); timing != nullptr)
+    o.timing = hal::timing_mode_of(timing).value_or(o.timing);
   int c = 0;
   while ((c = ::getopt_long(argc, argv, "h", kLong, nullptr)) != -1) {
     switch (c) {
@@ -79,6 +86,15 @@ bool parse_options(int argc, char** argv, Options& o, int& status) {
       case 'm':
         o.segment_bytes = static_cast<std::size_t>(std::max(1, std::atoi(optarg))) << 20U;
         break;
+      case 't':
+        if (const auto mode = hal::timing_mode_of(optarg)) {
+          o.timing = *mode;
+          break;
+        }
+        rtapi::log_message(rtapi::Level::error,
+                           "--function-timing '%s' is not every, sampled or off", optarg);
+        status = 1;
+        return false;
       case 'h':
         print_help();
         status = 0;
@@ -225,6 +241,8 @@ int run(const Options& o, Supervisor& supervisor, rtapi::Segment& segment, bool&
     return 1;
   }
   if (!host.ok()) return fail(host.error());
+  if (!is_virtual) (*host)->set_cycle_counter(rtapi::CycleCounter::calibrated());
+  (*host)->set_timing_mode(o.timing);
   auto server = hal::Server::open(**host, segment, o.instance);
   if (!server.ok()) return fail(server.error());
   MainParticipant participant(**host, **server, supervisor, **clock, driver, **log);

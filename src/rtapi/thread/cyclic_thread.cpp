@@ -132,7 +132,6 @@ struct CyclicThread::State {
         ++stats.overruns;
         stats.last_overrun_cycle = stats.execution.count;
         stats.last_overrun_ns = end - begin;
-        stats.last_overrun_in = config.breadcrumb != nullptr ? *config.breadcrumb : nullptr;
         // Cycles that are lost are lost: catching up would run the machine's time faster than the clock.
         scheduled += (end - scheduled) / config.period_ns * config.period_ns + config.period_ns;
       }

@@ -30,8 +30,7 @@ struct ThreadStats {
   std::uint64_t overruns{
       0};  ///< cycles that ended after the next one's start; the cycles lost are skipped, not made up
   std::uint64_t last_overrun_cycle{0};
-  std::int64_t last_overrun_ns{0};       ///< how long that cycle took
-  const char* last_overrun_in{nullptr};  ///< the breadcrumb at the end of that cycle
+  std::int64_t last_overrun_ns{0};  ///< how long that cycle took
 };
 
 /// Realtime rights of this process. Missing ones cost determinism, never function: they are said once, at start.
@@ -61,8 +60,6 @@ class CyclicThread {
     /// @rt. One cycle. `scheduled` is when it should have begun, `actual` when it did.
     void (*cycle)(void* self, Nanos scheduled, Nanos actual) noexcept {nullptr};
     void* self{nullptr};
-    /// Points at the name to blame for an overrun (of the function that took longest in the cycle). May be null.
-    const char* const* breadcrumb{nullptr};
   };
 
   explicit CyclicThread(const Config& config);

@@ -5,6 +5,7 @@
 #include "hal/core/test_builder.hpp"
 #include "hal/core/view.hpp"
 #include "hal/loader/host.hpp"
+#include "hal/loader/module_source.hpp"
 #include "unit/hal/test_components.hpp"
 
 namespace kerf::hal {
@@ -52,23 +53,42 @@ void link_and_unlink(benchmark::State& state) {
 }
 BENCHMARK(link_and_unlink);
 
-void cycle_of_100_functions(benchmark::State& state) {
-  static const Module adder = test::module_of<test::Adder>();
-  static const Module threads = test::module_of<test::TestThreads>();
-  static const StaticModule table[] = {{"adder", &adder}, {"test_threads", &threads}};
+/// As components/logic/and2.cpp, which this module of the build does not know.
+class And2 final : public Component<And2> {
+ public:
+  static constexpr Info kInfo{.name = "and2", .summary = "Two-input AND gate"};
+  using Component::Component;
+
+ private:
+  In<bool> in0_{pin<In<bool>>("in0", "First input")};
+  In<bool> in1_{pin<In<bool>>("in1", "Second input")};
+  Out<bool> out_{pin<Out<bool>>("out", "True while both inputs are true")};
+  void update(const Period&) noexcept { out_ = in0_ && in1_; }
+  Function update_{function<&And2::update>("", "Computes out from the inputs")};
+};
+
+/// One cycle of a thread with `range(0)` times and2, their inputs linked, in the timing mode `range(1)`.
+void cycle_of_and2(benchmark::State& state) {
+  const auto count = state.range(0);
   auto segment = rtapi::Segment::in_memory();
   ManualClock clock;
+  static const Module and2 = test::module_of<And2>();
+  static const Module threads = test::module_of<test::TestThreads>();
+  static const StaticModule table[] = {{"and2", &and2}, {"test_threads", &threads}};
   StaticSource modules{table};
   auto host = std::move(Host::create(*segment, clock, modules)).value();
-  (void)host->command({"loadrt", "test-threads", "name1=t", "period1=1000000"});
-  (void)host->command({"loadrt", "adder", "count=100"});
-  for (int i = 0; i < 100; ++i) (void)host->command({"addf", "adder." + std::to_string(i), "t"});
+  host->set_cycle_counter(rtapi::CycleCounter::calibrated());
+  host->set_timing_mode(static_cast<TimingMode>(state.range(1)));
+  (void)host->command({"loadrt", "test-threads", "name1=t", "period1=100000000"});
+  (void)host->command({"loadrt", "and2", "count=" + std::to_string(count)});
+  for (int i = 0; i < count; ++i) (void)host->command({"addf", "and2." + std::to_string(i), "t"});
   (void)host->command({"start"});
   auto* thread = host->threads().at(0);
   for (auto _ : state) thread->run_cycle(0, 0);
-  state.SetItemsProcessed(state.iterations() * 100);
+  state.SetLabel(timing_mode_name(static_cast<TimingMode>(state.range(1))));
+  state.SetItemsProcessed(state.iterations() * count);
 }
-BENCHMARK(cycle_of_100_functions);
+BENCHMARK(cycle_of_and2)->ArgsProduct({{20, 1000}, {0, 1, 2}});
 
 }  // namespace
 }  // namespace kerf::hal

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "rtapi/clock/cycle_counter.hpp"
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/clock/real_clock.hpp"
 #include "rtapi/sync/cell.hpp"
@@ -24,7 +25,6 @@ TEST(Timing, Histogram) {
 struct Counter {
   Word<std::uint64_t> cycles{0};
   Word<std::uint32_t> slow{0};
-  const char* running{"slow-function"};
 };
 
 void cycle(void* self, Nanos, Nanos actual) noexcept {
@@ -36,14 +36,13 @@ void cycle(void* self, Nanos, Nanos actual) noexcept {
   }
 }
 
-TEST(CyclicThread, RunsAndReportsAnOverrunWithItsFunction) {
+TEST(CyclicThread, RunsAndCountsAnOverrun) {
   Counter counter;
   CyclicThread::Config config;
   config.name = "test";
   config.period_ns = kMillisecond;
   config.cycle = &cycle;
   config.self = &counter;
-  config.breadcrumb = &counter.running;
   CyclicThread thread(config);
   ASSERT_TRUE(thread.start().ok());
   auto clock = make_real_clock();
@@ -57,10 +56,40 @@ TEST(CyclicThread, RunsAndReportsAnOverrunWithItsFunction) {
   const ThreadStats stats = thread.stats();
   EXPECT_GE(stats.execution.count, 8U);
   EXPECT_GE(stats.overruns, 1U);
-  EXPECT_STREQ(stats.last_overrun_in, "slow-function");
+  EXPECT_GE(stats.last_overrun_ns, 5 * kMillisecond);
   EXPECT_GE(stats.execution.max_ns, 5 * kMillisecond);
   const auto cycles = counter.cycles.get();
   EXPECT_EQ(cycles, stats.execution.count);
+}
+
+TEST(CycleCounter, KeepsPaceWithTheClock) {
+  for (const auto& counter : {CycleCounter::calibrated(), CycleCounter::monotonic()}) {
+    ASSERT_TRUE(static_cast<bool>(counter));
+    auto clock = make_real_clock();
+    const Nanos before = clock->now();
+    const std::uint64_t begin = counter.ticks();
+    const Nanos after_begin = clock->now();
+    WaitSpec spec;
+    spec.until = after_begin + 50 * kMillisecond;
+    clock->wait(spec);
+    const Nanos before_end = clock->now();
+    const std::uint64_t end = counter.ticks();
+    const Nanos after = clock->now();
+    // What is read stands between two readings of the clock, however long each takes.
+    const auto counted = static_cast<double>(counter.ns(end - begin));
+    EXPECT_LE(counted, static_cast<double>(after - before) * 1.002);
+    EXPECT_GE(counted, static_cast<double>(before_end - after_begin) * 0.998);
+  }
+}
+
+TEST(CycleCounter, IsNothingAtFirstAndManualInTests) {
+  EXPECT_FALSE(static_cast<bool>(CycleCounter()));
+  Word<std::uint64_t> word{7};
+  const auto counter = CycleCounter::manual(word);
+  EXPECT_EQ(counter.ticks(), 7U);
+  EXPECT_EQ(counter.ns(1000), 1000);
+  EXPECT_EQ(counter.ns(UINT64_MAX), UINT32_MAX);
+  EXPECT_FALSE(counter.is_processors());
 }
 
 TEST(Rights, SaysWhatIsMissing) {
