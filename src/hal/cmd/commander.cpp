@@ -1,14 +1,14 @@
 #include "hal/cmd/commander.hpp"
 
-#include <signal.h>
-#include <unistd.h>
-
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 
+#include "hal/client/request_all.hpp"
 #include "hal/cmd/json.hpp"
+#include "hal/cmd/save.hpp"
 #include "hal/cmd/show.hpp"
 #include "hal/core/value_text.hpp"
 #include "rtapi/base/suggest.hpp"
@@ -26,7 +26,7 @@ void CommandSink::out(std::string_view text) {
 }
 void CommandSink::err(std::string_view text) { std::fwrite(text.data(), 1, text.size(), stderr); }
 void CommandSink::remark(const std::string& file, int line, std::string_view text) {
-  err(file + ":" + std::to_string(line) + ": " + std::string(text) + "\n");
+  out(file + ":" + std::to_string(line) + ": " + std::string(text) + "\n");
 }
 void CommandSink::complaint(const std::string& file, int line, std::string_view text) {
   err(file + ":" + std::to_string(line) + ": " + std::string(text) + "\n");
@@ -39,92 +39,122 @@ constexpr const char* kDeadWriter =
     "the realtime host died while it changed HAL: nothing can be read";
 std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
 bool is_arrow(std::string_view w) { return w == "=>" || w == "<=" || w == "<=>"; }
+/// Commands that the host is asked for at once: so many fit one request with names and errors of the greatest length.
+constexpr std::size_t kMostWaiting = 128;
+
+/// Whether a component of ours would be seen.
+bool shows_components(std::span<const std::string> w) {
+  const bool all = w.size() < 2 || w[1] == "all";
+  if (w[0] == "show") return all || w[1] == "comp";
+  if (w[0] == "list") return !all && w[1] == "comp";
+  if (w[0] == "status") return all || w[1] == "mem";
+  return w[0] == "loadusr" || w[0] == "waitusr";
+}
 }  // namespace
 
 struct Commander::Row {
+  enum Flags : unsigned {
+    arrows = 1,   ///< =>, <= and <=> are taken out
+    batch = 2,    ///< only the host has to do with it: it may be sent together with others
+    refused = 4,  ///< a reason from the host stands after "NAME failed: "
+  };
   const char* name;
   std::size_t min;
   std::size_t max;
-  bool arrows;  ///< =>, <= and <=> are taken out
+  unsigned flags;
   Done (Commander::*run)(Words w);
   const char* usage;
   const char* help;
+  const char* failed{nullptr};  ///< the name in messages, where it is not the command's
 };
 
 std::span<const Commander::Row> Commander::rows() {
+  constexpr unsigned kLink = Row::arrows | Row::batch | Row::refused;
   static constexpr Row kRows[] = {
-      {"loadrt", 1, kAny, false, &Commander::load_realtime, "loadrt NAME [PARAMETER=VALUE ...]",
+      {"loadrt", 1, kAny, 0, &Commander::load_realtime, "loadrt NAME [PARAMETER=VALUE ...]",
        "Loads a realtime component."},
-      {"loadusr", 1, kAny, false, &Commander::load_user,
-       "loadusr [-W | -Wn NAME | -w [-i]] PROGRAM [ARGUMENT ...]",
-       "Starts a program. -W waits until its component is ready, -Wn gives that component's name, "
-       "-w "
-       "waits for the end of the "
-       "program, -i ignores its exit status."},
-      {"waitusr", 1, 1, false, &Commander::wait_user, "waitusr NAME",
+      {"loadusr", 0, kAny, 0, &Commander::load_user,
+       "loadusr [-W | -Wn NAME | -w] [-i] PROGRAM [ARGUMENT ...]",
+       "Starts a program. -W waits until its component is ready, -n gives that component's name, "
+       "-w waits for the end of the program, -i ignores its exit status."},
+      {"waitusr", 1, 1, 0, &Commander::wait_user, "waitusr NAME",
        "Waits until a user component has left HAL."},
-      {"unload", 1, 1, false, &Commander::unload, "unload NAME | all",
+      {"unload", 1, 1, 0, &Commander::unload, "unload NAME | all",
        "Unloads a component of either kind."},
-      {"unloadrt", 1, 1, false, &Commander::unload_realtime, "unloadrt NAME | all",
+      {"unloadrt", 1, 1, 0, &Commander::unload_realtime, "unloadrt NAME | all",
        "Unloads a realtime component."},
-      {"unloadusr", 1, 1, false, &Commander::unload_user, "unloadusr NAME | all",
+      {"unloadusr", 1, 1, 0, &Commander::unload_user, "unloadusr NAME | all",
        "Asks a user component to end."},
-      {"lock", 0, 1, false, &Commander::forward, "lock [none | tune | all]",
-       "Forbids changes of HAL."},
-      {"unlock", 0, 1, false, &Commander::forward, "unlock [tune | all]",
+      {"lock", 0, 1, 0, &Commander::forward, "lock [none | tune | all]", "Forbids changes of HAL."},
+      {"unlock", 0, 1, 0, &Commander::forward, "unlock [tune | all]",
        "Allows changes of HAL again."},
-      {"net", 1, kAny, true, &Commander::net, "net SIGNAL PIN ...",
+      {"net", 1, kAny, Row::arrows | Row::batch, &Commander::forward, "net SIGNAL PIN ...",
        "Links pins to a signal, which is made if need be. All pins are linked or none."},
-      {"linkpp", 2, 2, true, &Commander::link_pins, "linkpp PIN PIN",
+      {"linkpp", 2, 2, Row::arrows | Row::refused, &Commander::link_pins, "linkpp PIN PIN",
        "Links two pins by a signal named as the first."},
-      {"linkps", 2, 2, true, &Commander::link, "linkps PIN SIGNAL", "Links a pin to a signal."},
-      {"linksp", 2, 2, true, &Commander::link, "linksp SIGNAL PIN", "Links a signal to a pin."},
-      {"unlinkp", 1, 1, false, &Commander::forward, "unlinkp PIN",
-       "Takes a pin off its signal; it keeps the value."},
-      {"newsig", 2, 2, false, &Commander::forward, "newsig SIGNAL TYPE", "Makes a signal."},
-      {"delsig", 1, 1, false, &Commander::forward, "delsig SIGNAL",
+      {"linkps", 2, 2, kLink, &Commander::forward, "linkps PIN SIGNAL", "Links a pin to a signal.",
+       "link"},
+      {"linksp", 2, 2, kLink, &Commander::forward, "linksp SIGNAL PIN", "Links a signal to a pin.",
+       "link"},
+      {"unlinkp", 1, 1, Row::batch | Row::refused, &Commander::forward, "unlinkp PIN",
+       "Takes a pin off its signal; it keeps the value.", "unlink"},
+      {"newsig", 2, 2, Row::refused, &Commander::new_signal, "newsig SIGNAL TYPE",
+       "Makes a signal of type bit, float, s32, u32, s64, u64 or port."},
+      {"delsig", 1, 1, Row::refused, &Commander::delete_signal, "delsig SIGNAL | all",
        "Deletes a signal; its pins are unlinked."},
-      {"setp", 2, 2, false, &Commander::set_item, "setp NAME VALUE, or NAME = VALUE",
+      {"alias", 3, 3, Row::refused, &Commander::alias, "alias pin | param NAME ALIAS",
+       "Gives a pin or a parameter a second name; both find it, show prints the new one."},
+      {"unalias", 2, 2, Row::refused, &Commander::alias, "unalias pin | param NAME",
+       "Takes the second name away."},
+      {"setp", 2, 2, Row::batch, &Commander::forward, "setp NAME VALUE, or NAME = VALUE",
        "Sets a writable parameter or an unlinked input pin."},
-      {"getp", 1, 1, false, &Commander::get_item, "getp NAME",
+      {"getp", 1, 1, 0, &Commander::get_item, "getp NAME",
        "Prints the value of a parameter or pin."},
-      {"ptype", 1, 1, false, &Commander::item_type, "ptype NAME",
+      {"ptype", 1, 1, 0, &Commander::item_type, "ptype NAME",
        "Prints the type of a parameter or pin."},
-      {"sets", 2, 2, false, &Commander::forward, "sets SIGNAL VALUE",
+      {"sets", 2, 2, Row::batch, &Commander::forward, "sets SIGNAL VALUE",
        "Sets a signal that no pin writes."},
-      {"gets", 1, 1, false, &Commander::get_signal, "gets SIGNAL", "Prints the value of a signal."},
-      {"stype", 1, 1, false, &Commander::signal_type, "stype SIGNAL",
-       "Prints the type of a signal."},
-      {"addf", 2, 3, false, &Commander::forward, "addf FUNCTION THREAD [POSITION]",
+      {"gets", 1, 1, 0, &Commander::get_signal, "gets SIGNAL", "Prints the value of a signal."},
+      {"stype", 1, 1, 0, &Commander::signal_type, "stype SIGNAL", "Prints the type of a signal."},
+      {"addf", 2, 3, Row::batch | Row::refused, &Commander::forward,
+       "addf FUNCTION THREAD [POSITION]",
        "Adds a function to a thread: at the end, at a position from the front (1, 2 ...) or from "
-       "the "
-       "end (-1, -2 ...)."},
-      {"delf", 2, 2, false, &Commander::forward, "delf FUNCTION THREAD",
+       "the end (-1, -2 ...)."},
+      {"delf", 2, 2, Row::batch | Row::refused, &Commander::forward, "delf FUNCTION THREAD",
        "Takes a function out of a thread."},
-      {"show", 0, kAny, false, &Commander::show,
-       "show [comp | pin | sig | param | funct | thread | alias | all] [PATTERN ...]",
-       "Prints items of HAL, all or those that match."},
-      {"list", 1, kAny, false, &Commander::list,
+      {"show", 0, kAny, 0, &Commander::show,
+       "show [comp | pin | pinexact | sig | param | funct | thread | alias | all] [PATTERN ...]",
+       "Prints items of HAL: all, or those whose name begins with or matches a pattern; with "
+       "pinexact, has to be equal to it. -tTYPE before the patterns of pin, sig and param takes "
+       "those of one type."},
+      {"list", 1, kAny, 0, &Commander::list,
        "list comp | pin | sig | param | funct | thread [PATTERN ...]", "Prints names on one line."},
-      {"status", 0, 1, false, &Commander::status, "status [lock | mem | all]",
+      {"save", 0, 2, 0, &Commander::save,
+       "save [comp | alias | sig | sigu | link | linka | net | neta | netl | netla | param | "
+       "unconnectedinpins | thread | all | allu] [FILE]",
+       "Prints commands that make HAL as it is. A final 'a' of link and net means arrows; sigu: "
+       "signals without pins. all (default) is comp, alias, sigu, netla, param, thread; allu also "
+       "the values of unconnected pins."},
+      {"status", 0, 1, 0, &Commander::status, "status [lock | mem | all]",
        "Prints the state of HAL itself."},
-      {"start", 0, 0, false, &Commander::forward, "start",
+      {"start", 0, 0, Row::refused, &Commander::forward, "start",
        "Lets the realtime threads run their functions."},
-      {"stop", 0, 0, false, &Commander::forward, "stop",
+      {"stop", 0, 0, Row::refused, &Commander::forward, "stop",
        "Stops the functions of the realtime threads."},
-      {"source", 1, 1, false, &Commander::source, "source FILE",
-       "Does the commands of another file."},
-      {"sleep", 1, 1, false, &Commander::sleep, "sleep SECONDS",
+      {"source", 1, 1, 0, &Commander::source, "source FILE", "Does the commands of another file."},
+      {"sleep", 1, 1, 0, &Commander::sleep, "sleep SECONDS",
        "Waits; on the virtual clock, virtual seconds."},
-      {"echo", 0, 0, false, &Commander::echo_on, "echo", "Prints commands before they are done."},
-      {"unecho", 0, 0, false, &Commander::echo_off, "unecho", "Ends echo."},
-      {"print", 0, 1, false, &Commander::print, "print [MESSAGE]",
-       "Prints file, line and a message."},
-      {"debug", 1, 1, false, &Commander::debug, "debug LEVEL",
-       "Sets the level of messages, 0 to 5."},
-      {"help", 0, 1, false, &Commander::help, "help [COMMAND]", "Explains commands."},
-      {"quit", 0, 0, false, &Commander::quit, "quit", "Ends the reading of commands."},
-      {"exit", 0, 0, false, &Commander::quit, "exit", "Ends the reading of commands."},
+      {"echo", 0, 0, 0, &Commander::echo_on, "echo", "Prints commands before they are done."},
+      {"unecho", 0, 0, 0, &Commander::echo_off, "unecho", "Ends echo."},
+      {"print", 0, 1, 0, &Commander::print, "print [MESSAGE]",
+       "Prints file, line and a message; one with blanks needs quotes."},
+      {"debug", 1, 1, 0, &Commander::debug, "debug LEVEL",
+       "Sets the level of messages: 0 none, 1 errors, 2 warnings, 3 information, 4 and 5 more."},
+      {"setexact_for_test_suite_only", 0, 0, 0, &Commander::exact, "setexact_for_test_suite_only",
+       "Does nothing: periods are exact. Only before the first thread."},
+      {"help", 0, 1, 0, &Commander::help, "help [COMMAND]", "Explains commands."},
+      {"quit", 0, 0, 0, &Commander::quit, "quit", "Ends the reading of commands."},
+      {"exit", 0, 0, 0, &Commander::quit, "exit", "Ends the reading of commands."},
   };
   return kRows;
 }
@@ -134,6 +164,8 @@ Commander::Commander(Session& session, IniLookup ini, CommandSink* sink)
       ini_(std::move(ini)),
       sink_(sink != nullptr ? sink : &default_sink_),
       view_(session.segment()) {}
+
+Commander::~Commander() = default;
 
 std::vector<std::string> Commander::command_names() {
   std::vector<std::string> out;
@@ -153,112 +185,11 @@ std::string Commander::help_text(std::string_view command) {
     }
   }
   if (command.empty()) return out;
-  return "No help for unknown command " + quoted(command) + "\n";
+  return "No help for unknown command " + quoted(command) +
+         rtapi::did_you_mean(command, command_names()) + "\n";
 }
 
-// ---- reading ------------------------------------------------------------------------------------
-
-struct Commander::LineJoiner {
-  std::string text;
-  int first_line{0};
-  /// True when `text` is whole.
-  bool add(std::string_view line, int number) {
-    if (first_line == 0) first_line = number;
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    if (!line.empty() && line.back() == '\\') {
-      text += line.substr(0, line.size() - 1);
-      text += ' ';
-      return false;
-    }
-    text += line;
-    return true;
-  }
-  void clear() {
-    text.clear();
-    first_line = 0;
-  }
-};
-
-bool Commander::run_text(std::string_view text, const std::string& name) {
-  bool good = true;
-  LineJoiner joiner;
-  int number = 0;
-  while (!text.empty() && !quit_ && !stopped()) {
-    const auto end = std::min(text.find('\n'), text.size());
-    const bool whole = joiner.add(text.substr(0, end), ++number);
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (!whole && !text.empty()) continue;
-    good = run_line(joiner.text, name, joiner.first_line) && good;
-    joiner.clear();
-    if (!good && !keep_going_) return false;
-  }
-  return good;
-}
-
-bool Commander::run_file(const std::string& path) {
-  const bool is_stdin = path == "-";
-  std::FILE* f = is_stdin ? stdin : std::fopen(path.c_str(), "re");
-  if (f == nullptr) {
-    report("Could not open hal file " + quoted(path) + ": " + std::strerror(errno));
-    return false;
-  }
-  const std::string name = is_stdin ? "<stdin>" : path;
-  bool good = true;
-  LineJoiner joiner;
-  int number = 0;
-  char* buffer = nullptr;
-  std::size_t capacity = 0;
-  ssize_t n = 0;
-  // Line by line: stdin may be a pipe whose writer waits for answers.
-  while (!quit_ && !stopped() && (n = ::getline(&buffer, &capacity, f)) >= 0) {
-    std::string_view line(buffer, static_cast<std::size_t>(n));
-    if (!line.empty() && line.back() == '\n') line.remove_suffix(1);
-    if (!joiner.add(line, ++number)) continue;
-    good = run_line(joiner.text, name, joiner.first_line) && good;
-    joiner.clear();
-    if (!good && !keep_going_) break;
-  }
-  if (!joiner.text.empty() && (good || keep_going_))
-    good = run_line(joiner.text, name, joiner.first_line) && good;
-  std::free(buffer);  // NOLINT(cppcoreguidelines-no-malloc): getline's
-  if (!is_stdin) std::fclose(f);
-  return good;
-}
-
-bool Commander::run_line(std::string_view line, const std::string& file, int line_number) {
-  const std::string old_file = std::exchange(file_, file);
-  const int old_line = std::exchange(line_, line_number);
-  bool good = false;
-  auto text = substitute(without_comment(line), ini_);
-  if (!text.ok()) {
-    report(text.error().message());
-  } else if (auto words = split_words(*text); !words.ok()) {
-    report(words.error().message());
-  } else {
-    // print shows its message as it was written, with the quotes.
-    if (words->empty() || words->front() != "print") {
-      for (auto& word : *words) word = unquoted(word);
-    }
-    if (echo_ && !words->empty()) sink_->err(*text + "\n");
-    good = run(std::move(*words));
-  }
-  file_ = old_file;
-  line_ = old_line;
-  return good;
-}
-
-bool Commander::run_words(Words words) {
-  std::vector<std::string> out;
-  for (const auto& word : words) {
-    auto text = substitute(word, ini_);
-    if (!text.ok()) {
-      report(text.error().message());
-      return false;
-    }
-    out.push_back(std::move(*text));
-  }
-  return run(std::move(out));
-}
+// ---- doing --------------------------------------------------------------------------------------
 
 bool Commander::run_exact(std::vector<std::string> words, const std::string& file,
                           int line_number) {
@@ -272,34 +203,97 @@ bool Commander::run_exact(std::vector<std::string> words, const std::string& fil
 
 bool Commander::run(std::vector<std::string> words) {
   if (words.empty()) return true;
-  if (words.size() == 3 && words[1] == "=") words = {"setp", words[0], words[2]};
+  const auto of_name = [](const std::string& name) {
+    const auto all = rows();
+    return std::find_if(all.begin(), all.end(), [&](const Row& r) { return name == r.name; });
+  };
+  auto row = of_name(words[0]);
+  if (row == rows().end() && words.size() == 3 && words[1] == "=") {
+    words = {"setp", words[0], words[2]};
+    row = of_name(words[0]);
+  }
   if (interceptor_) {
     if (const auto done = interceptor_(words, file_, line_); done) {
       if (!done->ok() && done->error().code != Errc::ok) report(done->error().message());
       return done->ok();
     }
   }
-  for (const Row& row : rows()) {
-    if (words[0] != row.name) continue;
-    if (row.arrows) std::erase_if(words, [](const std::string& w) { return is_arrow(w); });
+  if (row != rows().end()) {
+    if ((row->flags & Row::arrows) != 0)
+      std::erase_if(words, [](const std::string& w) { return is_arrow(w); });
     const std::size_t given = words.size() - 1;
-    Status done;
-    if (given < row.min || given > row.max) {
-      const std::string least = row.min == row.max ? ""
-                                : given < row.min  ? "at least "
-                                                   : "at most ";
-      done = fail(Errc::bad_argument, words[0] + " requires " + least +
-                                          std::to_string(given < row.min ? row.min : row.max) +
-                                          " arguments, " + std::to_string(given) + " given");
-    } else {
-      done = (this->*row.run)(words);
+    if (given >= row->min && given <= row->max) {
+      if (batched_ && (row->flags & Row::batch) != 0 && level_ <= Level::errors) {
+        waiting_.push_back({&*row, std::move(words), file_, line_});
+        return waiting_.size() < kMostWaiting || settle();
+      }
+      const bool settled = settle();
+      return (settled || keep_going_) && run_row(*row, words) && settled;
     }
-    if (done.ok()) return true;
-    if (done.error().code != Errc::ok) report(done.error().message());
+  }
+  const bool settled = settle();
+  if (!settled && !keep_going_) return false;
+  if (row == rows().end()) {
+    report("Unknown command " + quoted(words[0]) + rtapi::did_you_mean(words[0], command_names()));
     return false;
   }
-  report("Unknown command " + quoted(words[0]) + rtapi::did_you_mean(words[0], command_names()));
+  const std::size_t given = words.size() - 1;
+  const std::string least = row->min == row->max ? "" : given < row->min ? "at least " : "at most ";
+  report(words[0] + " requires " + least + std::to_string(given < row->min ? row->min : row->max) +
+         " arguments, " + std::to_string(given) + " given");
   return false;
+}
+
+bool Commander::run_row(const Row& row, Words words) {
+  if (appear_ && shows_components(words)) std::exchange(appear_, {})();
+  const Status done = (this->*row.run)(words);
+  if (!done.ok() && done.error().code != Errc::ok) command_failed(row, done.error());
+  return done.ok();
+}
+
+void Commander::command_failed(const Row& row, const rtapi::Error& error) {
+  const std::string reason = error.message();
+  const bool named =
+      (row.flags & Row::refused) != 0 && error.code != Errc::syntax && error.code != Errc::dead;
+  report(named ? std::string(row.failed != nullptr ? row.failed : row.name) + " failed: " + reason
+               : reason);
+}
+
+bool Commander::settle() {
+  if (waiting_.empty()) return true;
+  const std::vector<Waiting> waiting = std::exchange(waiting_, {});
+  const std::string old_file = file_;
+  const int old_line = line_;
+  const auto at = [&](const Waiting& command) {
+    file_ = command.file;
+    line_ = command.line;
+  };
+  bool good = true;
+  if (waiting.size() == 1) {
+    at(waiting[0]);
+    good = run_row(*waiting[0].row, waiting[0].words);
+  } else {
+    std::vector<std::vector<std::string>> commands;
+    commands.reserve(waiting.size());
+    for (const auto& w : waiting) commands.push_back(w.words);
+    const auto failures = request_all(session_, commands, keep_going_);
+    if (!failures.ok()) {
+      at(waiting[0]);
+      good = false;
+      report("the realtime host does not answer: " + failures.error().message());
+    } else {
+      for (const auto& failure : *failures) {
+        const Waiting& command = waiting[std::min(failure.index, waiting.size() - 1)];
+        at(command);
+        good = false;
+        command_failed(*command.row,
+                       fail(static_cast<Errc>(failure.reply.status), failure.reply.text).error);
+      }
+    }
+  }
+  file_ = old_file;
+  line_ = old_line;
+  return good;
 }
 
 void Commander::report(const std::string& text) {
@@ -332,37 +326,75 @@ Status Commander::ask_host(Words w) {
 
 std::string Commander::done_text(Words w) const {
   const std::string& c = w[0];
+  const auto linked = [](const std::string& pin, const std::string& signal) {
+    return "Pin " + quoted(pin) + " linked to signal " + quoted(signal);
+  };
   if (c == "start") return "Realtime threads started";
   if (c == "stop") return "Realtime threads stopped";
+  if (c == "lock") return "Locking completed";
+  if (c == "unlock") return "Unlocking completed";
   if (c == "addf") return "Function " + quoted(w[1]) + " added to thread " + quoted(w[2]);
   if (c == "delf") return "Function " + quoted(w[1]) + " removed from thread " + quoted(w[2]);
   if (c == "unlinkp") return "Pin " + quoted(w[1]) + " unlinked";
   if (c == "newsig") return "Signal " + quoted(w[1]) + " created";
   if (c == "delsig") return "Signal " + quoted(w[1]) + " deleted";
   if (c == "sets") return "Signal " + quoted(w[1]) + " set to " + w[2];
-  if (c == "linkps") return "Pin " + quoted(w[1]) + " linked to signal " + quoted(w[2]);
-  if (c == "linksp") return "Pin " + quoted(w[2]) + " linked to signal " + quoted(w[1]);
+  if (c == "linkps") return linked(w[1], w[2]);
+  if (c == "linksp") return linked(w[2], w[1]);
+  if (c == "alias") return w[1] + " " + quoted(w[2]) + " aliased to " + quoted(w[3]);
+  if (c == "unalias") return w[1] + " " + quoted(w[2]) + " unaliased";
+  if (c == "setp") {
+    const bool param = view_.find_param(w[1]).has_value();
+    return std::string(param ? "Parameter " : "Pin ") + quoted(w[1]) + " set to " + w[2];
+  }
   return {};
 }
 
 Status Commander::forward(Words w) {
   KERF_CHECK(ask_host(w));
-  if (const auto text = done_text(w); !text.empty()) say(text);
+  if (level_ < Level::verbose) return {};
+  if (w[0] == "net") {
+    for (std::size_t i = 2; i < w.size(); ++i)
+      say("Pin " + quoted(w[i]) + " linked to signal " + quoted(w[1]));
+  } else {
+    say(done_text(w));
+  }
   return {};
 }
 
-Status Commander::link(Words w) { return forward(w); }
+Status Commander::new_signal(Words w) {
+  // The peer takes type names in any case.
+  std::string type = w[2];
+  std::transform(type.begin(), type.end(), type.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (type_from_name(type) == Type::unspecified) {
+    return fail(Errc::syntax, "Unknown signal type " + quoted(w[2]) +
+                                  "; known are bit, float, s32, u32, s64, u64, port");
+  }
+  const std::string words[] = {w[0], w[1], type};
+  return forward(words);
+}
+
+Status Commander::delete_signal(Words w) {
+  if (w[1] != "all") return forward(w);
+  for (const auto& name : view_.names(Kind::signal)) {
+    const std::string words[] = {w[0], name};
+    KERF_CHECK(forward(words));
+  }
+  return {};
+}
 
 Status Commander::link_pins(Words w) {
   error("Warning: linkpp command is deprecated, use 'net'");
   return forward(w);
 }
 
-Status Commander::net(Words w) {
-  KERF_CHECK(ask_host(w));
-  for (std::size_t i = 2; i < w.size(); ++i)
-    say("Pin " + quoted(w[i]) + " linked to signal " + quoted(w[1]));
-  return {};
+Status Commander::alias(Words w) {
+  if (w[1] != "pin" && w[1] != "param") {
+    return fail(Errc::syntax,
+                w[0] + " failed: the first word is pin or param, not " + quoted(w[1]));
+  }
+  return forward(w);
 }
 
 Status Commander::load_realtime(Words w) {
@@ -374,13 +406,6 @@ Status Commander::load_realtime(Words w) {
 Status Commander::unload_realtime(Words w) {
   KERF_CHECK(ask_host(w));
   say("Realtime module " + quoted(w[1]) + " unloaded");
-  return {};
-}
-
-Status Commander::set_item(Words w) {
-  KERF_CHECK(ask_host(w));
-  const bool param = level_ >= Level::verbose && view_.find_param(w[1]).has_value();
-  say(std::string(param ? "Parameter " : "Pin ") + quoted(w[1]) + " set to " + w[2]);
   return {};
 }
 
@@ -453,6 +478,21 @@ Status Commander::status(Words w) {
   return {};
 }
 
+Status Commander::save(Words w) {
+  KERF_TRY(const std::string text, save_text(view_, w.size() > 1 ? w[1] : ""));
+  if (w.size() < 3) {
+    sink_->out(text);
+    return {};
+  }
+  std::FILE* f = std::fopen(w[2].c_str(), "we");
+  bool good = f != nullptr && std::fwrite(text.data(), 1, text.size(), f) == text.size();
+  if (f != nullptr && std::fclose(f) != 0) good = false;
+  if (!good)
+    return fail(Errc::system,
+                "Can't open 'save' destination " + quoted(w[2]) + ": " + std::strerror(errno));
+  return {};
+}
+
 // ---- the rest -----------------------------------------------------------------------------------
 
 Status Commander::source(Words w) {
@@ -473,11 +513,21 @@ Status Commander::print(Words w) {
 
 Status Commander::echo_on(Words /*w*/) {
   echo_ = true;
+  sink_->out("Echo on\n");
   return {};
 }
 
 Status Commander::echo_off(Words /*w*/) {
   echo_ = false;
+  sink_->out("Echo off\n");
+  return {};
+}
+
+/// The peer pretends that its base period was exact; ours is.
+Status Commander::exact(Words /*w*/) {
+  if (!view_.names(Kind::thread).empty()) {
+    return fail(Errc::busy, "HAL_LIB: Cannot run 'setexact' after a thread has been created");
+  }
   return {};
 }
 
@@ -492,10 +542,10 @@ Status Commander::quit(Words /*w*/) {
 }
 
 Status Commander::debug(Words w) {
-  auto level = parse_value(Type::u32, w[1]);
+  const auto level = parse_value(Type::s32, w[1]);
   if (!level.ok() || *level > 5)
-    return fail(Errc::bad_argument, "debug level " + quoted(w[1]) + " is not 0 to 5");
-  return {};
+    return fail(Errc::bad_argument, "Debug level must be >=0 and <= 5");
+  return forward(w);
 }
 
 }  // namespace kerf::hal

@@ -30,7 +30,7 @@ class CommandSink {
   virtual void err(std::string_view text);
   /// A command failed. The default gives err() "FILE:LINE: text".
   virtual void complaint(const std::string& file, int line, std::string_view text);
-  /// What a command did, at Level::verbose. The default gives err() "FILE:LINE: text".
+  /// What a command did, at Level::verbose. The default gives out() "FILE:LINE: text".
   virtual void remark(const std::string& file, int line, std::string_view text);
 };
 
@@ -43,6 +43,7 @@ class Commander {
       std::span<const std::string> words, const std::string& file, int line)>;
 
   explicit Commander(Session& session, IniLookup ini = {}, CommandSink* sink = nullptr);
+  ~Commander();
   Commander(const Commander&) = delete;
   Commander& operator=(const Commander&) = delete;
 
@@ -57,13 +58,18 @@ class Commander {
   /// What loadusr -W, waitusr and sleep wait on. Without it they are errors.
   void set_clock(rtapi::WaitClock* clock) { clock_ = clock; }
 
+  /// Called once, before the first command that shows the components of HAL or starts a program: the time to appear as one.
+  void set_presence(std::function<void()> appear) { appear_ = std::move(appear); }
+
   /// Reads a file ("-": stdin) to its end, to the first error (unless keep-going) or to `quit`. False: something failed.
+  /// Commands that only change HAL are sent many at a time; what is done, and what is reported where, is as if they were
+  /// sent one by one.
   bool run_file(const std::string& path);
   /// Text of a file that is elsewhere; `name` stands in messages.
   bool run_text(std::string_view text, const std::string& name);
   /// One line, as it stands in a file.
   bool run_line(std::string_view line, const std::string& file, int line_number);
-  /// Words of a command line: substituted one by one, not split again.
+  /// Words of a command line, as they are: the shell has substituted and split.
   bool run_words(std::span<const std::string> words);
   /// Words that are final: nothing is substituted, not even '$' or '['. File and line stand in messages.
   bool run_exact(std::vector<std::string> words, const std::string& file, int line_number);
@@ -84,10 +90,21 @@ class Commander {
   struct Row;
   static std::span<const Row> rows();
 
-  /// One line of several, put together from those that end in a backslash.
-  struct LineJoiner;
+  /// A command that the host has not been asked for yet.
+  struct Waiting {
+    const Row* row;
+    std::vector<std::string> words;
+    std::string file;
+    int line;
+  };
+  class Reader;
 
+  bool read_lines(Reader& reader, bool batched);
   bool run(std::vector<std::string> words);
+  bool run_row(const Row& row, Words words);
+  /// Has the host do what is waiting. False: one failed; those after it are dropped, unless keep-going.
+  bool settle();
+  void command_failed(const Row& row, const rtapi::Error& error);
   /// True when a stop was asked for: nothing more of a script is done, not even with keep-going.
   [[nodiscard]] bool stopped() const { return clock_ != nullptr && clock_->stopped(); }
   void report(const std::string& text);
@@ -101,10 +118,10 @@ class Commander {
   Done load_user(Words w);
   Done wait_user(Words w);
   Done unload_user(Words w);
-  Done net(Words w);
-  Done link(Words w);
+  Done new_signal(Words w);
+  Done delete_signal(Words w);
   Done link_pins(Words w);
-  Done set_item(Words w);
+  Done alias(Words w);
   Done get_item(Words w);
   Done item_type(Words w);
   Done get_signal(Words w);
@@ -112,6 +129,8 @@ class Commander {
   Done show(Words w);
   Done list(Words w);
   Done status(Words w);
+  Done save(Words w);
+  Done exact(Words w);
   Done source(Words w);
   Done print(Words w);
   Done echo_on(Words w);
@@ -130,6 +149,7 @@ class Commander {
   Session& session_;
   IniLookup ini_;
   Interceptor interceptor_;
+  std::function<void()> appear_;
   CommandSink default_sink_;
   CommandSink* sink_;
   View view_;
@@ -140,6 +160,8 @@ class Commander {
   bool echo_{false};
   bool json_{false};
   bool quit_{false};
+  bool batched_{false};
+  std::vector<Waiting> waiting_;
   int depth_{0};
   std::string file_{"<commandline>"};
   int line_{0};

@@ -33,27 +33,38 @@ struct LoadUsrOptions {
   std::size_t program{0};  ///< index of the program's word
 };
 
+/// Letters may stand together, as -wi and -Wn NAME or -WnNAME.
 rtapi::Result<LoadUsrOptions> parse_options(std::span<const std::string> w) {
   LoadUsrOptions o;
   std::size_t i = 1;
-  for (; i < w.size() && !w[i].empty() && w[i][0] == '-'; ++i) {
-    if (w[i] == "-W") {
-      o.wait_ready = true;
-    } else if (w[i] == "-Wn") {
-      o.wait_ready = true;
-      if (++i >= w.size()) return fail(Errc::bad_argument, "loadusr -Wn needs a component's name");
-      o.component = w[i];
-    } else if (w[i] == "-w") {
-      o.wait_exit = true;
-    } else if (w[i] == "-i" || w[i] == "-wi" || w[i] == "-iw") {
-      o.ignore_status = true;
-      if (w[i].size() > 2) o.wait_exit = true;
-    } else {
-      return fail(Errc::bad_argument,
-                  "loadusr: unknown option " + quoted(w[i]) + "; known are -W, -Wn NAME, -w, -i");
+  for (; i < w.size() && w[i].size() > 1 && w[i][0] == '-'; ++i) {
+    if (w[i] == "--") {
+      ++i;
+      break;
+    }
+    for (std::size_t k = 1; k < w[i].size(); ++k) {
+      const char letter = w[i][k];
+      if (letter == 'W') {
+        o.wait_ready = true;
+      } else if (letter == 'w') {
+        o.wait_exit = true;
+      } else if (letter == 'i') {
+        o.ignore_status = true;
+      } else if (letter == 'n') {
+        o.component = w[i].substr(k + 1);
+        if (o.component.empty() && i + 1 < w.size()) o.component = w[++i];
+        if (o.component.empty())
+          return fail(Errc::bad_argument, "loadusr: option requires an argument -- 'n'");
+        break;
+      } else {
+        return fail(Errc::bad_argument, std::string("loadusr: invalid option -- '") + letter +
+                                            "'; known are -W, -n NAME, -w, -i");
+      }
     }
   }
-  if (i >= w.size()) return fail(Errc::bad_argument, "loadusr needs a program");
+  if (i >= w.size()) {
+    return fail(Errc::bad_argument, "execv(): No such file or directory; loadusr needs a program");
+  }
   o.program = i;
   if (o.component.empty()) o.component = base_name(w[i]);
   return o;

@@ -16,9 +16,10 @@ namespace kerf::hal {
 struct Filter {
   Type type{Type::unspecified};
   std::span<const std::string> patterns;
+  bool exact{false};
 
   static rtapi::Result<Filter> make(std::span<const std::string> words) {
-    Filter f{Type::unspecified, words};
+    Filter f{Type::unspecified, words, false};
     if (words.empty() || words[0].rfind("-t", 0) != 0) return f;
     f.type = type_from_name(std::string_view(words[0]).substr(2));
     if (f.type == Type::unspecified) {
@@ -27,11 +28,14 @@ struct Filter {
     f.patterns = words.subspan(1);
     return f;
   }
+  /// The same, for names that are equal to one of the patterns.
+  [[nodiscard]] Filter exactly() const { return {type, patterns, true}; }
   [[nodiscard]] bool takes(const std::string& name, Type t = Type::unspecified) const {
     if (type != Type::unspecified && t != type) return false;
     if (patterns.empty()) return true;
     for (const auto& p : patterns) {
-      if (name.rfind(p, 0) == 0 || fnmatch(p.c_str(), name.c_str(), 0) == 0) return true;
+      if (exact ? name == p : name.rfind(p, 0) == 0 || fnmatch(p.c_str(), name.c_str(), 0) == 0)
+        return true;
     }
     return false;
   }

@@ -4,22 +4,28 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "hal/client/user_component.hpp"
+#include "hal/client/request_all.hpp"
 #include "hal/cmd/commander.hpp"
 #include "hal/cmd/front_doors.hpp"
 #include "hal/cmd/options.hpp"
 #include "hal/cmd/prompt.hpp"
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/log/log.hpp"
+#include "rtapi/shm/process.hpp"
 
 namespace {
 
 using namespace kerf;  // NOLINT(google-build-using-namespace): the program's own file
 
+/// Exit status when the options or a file that they name cannot be used.
+constexpr int kBadUse = 255;
 rtapi::WaitClock* wait_clock = nullptr;  // for the signal handler
 
 void on_signal(int /*signal*/) {
@@ -32,7 +38,7 @@ void print_help() {
       "       halcmd [OPTIONS] -f [FILE]\n"
       "\n"
       "  -f [FILE]   commands from FILE (default: stdin), not from the command line\n"
-      "  -i INI      values for [SECTION]KEY in commands\n"
+      "  -i INI      values for [SECTION]KEY in the commands of a file or a session\n"
       "  -k          keep going after a failed command\n"
       "  -q          print errors only (default)\n"
       "  -Q          print nothing\n"
@@ -40,7 +46,7 @@ void print_help() {
       "  -v          print the result of every command\n"
       "  -V          print more\n"
       "  -e          echo commands to stderr\n"
-      "  -R          accepted; there is no lock to release\n"
+      "  -R          does nothing and ends: there is no mutex to release\n"
       "  --json      show, list, status, getp, gets, ptype and stype print JSON\n"
       "  -h [NAME]   this text, or that of one command\n"
       "\n"
@@ -60,14 +66,64 @@ int fail(const rtapi::Error& error) {
   return 1;
 }
 
+/// Connects when it is first asked for something: what only reads needs the segment and no more.
+class LateSession final : public hal::Session {
+ public:
+  explicit LateSession(rtapi::Segment& segment) : segment_(segment) {}
+  ~LateSession() override { leave(); }
+  LateSession(const LateSession&) = delete;
+  LateSession& operator=(const LateSession&) = delete;
+
+  rtapi::Status connect() {
+    if (socket_) return {};
+    KERF_TRY(socket_, hal::SocketSession::connect(segment_));
+    if (clock_ != nullptr) socket_->use_clock(clock_);
+    return {};
+  }
+  void use_clock(rtapi::WaitClock* clock) { clock_ = clock; }
+  /// As long as it is to be seen: halcmd with its process id, as scripts expect of `show comp`.
+  rtapi::Status appear() {
+    const std::string name = "halcmd" + std::to_string(::getpid());
+    const hal::Command commands[] = {{"comp-new", name}, {"comp-ready", name}};
+    KERF_TRY(const auto refused, hal::request_all(*this, commands, false));
+    if (!refused.empty())
+      return rtapi::fail(static_cast<rtapi::Errc>(refused[0].reply.status), refused[0].reply.text);
+    name_ = name;
+    return {};
+  }
+  void leave() {
+    if (!name_.empty()) (void)socket_->request({"comp-exit", name_});
+    name_.clear();
+  }
+
+  using Session::request;
+  rtapi::Result<hal::Reply> request(std::span<const std::string> argv) override {
+    KERF_CHECK(connect());
+    return socket_->request(argv);
+  }
+  [[nodiscard]] rtapi::Segment& segment() override { return segment_; }
+  [[nodiscard]] bool local() const noexcept override { return false; }
+
+ private:
+  rtapi::Segment& segment_;
+  std::unique_ptr<hal::SocketSession> socket_;
+  rtapi::WaitClock* clock_{nullptr};
+  std::string name_;
+};
+
 int connect_and_run(hal::HalcmdOptions& options, const std::vector<std::string>& words) {
   const std::string instance = rtapi::default_instance();
   auto segment = rtapi::Segment::attach(instance);
   if (!segment.ok()) return fail(segment.error());
-  auto session = hal::SocketSession::connect(**segment);
-  if (!session.ok()) return fail(session.error());
+  LateSession session(**segment);
+  // What a dead host left behind is no HAL to read.
+  const auto& header = (*segment)->header();
+  if (!rtapi::process_lives(header.owner_pid.get(), header.owner_start)) {
+    if (auto connected = session.connect(); !connected.ok()) return fail(connected.error());
+  }
 
   const std::string file = options.from_file ? (words.empty() ? "-" : words[0]) : "";
+  const bool interactive = !options.from_file && words.empty();
   struct stat st {};
   const bool bounded = options.from_file
                            ? file != "-" && ::stat(file.c_str(), &st) == 0 && S_ISREG(st.st_mode)
@@ -75,23 +131,24 @@ int connect_and_run(hal::HalcmdOptions& options, const std::vector<std::string>&
   auto clock = choose_clock(**segment, bounded);
   if (!clock.ok()) return fail(clock.error());
   wait_clock = clock->get();
-  if (bounded) (*session)->use_clock(clock->get());
+  if (bounded) session.use_clock(clock->get());
 
-  // Shows itself as long as it runs, as scripts expect of `show comp`.
-  hal::UserComponent self(**session, "halcmd" + std::to_string(::getpid()));
-  if (auto ready = self.ready(); !ready.ok()) return fail(ready.error());
-  hal::Commander commander(**session);
+  const auto appear = [&] {
+    if (auto done = session.appear(); !done.ok()) rtapi::log_error(done.error());
+  };
+  if (interactive) appear();
+  hal::Commander commander(session);
+  if (!interactive) commander.set_presence(appear);
   commander.set_clock(clock->get());
   options.apply(commander);
   bool good = true;
   if (options.from_file)
     good = commander.run_file(file);
-  else if (!words.empty())
+  else if (!interactive)
     good = commander.run_words(words);
   else
     good = hal::run_interactive(commander);
-  self.leave();
-  session->reset();
+  session.leave();
   wait_clock = nullptr;
   return good ? 0 : 1;
 }
@@ -118,7 +175,7 @@ int main(int argc, char** argv) {
       options.json = true;
       continue;
     }
-    if (!options.take(c, optarg)) return 255;
+    if (!options.take(c, optarg)) return kBadUse;
   }
   std::vector<std::string> words(argv + optind, argv + argc);
   if (!options.from_file && !words.empty() && (words[0] == "check" || words[0] == "graph")) {
@@ -126,7 +183,22 @@ int main(int argc, char** argv) {
     if (options.json) words.emplace_back("--json");
     return words[0] == "check" ? hal::check_main(words) : hal::graph_main(words);
   }
-  if (!options.load_ini()) return 1;
+  if (options.release) {
+    std::puts("halcmd: HAL has no mutex that a dead program could hold; nothing to release");
+    return 0;
+  }
+  if (!options.from_file && !options.ini_path.empty() && !words.empty()) {
+    std::fputs("-i may only be used together with -f; on the command line the shell substitutes\n",
+               stderr);
+    return 1;
+  }
+  if (options.from_file && !words.empty() && words[0] != "-" &&
+      ::access(words[0].c_str(), R_OK) != 0) {
+    std::fprintf(stderr, "Could not open command file '%s': %s\n", words[0].c_str(),
+                 std::strerror(errno));
+    return kBadUse;
+  }
+  if (!options.load_ini()) return kBadUse;
   struct sigaction action {};
   action.sa_handler = on_signal;
   ::sigaction(SIGTERM, &action, nullptr);

@@ -1,6 +1,12 @@
 #include "hal/cmd/options.hpp"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+
+#include "rtapi/log/log.hpp"
 
 namespace kerf::hal {
 
@@ -12,16 +18,24 @@ bool HalcmdOptions::take(int letter, const char* argument) {
     case 'k': keep_going = true; return true;
     case 'q': level = Commander::Level::errors; return true;
     case 'Q': level = Commander::Level::silent; return true;
-    case 'R': return true;  // there is no lock that a dead program could hold
+    case 'R': release = true; return true;
     case 's': script = true; return true;
     case 'v': level = Commander::Level::verbose; return true;
-    case 'V': level = Commander::Level::debug; return true;
+    case 'V':
+      level = Commander::Level::debug;
+      rtapi::set_log_level(rtapi::Level::debug);
+      return true;
     default: return false;
   }
 }
 
 bool HalcmdOptions::load_ini() {
   if (ini_path.empty()) return true;
+  if (::access(ini_path.c_str(), R_OK) != 0) {
+    std::fprintf(stderr, "Could not open INI file '%s': %s\n", ini_path.c_str(),
+                 std::strerror(errno));
+    return false;
+  }
   auto loaded = ini::IniFile::load(ini_path);
   for (const auto& d : loaded.diagnostics) std::fprintf(stderr, "%s\n", d.message().c_str());
   if (!loaded.ok) return false;

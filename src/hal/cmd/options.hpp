@@ -16,7 +16,8 @@ struct HalcmdOptions {
   bool keep_going{false};
   bool script{false};
   bool echo{false};
-  bool json{false};  ///< --json
+  bool json{false};     ///< --json
+  bool release{false};  ///< -R
   Commander::Level level{Commander::Level::errors};
   std::unique_ptr<ini::IniFile> ini;
 

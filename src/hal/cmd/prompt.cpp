@@ -4,16 +4,20 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "rtapi/clock/join_clock.hpp"
 
 namespace kerf::hal {
 namespace {
+
+constexpr int kHistoryLines = 1000;
 
 // libedit's callbacks have no argument of ours.
 const Commander* completing = nullptr;
@@ -38,19 +42,98 @@ char* give_candidate(const char* text, int state) {
   return nullptr;
 }
 
+/// What may stand behind a command: kinds of names for its first word and for those after it, or fixed words.
+struct Place {
+  const char* command;
+  std::vector<Kind> first;
+  std::vector<Kind> rest;
+  std::vector<std::string> words;
+};
+const std::vector<Kind> kNone;
+const std::vector<Kind> kItems{Kind::pin, Kind::param};
+const std::vector<Kind> kEverything{Kind::pin,      Kind::param,  Kind::signal,
+                                    Kind::function, Kind::thread, Kind::component};
+
+const std::vector<Place>& places() {
+  static const std::vector<Place> kPlaces{
+      {"net", {Kind::signal}, {Kind::pin}, {}},
+      {"linkps", {Kind::pin}, {Kind::signal}, {}},
+      {"linksp", {Kind::signal}, {Kind::pin}, {}},
+      {"linkpp", {Kind::pin}, {Kind::pin}, {}},
+      {"unlinkp", {Kind::pin}, kNone, {}},
+      {"getp", kItems, kNone, {}},
+      {"setp", kItems, kNone, {}},
+      {"ptype", kItems, kNone, {}},
+      {"gets", {Kind::signal}, kNone, {}},
+      {"sets", {Kind::signal}, kNone, {}},
+      {"stype", {Kind::signal}, kNone, {}},
+      {"delsig", {Kind::signal}, kNone, {"all"}},
+      {"newsig", kNone, kNone, {}},
+      {"addf", {Kind::function}, {Kind::thread}, {}},
+      {"delf", {Kind::function}, {Kind::thread}, {}},
+      {"unload", {Kind::component}, kNone, {"all"}},
+      {"unloadrt", {Kind::component}, kNone, {"all"}},
+      {"unloadusr", {Kind::component}, kNone, {"all"}},
+      {"waitusr", {Kind::component}, kNone, {}},
+      {"alias", kNone, kItems, {"pin", "param"}},
+      {"unalias", kNone, kItems, {"pin", "param"}},
+      {"lock", kNone, kNone, {"none", "tune", "all"}},
+      {"unlock", kNone, kNone, {"tune", "all"}},
+      {"status", kNone, kNone, {"lock", "mem", "all"}},
+      {"list", kNone, kEverything, {"comp", "pin", "sig", "param", "funct", "thread"}},
+      {"show",
+       kNone,
+       kEverything,
+       {"all", "alias", "comp", "pin", "pinexact", "sig", "param", "funct", "thread"}},
+      {"save",
+       kNone,
+       kNone,
+       {"all", "allu", "comp", "alias", "sig", "sigu", "link", "linka", "net", "neta", "netl",
+        "netla", "param", "unconnectedinpins", "thread"}},
+  };
+  return kPlaces;
+}
+
+void add_names(const std::vector<Kind>& kinds) {
+  for (const Kind kind : kinds) {
+    const auto names = completing->view().names(kind);
+    candidates.insert(candidates.end(), names.begin(), names.end());
+  }
+}
+
 char** complete(const char* text, int start, int /*end*/) {
   candidates.clear();
-  if (start == 0) {
+  const std::string_view before(rl_line_buffer, static_cast<std::size_t>(start));
+  const auto begin = before.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) {
     candidates = Commander::command_names();
   } else {
-    for (const Kind kind :
-         {Kind::pin, Kind::param, Kind::signal, Kind::function, Kind::thread, Kind::component}) {
-      const auto names = completing->view().names(kind);
-      candidates.insert(candidates.end(), names.begin(), names.end());
+    const std::string_view line = before.substr(begin);
+    const std::string_view command = line.substr(0, line.find_first_of(" \t"));
+    const bool first = line.find_first_not_of(" \t", command.size()) == std::string_view::npos;
+    const auto& all = places();
+    const auto place =
+        std::find_if(all.begin(), all.end(), [&](const Place& p) { return command == p.command; });
+    if (command == "help") {
+      candidates = Commander::command_names();
+    } else if (place == all.end()) {
+      add_names(kEverything);
+    } else {
+      add_names(first ? place->first : place->rest);
+      if (first) candidates.insert(candidates.end(), place->words.begin(), place->words.end());
     }
   }
-  rl_attempted_completion_over = 1;  // no file names
+  // File names are for what loads files and programs.
+  rl_attempted_completion_over = before.find("source") == std::string_view::npos &&
+                                         before.find("load") == std::string_view::npos
+                                     ? 1
+                                     : 0;
   return rl_completion_matches(text, give_candidate);
+}
+
+std::string history_file() {
+  const char* home = std::getenv("HOME");
+  return home == nullptr || *home == '\0' ? std::string() : std::string(home) + "/.halcmd_history";
 }
 
 }  // namespace
@@ -60,18 +143,26 @@ bool run_interactive(Commander& commander) {
   completing = &commander;
   rl_readline_name = "halcmd";
   rl_attempted_completion_function = complete;
+  const std::string history = history_file();
+  ::using_history();
+  ::stifle_history(kHistoryLines);
+  if (!history.empty()) (void)::read_history(history.c_str());
   struct sigaction action {};
   action.sa_handler = on_signal;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
   bool good = true;
   int number = 0;
+  std::string last;
   while (!commander.quit_requested()) {
     char* line = ::readline("halcmd: ");
     if (line == nullptr) {
       std::puts("");
       break;
     }
-    if (*line != '\0') ::add_history(line);
+    if (*line != '\0' && last != line) {
+      ::add_history(line);
+      last = line;
+    }
     const auto clock = rtapi::make_real_clock();
     line_clock = clock.get();
     commander.set_clock(clock.get());
@@ -80,6 +171,7 @@ bool run_interactive(Commander& commander) {
     line_clock = nullptr;
     std::free(line);  // NOLINT(cppcoreguidelines-no-malloc): readline's
   }
+  if (!history.empty()) (void)::write_history(history.c_str());
   completing = nullptr;
   return good;
 }

@@ -123,11 +123,21 @@ void show_signals(std::string& out, const View& view, const Filter& filter, bool
   out += '\n';
 }
 
-/// There are no aliases yet; the titles are part of the format.
-void show_aliases(std::string& out, const char* title, bool script) {
+/// Either name may match.
+void show_aliases(std::string& out, const char* title, const std::vector<ItemInfo>& items,
+                  const Filter& filter, bool script) {
   if (!script) {
     put(out, "%s Aliases:\n", title);
     put(out, " %-*s  %s\n", static_cast<int>(kNameLength), "Alias", "Original Name");
+  }
+  for (const auto& i : items) {
+    if (i.original_name.empty()) continue;
+    if (!filter.takes(i.name, i.type) && !filter.takes(i.original_name, i.type)) continue;
+    if (script)
+      put(out, " %s  %s\n", i.name.c_str(), i.original_name.c_str());
+    else
+      put(out, " %-*s  %s\n", static_cast<int>(kNameLength), i.name.c_str(),
+          i.original_name.c_str());
   }
   out += '\n';
 }
@@ -197,16 +207,20 @@ Result<std::string> show_text(const View& view, std::string_view item,
   };
   bool known = all;
   if (wanted("comp")) show_components(out, view, f, script), known = true;
+  if (item == "pinexact") {
+    const Filter exact = f.exactly();
+    show_pins(out, view, exact, script), known = true;
+  }
   if (wanted("pin")) show_pins(out, view, f, script), known = true;
-  if (wanted("alias")) show_aliases(out, "Pin", script), known = true;
+  if (wanted("alias")) show_aliases(out, "Pin", view.pins(), f, script), known = true;
   if (wanted("sig", "signal")) show_signals(out, view, f, script), known = true;
   if (wanted("param", "parameter")) show_params(out, view, f, script), known = true;
-  if (wanted("alias")) show_aliases(out, "Parameter", script), known = true;
+  if (wanted("alias")) show_aliases(out, "Parameter", view.params(), f, script), known = true;
   if (wanted("funct", "function")) show_functions(out, view, f, script), known = true;
   if (wanted("thread")) show_threads(out, view, f, script), known = true;
   if (!known) {
     return unknown("show", item,
-                   {"all", "alias", "comp", "pin", "sig", "param", "funct", "thread"});
+                   {"all", "alias", "comp", "pin", "pinexact", "sig", "param", "funct", "thread"});
   }
   return out;
 }

@@ -13,23 +13,28 @@ using rtapi::Result;
 
 namespace {
 
-bool is_name_char(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+bool is_name_char(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.' || c == '-';
+}
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
-/// A name at text[i]: bare, or in parentheses. False: there is none.
-Result<bool> take_name(std::string_view text, std::size_t& i, std::string& name) {
+/// A name at text[i]: bare, or in parentheses; i moves behind it.
+Result<std::string> take_name(std::string_view text, std::size_t& i) {
+  std::string name;
   if (i < text.size() && text[i] == '(') {
     const auto end = text.find(')', i);
-    if (end == std::string_view::npos)
-      return fail(Errc::syntax, "missing ')' after '" + std::string(text.substr(i)) + "'");
+    if (end == std::string_view::npos) {
+      return fail(Errc::syntax, "Missing close parenthesis.");
+    }
     name = text.substr(i + 1, end - i - 1);
     i = end + 1;
-    return true;
+  } else {
+    const std::size_t begin = i;
+    while (i < text.size() && is_name_char(text[i])) ++i;
+    name = text.substr(begin, i - begin);
   }
-  const std::size_t begin = i;
-  while (i < text.size() && is_name_char(text[i])) ++i;
-  name = text.substr(begin, i - begin);
-  return !name.empty();
+  if (name.empty()) return fail(Errc::syntax, "Empty variable name.");
+  return name;
 }
 
 }  // namespace
@@ -61,39 +66,29 @@ Result<std::string> substitute(std::string_view text, const IniLookup& ini) {
   std::string out;
   std::size_t i = 0;
   while (i < text.size()) {
-    const std::size_t begin = i;
-    std::string name;
     if (text[i] == '$') {
       ++i;
-      KERF_TRY(const bool found, take_name(text, i, name));
-      if (found) {
-        const char* value = std::getenv(name.c_str());
-        if (value == nullptr)
-          return fail(Errc::not_found, "Environment variable '" + name + "' not found.");
-        out += value;
-        continue;
-      }
+      KERF_TRY(const std::string name, take_name(text, i));
+      const char* value = std::getenv(name.c_str());
+      if (value == nullptr)
+        return fail(Errc::not_found, "Environment variable '" + name + "' not found.");
+      out += value;
     } else if (text[i] == '[') {
       const auto close = text.find(']', i);
-      if (close != std::string_view::npos) {
-        const std::string section(text.substr(i + 1, close - i - 1));
-        std::size_t after = close + 1;
-        KERF_TRY(const bool found, take_name(text, after, name));
-        if (found) {
-          const std::string variable = std::string("[").append(section).append("]").append(name);
-          if (!ini)
-            return fail(Errc::not_found,
-                        "Ini variable '" + variable + "' is used, but no INI file was given (-i).");
-          const auto value = ini(section, name);
-          if (!value) return fail(Errc::not_found, "Ini variable '" + variable + "' not found.");
-          out += *value;
-          i = after;
-          continue;
-        }
+      if (close == std::string_view::npos)
+        return fail(Errc::syntax, "Missing close square bracket.");
+      const std::string section(text.substr(i + 1, close - i - 1));
+      i = close + 1;
+      KERF_TRY(const std::string name, take_name(text, i));
+      const auto value = ini ? ini(section, name) : std::nullopt;
+      if (!value) {
+        return fail(Errc::not_found, "Ini variable '[" + section + "]" + name + "' not found." +
+                                         (ini ? "" : " No INI file was given: option -i"));
       }
+      out += *value;
+    } else {
+      out += text[i++];
     }
-    i = begin + 1;
-    out += text[begin];
   }
   return out;
 }

@@ -1,4 +1,4 @@
-// From a line of a HAL file to words: comments, substitution, quotes.
+// From a line of a HAL file to words: comments, substitution, quotes. There are no escapes; a backslash is a character.
 #pragma once
 
 #include <functional>
@@ -24,14 +24,15 @@ IniLookup ini_lookup(const ini::IniFile& file);
 /// The line without what follows '#' outside quotes.
 std::string without_comment(std::string_view line);
 
-/// Replaces $VAR, $(VAR), [SECTION]KEY and [SECTION](KEY), also within quotes. A name without parentheses ends at the first
-/// character that is no letter, digit or '_'. Anything else with '$' or '[' stays (patterns of `show`).
+/// Replaces $VAR, $(VAR), [SECTION]KEY and [SECTION](KEY), also within words and quotes. A name without parentheses is made of
+/// letters, digits, '_', '.' and '-'. Each '$' and '[' must begin one.
 rtapi::Result<std::string> substitute(std::string_view text, const IniLookup& ini);
 
-/// Words between blanks; "..." and '...' may hold blanks and stay in the words. An open quote is an error.
+/// Words between blanks; "..." and '...' may hold blanks and stay in the words: quotes are part of what a command is given.
+/// An open quote is an error.
 rtapi::Result<std::vector<std::string>> split_words(std::string_view text);
 
-/// The word without its quotes: a"b c"d -> ab cd.
+/// The word without its quotes, as programs are given it: a"b c"d -> ab cd.
 std::string unquoted(std::string_view word);
 
 }  // namespace kerf::hal

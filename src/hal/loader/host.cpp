@@ -4,7 +4,9 @@
 #include <new>
 
 #include "hal/core/value_text.hpp"
+#include "hal/loader/batch.hpp"
 #include "rtapi/base/suggest.hpp"
+#include "rtapi/log/log.hpp"
 
 namespace kerf::hal {
 
@@ -37,6 +39,8 @@ struct Host::Row {
 
 std::span<const Host::Row> Host::rows() {
   static constexpr Row kRows[] = {
+      {"batch", 1, SIZE_MAX, 0, &Host::batch},
+      {"debug", 1, 1, 0, &Host::debug},
       {"loadrt", 1, SIZE_MAX, lock_load, &Host::load},
       {"unloadrt", 1, 1, lock_load, &Host::unload},
       {"net", 1, SIZE_MAX, lock_config, &Host::net},
@@ -48,6 +52,8 @@ std::span<const Host::Row> Host::rows() {
       {"unlinkp", 1, 1, lock_config, &Host::unlink},
       {"setp", 2, 2, lock_params, &Host::set_item},
       {"sets", 2, 2, lock_params, &Host::set_signal},
+      {"alias", 3, 3, lock_config, &Host::alias},
+      {"unalias", 2, 2, lock_config, &Host::unalias},
       {"addf", 2, 3, lock_config, &Host::add_function},
       {"delf", 2, 2, lock_config, &Host::delete_function},
       {"start", 0, 0, lock_run, &Host::start},
@@ -99,6 +105,28 @@ Reply Host::command(Words argv, std::uint64_t client, std::int64_t pid) {
              "Unknown command " + quoted(argv[0]) + rtapi::did_you_mean(argv[0], known));
 }
 
+Reply Host::batch(Words argv) {
+  const auto batch = decode_batch(argv);
+  if (!batch) return bad(Errc::protocol, "batch: words that do not belong together");
+  std::vector<ReplyPacket> failures;
+  for (std::size_t i = 0; i < batch->commands.size(); ++i) {
+    const Command& words = batch->commands[i];
+    if (!words.empty() && words[0] == "batch") return bad(Errc::protocol, "batch within a batch");
+    Reply done = command(words, client_, pid_);
+    if (done.ok()) continue;
+    failures.push_back({static_cast<std::uint32_t>(i), done.status, std::move(done.text)});
+    if (!batch->keep_going) break;
+  }
+  return {0, encode_failures(failures)};
+}
+
+Reply Host::debug(Words argv) {
+  const auto level = parse_value(Type::s32, argv[0]);
+  if (!level.ok()) return bad(level.error().code, level.error().message());
+  rtapi::set_log_level(static_cast<rtapi::Level>(from_raw<std::int32_t>(*level)));
+  return {};
+}
+
 // ---- signals and values -------------------------------------------------------------------------
 
 Reply Host::net(Words argv) { return reply(registry_->net(argv[0], argv.subspan(1))); }
@@ -119,6 +147,20 @@ Reply Host::link_pins(Words argv) { return reply(registry_->link_pins(argv[0], a
 Reply Host::unlink(Words argv) { return reply(registry_->unlink(argv[0])); }
 Reply Host::set_item(Words argv) { return reply(registry_->set_item(argv[0], argv[1])); }
 Reply Host::set_signal(Words argv) { return reply(registry_->set_signal(argv[0], argv[1])); }
+
+Reply Host::alias(Words argv) {
+  const Kind kind = argv[0] == "pin" ? Kind::pin : argv[0] == "param" ? Kind::param : Kind::none;
+  if (kind == Kind::none)
+    return bad(Errc::bad_argument, "alias: " + quoted(argv[0]) + " is neither pin nor param");
+  return reply(registry_->alias(kind, argv[1], argv[2]));
+}
+
+Reply Host::unalias(Words argv) {
+  const Kind kind = argv[0] == "pin" ? Kind::pin : argv[0] == "param" ? Kind::param : Kind::none;
+  if (kind == Kind::none)
+    return bad(Errc::bad_argument, "unalias: " + quoted(argv[0]) + " is neither pin nor param");
+  return reply(registry_->unalias(kind, argv[1]));
+}
 
 Reply Host::start(Words /*argv*/) {
   registry_->set_running(true);

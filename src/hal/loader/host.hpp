@@ -144,6 +144,8 @@ class Host {
   Host(const rtapi::Clock& clock, ModuleSource& modules, HostDriver* driver)
       : clock_(clock), modules_(modules), driver_(driver) {}
 
+  Reply batch(Words argv);
+  Reply debug(Words argv);
   Reply load(Words argv);
   Reply unload(Words argv);
   Reply net(Words argv);
@@ -155,6 +157,8 @@ class Host {
   Reply unlink(Words argv);
   Reply set_item(Words argv);
   Reply set_signal(Words argv);
+  Reply alias(Words argv);
+  Reply unalias(Words argv);
   Reply add_function(Words argv);
   Reply delete_function(Words argv);
   Reply start(Words argv);

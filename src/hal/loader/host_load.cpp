@@ -23,19 +23,18 @@ std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
 
 using Args = std::map<std::string, std::string, std::less<>>;
 
-/// NAME=VALUE words; quotes around a value are taken off.
+/// NAME=VALUE words. Double quotes are taken out wherever they are, single ones when they enclose the value.
 Result<Args> parse_args(std::span<const std::string> words) {
   Args args;
-  for (const auto& word : words) {
+  for (std::string word : words) {
+    std::erase(word, '"');
     const auto equals = word.find('=');
     if (equals == std::string::npos || equals == 0) {
       return fail(Errc::bad_argument, "Unknown parameter `" + word + "'; expected NAME=VALUE");
     }
     std::string value = word.substr(equals + 1);
-    if (value.size() >= 2 && (value.front() == '"' || value.front() == '\'') &&
-        value.back() == value.front()) {
+    if (value.size() >= 2 && value.front() == '\'' && value.back() == '\'')
       value = value.substr(1, value.size() - 2);
-    }
     args[word.substr(0, equals)] = value;
   }
   return args;

@@ -44,6 +44,8 @@ TEST(Words, CommentsAndQuotes) {
   EXPECT_EQ(unquoted("e'f g'h"), "ef gh");
   EXPECT_EQ(unquoted("config=\"a='1' b\""), "config=a='1' b");
   EXPECT_EQ(split_words("a 'b").error().message(), "unterminated quoted string");
+  EXPECT_EQ(unquoted("e'f g'h"), "ef gh");
+  EXPECT_EQ(unquoted("config=\"a='1' b\""), "config=a='1' b");
 }
 
 class Capture final : public CommandSink {
