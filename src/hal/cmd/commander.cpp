@@ -73,7 +73,7 @@ std::span<const Commander::Row> Commander::rows() {
   static constexpr Row kRows[] = {
       {"loadrt", 1, kAny, 0, &Commander::load_realtime, "loadrt NAME [PARAMETER=VALUE ...]",
        "Loads a realtime component."},
-      {"loadusr", 0, kAny, 0, &Commander::load_user,
+      {"loadusr", 1, kAny, 0, &Commander::load_user,
        "loadusr [-W | -Wn NAME | -w] [-i] PROGRAM [ARGUMENT ...]",
        "Starts a program. -W waits until its component is ready, -n gives that component's name, "
        "-w waits for the end of the program, -i ignores its exit status."},
@@ -223,7 +223,8 @@ bool Commander::run(std::vector<std::string> words) {
       std::erase_if(words, [](const std::string& w) { return is_arrow(w); });
     const std::size_t given = words.size() - 1;
     if (given >= row->min && given <= row->max) {
-      if (batched_ && (row->flags & Row::batch) != 0 && level_ <= Level::errors) {
+      // Whoever looks at each command, or wants each one's result told, gets them one by one.
+      if (batched_ && (row->flags & Row::batch) != 0 && level_ <= Level::errors && !interceptor_) {
         waiting_.push_back({&*row, std::move(words), file_, line_});
         return waiting_.size() < kMostWaiting || settle();
       }

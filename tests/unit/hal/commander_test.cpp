@@ -178,9 +178,9 @@ TEST_F(CommanderTest, ABackslashJoinsLines) {
 
 /// Quotes are part of the words that a command is given.
 TEST_F(CommanderTest, QuotesStay) {
-  EXPECT_TRUE(run("newsig \"a\" bit\nlist sig\nloadrt adder names=\"p,q\"\nlist pin *.in\nsave comp\n"));
-  EXPECT_EQ(sink_.out_text,
-            "\"a\" \np.in q.in \n# components\nloadrt adder names=\"p,q\"\n");
+  EXPECT_TRUE(
+      run("newsig \"a\" bit\nlist sig\nloadrt adder names=\"p,q\"\nlist pin *.in\nsave comp\n"));
+  EXPECT_EQ(sink_.out_text, "\"a\" \np.in q.in \n# components\nloadrt adder names=\"p,q\"\n");
 }
 
 TEST_F(CommanderTest, EchoPrintsWhatIsRead) {
@@ -227,11 +227,10 @@ TEST_F(CommanderTest, ManyCommandsAtOnceAreDoneInOrder) {
 
   commander_.set_keep_going(true);
   EXPECT_FALSE(run(text + "setp c1.step x\nsetp $ 1\nsetp c2.step 5\nnope\n"));
-  EXPECT_THAT(sink_.err_text,
-              testing::MatchesRegex("t.hal:401: Signal 'bad'[^\n]*\n"
-                                    "t.hal:404: value 'x' invalid for S32\n"
-                                    "t.hal:405: Empty variable name.\n"
-                                    "t.hal:407: Unknown command 'nope'\n"));
+  EXPECT_THAT(sink_.err_text, testing::MatchesRegex("t.hal:401: Signal 'bad'[^\n]*\n"
+                                                    "t.hal:404: value 'x' invalid for S32\n"
+                                                    "t.hal:405: Empty variable name.\n"
+                                                    "t.hal:407: Unknown command 'nope'\n"));
   EXPECT_EQ(sink_.out_text, "77\n");
   EXPECT_EQ(*view_->value("c2.step"), "5");
 }
