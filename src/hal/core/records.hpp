@@ -94,7 +94,6 @@ struct SignalRecord : Record {
   std::uint32_t readers{0}, writers{0}, bidirs{0};
   /// A pin of a user component was linked: its process may hold the slot's address.
   std::uint32_t user_seen{0};
-  std::uint32_t port_bytes{0};  ///< a port: of its buffer, which the value is the handle of
   Word<Offset> first_pin{0};
 };
 

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <new>
@@ -102,13 +103,23 @@ ThreadRecord* Registry::find_thread(std::string_view name) const noexcept {
   return find<ThreadRecord>(Kind::thread, name);
 }
 
-std::vector<std::string> Registry::names(Kind kind) const {
-  std::vector<std::string> out;
+std::vector<std::string_view> Registry::names(Kind kind) const {
+  std::vector<std::string_view> out;
+  out.reserve(root_.count[static_cast<std::size_t>(kind)].get());
   for (auto* r = at<Record>(root_.head[static_cast<std::size_t>(kind)].get()); r != nullptr;
        r = at<Record>(r->next.get())) {
-    out.emplace_back(r->name.view());
+    out.push_back(r->name.view());
   }
   return out;
+}
+
+std::string Registry::suggestion(std::string_view name, std::initializer_list<Kind> kinds) const {
+  std::vector<std::string_view> known;
+  for (const Kind kind : kinds) {
+    const auto more = names(kind);
+    known.insert(known.end(), more.begin(), more.end());
+  }
+  return rtapi::did_you_mean(name, known);
 }
 
 template <class T>
@@ -333,6 +344,7 @@ void Registry::retire_item(ItemRecord& item, bool of_user) {
   else
     retire(link);
   if (item.native == 0) retire_held(value, of_user ? Holds::own : Holds::everything);
+  if (item.type == Type::port) retire_queue(item, of_user ? Holds::own : Holds::everything);
 }
 
 Result<ItemRecord*> Registry::add_pin(ComponentRecord& owner, const ItemSpec& spec) {
@@ -348,36 +360,34 @@ Result<ItemRecord*> Registry::add_param(ComponentRecord& owner, const ItemSpec& 
 
 Status Registry::alias(Kind kind, std::string_view name, std::string_view alias) {
   reclaim();
+  if (alias.size() > kNameLength)
+    return fail(Errc::bad_argument, "alias name " + quoted(alias) + " is too long");
+  if (const auto reason = bad_name_reason(alias); !reason.empty())
+    return fail(Errc::bad_argument, reason);
+  if (find_item(kind, alias) != nullptr)
+    return fail(Errc::exists, "duplicate pin/alias name " + quoted(alias));
   ItemRecord* item = find_item(kind, name);
   if (item == nullptr) {
     return fail(Errc::not_found, std::string(kind_name(kind)) + " " + quoted(name) + " not found" +
-                                     rtapi::did_you_mean(name, names(kind)));
+                                     suggestion(name, {kind}));
   }
-  if (const auto reason = bad_name_reason(alias); !reason.empty())
-    return fail(Errc::bad_argument, reason);
-  if (const ItemRecord* other = find_item(kind, alias); other != nullptr) {
-    return fail(Errc::exists,
-                "duplicate " + std::string(kind_name(kind)) + "/alias name " + quoted(alias));
-  }
+  OriginalRecord* original = nullptr;
   if (item->original.get() == 0) {
     KERF_TRY(const Offset offset,
              allocate(sizeof(OriginalRecord), Region::structure, Kind::original));
-    auto* original = new (segment_.at<OriginalRecord>(offset)) OriginalRecord();
+    original = new (segment_.at<OriginalRecord>(offset)) OriginalRecord();
     original->kind = Kind::original;
     original->id = next_id_++;
     original->name = item->name;
     original->of = kind;
     original->item = offset_of(item);
-    const Change change(root_);
-    erase_from_hash(*item, kind);
-    insert(*original);
-    item->original.set(offset);
-    item->name = Name(alias);
-    insert_in_hash(*item, kind);
-    return {};
   }
   const Change change(root_);
   erase_from_hash(*item, kind);
+  if (original != nullptr) {
+    insert(*original);
+    item->original.set(offset_of(original));
+  }
   item->name = Name(alias);
   insert_in_hash(*item, kind);
   return {};
@@ -388,12 +398,9 @@ Status Registry::unalias(Kind kind, std::string_view name) {
   ItemRecord* item = find_item(kind, name);
   if (item == nullptr) {
     return fail(Errc::not_found, std::string(kind_name(kind)) + " " + quoted(name) + " not found" +
-                                     rtapi::did_you_mean(name, names(kind)));
+                                     suggestion(name, {kind}));
   }
-  if (item->original.get() == 0) {
-    return fail(Errc::bad_argument,
-                std::string(kind_name(kind)) + " " + quoted(name) + " has no alias");
-  }
+  if (item->original.get() == 0) return {};
   const Change change(root_);
   erase_from_hash(*item, kind);
   item->name = at<OriginalRecord>(item->original.get())->name;

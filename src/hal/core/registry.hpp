@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <initializer_list>
 #include <map>
 #include <memory>
 #include <set>
@@ -100,9 +101,9 @@ class Registry {
   rtapi::Status link_pins(std::string_view first, std::string_view second);
   rtapi::Status unlink(std::string_view pin);
 
-  /// setp: a parameter that is rw, else an unlinked pin that is not an output.
+  /// setp: a parameter that is rw, else an unlinked pin that is not an output. For a port: as set_signal().
   rtapi::Status set_item(std::string_view name, std::string_view value);
-  /// sets: a signal without writers. For a port the value is the size of the queue, which is made.
+  /// sets: a signal without writers. For a port the value is the size of its queue, which is made, once; 0 does nothing.
   rtapi::Status set_signal(std::string_view name, std::string_view value);
 
   void set_running(bool on) noexcept;
@@ -136,8 +137,8 @@ class Registry {
   [[nodiscard]] FunctionRecord* find_function(std::string_view name) const noexcept;
   [[nodiscard]] ThreadRecord* find_thread(std::string_view name) const noexcept;
   [[nodiscard]] MemoryRecord* find_memory(std::string_view name) const noexcept;
-  /// Names of all of a kind, for "did you mean".
-  [[nodiscard]] std::vector<std::string> names(Kind kind) const;
+  /// Names of all of a kind, for "did you mean". Valid until the next change.
+  [[nodiscard]] std::vector<std::string_view> names(Kind kind) const;
 
   [[nodiscard]] SlotRef slot_ref(const ItemRecord& item) const noexcept {
     return slot_at(segment_, item.link);
@@ -183,6 +184,10 @@ class Registry {
     ThreadRecord* thread;
     std::uint64_t cycles;
   };
+  struct Queue {
+    Offset offset;
+    std::uint32_t bytes;
+  };
   struct Piece {
     std::size_t bytes;
     Region region;
@@ -217,7 +222,10 @@ class Registry {
   void point(ItemRecord& pin, Offset slot) noexcept;
   [[nodiscard]] const ItemRecord* pin_with(const SignalRecord& signal, Dir dir) const noexcept;
   void erase_signal(SignalRecord& signal);
-  rtapi::Status make_queue(SignalRecord& signal, std::string_view size);
+  rtapi::Status make_queue(const Record& record, Offset value, std::string_view size);
+  void retire_queue(const Record& record, Holds least);
+  [[nodiscard]] std::string suggestion(std::string_view name,
+                                       std::initializer_list<Kind> kinds) const;
   void erase_thread(ThreadRecord& thread);
   void retire_run_list(ThreadRecord& thread);
   rtapi::Result<RunListRecord*> run_list_with_room(ThreadRecord& thread, std::size_t functions);
@@ -231,7 +239,8 @@ class Registry {
   SlotPool links_{structure_};
   SlotPool values_{shared_};
   SlotPool signal_values_{shared_};
-  std::unordered_map<Offset, Piece> pieces_;  ///< of allocate_memory()
+  std::unordered_map<Offset, Piece> pieces_;         ///< of allocate_memory()
+  std::unordered_map<const Record*, Queue> queues_;  ///< of port signals and pins
   std::vector<Block> pending_;  ///< removed since the last snapshot of the threads' cycles
   std::vector<Block> in_grace_;
   std::vector<Seen> snapshot_;

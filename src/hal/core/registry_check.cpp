@@ -125,8 +125,10 @@ class Registry::Checker {
     expect(slots_.insert(s.value).second, "two share a value slot", &s);
     if (s.type == Type::port) {
       const Offset queue = load_value(Type::port, r_.segment_.at<std::byte>(s.value));
-      expect((queue != 0) == (s.port_bytes != 0), "a port's handle and size do not agree", &s);
-      expect(queue == 0 || !r_.shared_.is_free(queue, Port::bytes(s.port_bytes)),
+      const auto it = r_.queues_.find(&s);
+      expect(queue == (it == r_.queues_.end() ? 0 : it->second.offset),
+             "a port's handle leads to no queue of its own", &s);
+      expect(queue == 0 || !r_.shared_.is_free(queue, Port::bytes(it->second.bytes)),
              "a port's queue is in free memory", &s);
     }
   }

@@ -1,11 +1,12 @@
 // Registry: signals, links and values.
 #include "hal/core/registry.hpp"
 
+#include <algorithm>
+
 #include "hal/core/port.hpp"
 #include "hal/core/registry_change.hpp"
 #include "hal/core/value_access.hpp"
 #include "hal/core/value_text.hpp"
-#include "rtapi/base/suggest.hpp"
 
 namespace kerf::hal {
 
@@ -49,10 +50,7 @@ Result<SignalRecord*> Registry::make_signal(std::string_view name, Type type) {
 void Registry::erase_signal(SignalRecord& signal) {
   while (signal.first_pin.get() != 0) detach(*at<ItemRecord>(signal.first_pin.get()));
   const Holds least = signal.user_seen != 0 ? Holds::own : Holds::everything;
-  if (signal.port_bytes != 0) {
-    const Offset queue = load_value(Type::port, segment_.at<std::byte>(signal.value));
-    retire_held({queue, Port::bytes(signal.port_bytes), Kind::none, Store::shared}, least);
-  }
+  if (signal.type == Type::port) retire_queue(signal, least);
   retire_held({signal.value, SlotPool::kSlotBytes, Kind::none, Store::signal_value}, least);
   erase(signal, sizeof signal);
 }
@@ -61,8 +59,8 @@ Status Registry::delete_signal(std::string_view name) {
   reclaim();
   SignalRecord* signal = find_signal(name);
   if (signal == nullptr) {
-    return fail(Errc::not_found, "signal " + quoted(name) + " not found" +
-                                     rtapi::did_you_mean(name, names(Kind::signal)));
+    return fail(Errc::not_found,
+                "signal " + quoted(name) + " not found" + suggestion(name, {Kind::signal}));
   }
   const Change change(root_);
   erase_signal(*signal);
@@ -103,7 +101,12 @@ Status Registry::check_link(const ItemRecord& pin, const SignalRecord& signal) c
 
 void Registry::attach(ItemRecord& pin, SignalRecord& signal) noexcept {
   auto* value = segment_.at<std::byte>(signal.value);
-  if (signal.first_pin.get() == 0 && signal.type != Type::port) {
+  const auto* owner = at<ComponentRecord>(pin.owner);
+  const bool of_user = owner != nullptr && owner->type != ComponentKind::realtime;
+  if (pin.type == Type::port) {
+    // The queue is that of the signal, from now on.
+    retire_queue(pin, of_user ? Holds::own : Holds::everything);
+  } else if (signal.first_pin.get() == 0) {
     // The first pin gives the signal its value, so that linking never makes a value jump.
     store_slot(value, load_value(pin.type, segment_.at<std::byte>(pin.value)));
   }
@@ -115,8 +118,7 @@ void Registry::attach(ItemRecord& pin, SignalRecord& signal) noexcept {
   if (pin.dir == Dir::in) ++signal.readers;
   if (pin.dir == Dir::out) ++signal.writers;
   if (pin.dir == Dir::io) ++signal.bidirs;
-  const auto* owner = at<ComponentRecord>(pin.owner);
-  if (owner != nullptr && owner->type != ComponentKind::realtime) signal.user_seen = 1;
+  if (of_user) signal.user_seen = 1;
   point(pin, signal.value);
 }
 
@@ -164,7 +166,7 @@ Status Registry::net(std::string_view name, std::span<const std::string> pins) {
     ItemRecord* pin = find_pin(pin_name);
     if (pin == nullptr) {
       return fail(Errc::not_found, "Pin " + quoted(pin_name) + " does not exist" +
-                                       rtapi::did_you_mean(pin_name, names(Kind::pin)));
+                                       suggestion(pin_name, {Kind::pin}));
     }
     if (std::find(fresh.begin(), fresh.end(), pin) != fresh.end()) continue;
     if (const auto* linked = at<SignalRecord>(pin->signal.get()); linked != nullptr) {
@@ -209,13 +211,13 @@ Status Registry::link(std::string_view pin_name, std::string_view signal_name) {
   reclaim();
   ItemRecord* pin = find_pin(pin_name);
   if (pin == nullptr) {
-    return fail(Errc::not_found, "pin " + quoted(pin_name) + " not found" +
-                                     rtapi::did_you_mean(pin_name, names(Kind::pin)));
+    return fail(Errc::not_found,
+                "pin " + quoted(pin_name) + " not found" + suggestion(pin_name, {Kind::pin}));
   }
   SignalRecord* signal = find_signal(signal_name);
   if (signal == nullptr) {
     return fail(Errc::not_found, "signal " + quoted(signal_name) + " not found" +
-                                     rtapi::did_you_mean(signal_name, names(Kind::signal)));
+                                     suggestion(signal_name, {Kind::signal}));
   }
   if (const auto* linked = at<SignalRecord>(pin->signal.get()); linked != nullptr) {
     if (linked == signal) return {};
@@ -234,8 +236,8 @@ Status Registry::link_pins(std::string_view first, std::string_view second) {
   ItemRecord* b = find_pin(second);
   for (const auto& [pin, name] : {std::pair(a, first), std::pair(b, second)}) {
     if (pin == nullptr) {
-      return fail(Errc::not_found, "pin " + quoted(name) + " not found" +
-                                       rtapi::did_you_mean(name, names(Kind::pin)));
+      return fail(Errc::not_found,
+                  "pin " + quoted(name) + " not found" + suggestion(name, {Kind::pin}));
     }
     if (const auto* linked = at<SignalRecord>(pin->signal.get()); linked != nullptr) {
       return fail(Errc::busy, "pin " + quoted(name) + " is linked to " + quoted(linked->name));
@@ -264,7 +266,7 @@ Status Registry::unlink(std::string_view name) {
   ItemRecord* pin = find_pin(name);
   if (pin == nullptr) {
     return fail(Errc::not_found,
-                "pin " + quoted(name) + " not found" + rtapi::did_you_mean(name, names(Kind::pin)));
+                "pin " + quoted(name) + " not found" + suggestion(name, {Kind::pin}));
   }
   const Change change(root_);
   detach(*pin);
@@ -286,11 +288,8 @@ Status Registry::set_item(std::string_view name, std::string_view value) {
   }
   ItemRecord* pin = find_pin(name);
   if (pin == nullptr) {
-    auto known = names(Kind::pin);
-    const auto params = names(Kind::param);
-    known.insert(known.end(), params.begin(), params.end());
     return fail(Errc::not_found, "parameter or pin " + quoted(name) + " not found" +
-                                     rtapi::did_you_mean(name, known));
+                                     suggestion(name, {Kind::pin, Kind::param}));
   }
   if (pin->dir == Dir::out)
     return fail(Errc::permission, "pin " + quoted(name) + " is not writable");
@@ -298,6 +297,7 @@ Status Registry::set_item(std::string_view name, std::string_view value) {
     return fail(Errc::busy, "pin " + quoted(name) + " is connected to a signal (" +
                                 std::string(signal->name) + "): use sets");
   }
+  if (pin->type == Type::port) return make_queue(*pin, pin->value, value);
   KERF_TRY(const std::uint64_t raw, parse_value(pin->type, value));
   store_slot(segment_.at<std::byte>(pin->value), raw);
   return {};
@@ -306,40 +306,51 @@ Status Registry::set_item(std::string_view name, std::string_view value) {
 Status Registry::set_signal(std::string_view name, std::string_view value) {
   SignalRecord* signal = find_signal(name);
   if (signal == nullptr) {
-    return fail(Errc::not_found, "signal " + quoted(name) + " not found" +
-                                     rtapi::did_you_mean(name, names(Kind::signal)));
+    return fail(Errc::not_found,
+                "signal " + quoted(name) + " not found" + suggestion(name, {Kind::signal}));
   }
+  if (signal->type == Type::port) return make_queue(*signal, signal->value, value);
   if (signal->writers > 0) {
     const auto* writer = pin_with(*signal, Dir::out);
     return fail(Errc::busy, "signal " + quoted(name) + " already has writer(s): " +
                                 (writer != nullptr ? quoted(writer->name) : std::string("?")));
   }
-  if (signal->type == Type::port) return make_queue(*signal, value);
   KERF_TRY(const std::uint64_t raw, parse_value(signal->type, value));
   store_slot(segment_.at<std::byte>(signal->value), raw);
   return {};
 }
 
-Status Registry::make_queue(SignalRecord& signal, std::string_view size) {
-  KERF_TRY(const std::uint64_t bytes, parse_value(Type::u32, size));
-  if (signal.port_bytes != 0) {
-    return fail(Errc::busy, "port " + quoted(signal.name) + " has a queue of " +
-                                std::to_string(signal.port_bytes) + " bytes already");
+// ---- queues of ports ----------------------------------------------------------------------------
+
+Status Registry::make_queue(const Record& record, Offset value, std::string_view size) {
+  reclaim();
+  KERF_TRY(const std::uint64_t bytes, parse_value(Type::port, size));
+  if (const auto it = queues_.find(&record); it != queues_.end()) {
+    return fail(Errc::busy,
+                "port is already allocated with " + std::to_string(it->second.bytes) + " bytes.");
   }
-  if (bytes == 0 || bytes > kPortBytesMax) {
-    return fail(Errc::bad_argument, "size of port " + quoted(signal.name) + " is " +
-                                        std::to_string(bytes) + ", but must be between 1 and " +
-                                        std::to_string(kPortBytesMax));
+  if (bytes == 0) return {};
+  if (bytes > kPortBytesMax) {
+    return fail(Errc::bad_argument, "port " + quoted(record.name) + " cannot have " +
+                                        std::to_string(bytes) + " bytes; " +
+                                        std::to_string(kPortBytesMax) + " is the most");
   }
   const auto width = static_cast<std::uint32_t>(bytes);
   KERF_TRY(const Offset offset, allocate(Port::bytes(width), Region::shared, Kind::none));
   auto* header = new (segment_.at<PortHeader>(offset)) PortHeader();
   header->size = width;
-  const Change change(root_);
-  signal.port_bytes = width;
+  queues_[&record] = {offset, width};
   // Release: the queue is there before a pin leads to it.
-  slot(signal).store(offset, std::memory_order_release);
+  segment_.at<std::atomic<std::uint64_t>>(value)->store(offset, std::memory_order_release);
+  root_.changed.notify();
   return {};
+}
+
+void Registry::retire_queue(const Record& record, Holds least) {
+  const auto it = queues_.find(&record);
+  if (it == queues_.end()) return;
+  retire_held({it->second.offset, Port::bytes(it->second.bytes), Kind::none, Store::shared}, least);
+  queues_.erase(it);
 }
 
 }  // namespace kerf::hal

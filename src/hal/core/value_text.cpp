@@ -18,7 +18,7 @@ struct TypeRow {
 constexpr TypeRow kTypes[] = {{Type::bit, "bit", "bit"},   {Type::floating, "float", "float"},
                               {Type::s32, "s32", "S32"},   {Type::u32, "u32", "U32"},
                               {Type::s64, "s64", "S64"},   {Type::u64, "u64", "U64"},
-                              {Type::port, "port", "port"}};
+                              {Type::port, "port", "PORT"}};
 
 struct DirRow {
   Dir dir;
@@ -137,7 +137,8 @@ rtapi::Result<std::uint64_t> parse_value(Type type, std::string_view view) {
       return to_raw(value);
     }
     case Type::s32: return parse_integer(type, text, true, 32);
-    case Type::u32: return parse_integer(type, text, false, 32);
+    case Type::u32:
+    case Type::port: return parse_integer(type, text, false, 32);
     case Type::s64: return parse_integer(type, text, true, 64);
     case Type::u64: return parse_integer(type, text, false, 64);
     default: return invalid(type, text);

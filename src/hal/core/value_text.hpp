@@ -24,7 +24,7 @@ std::string value_text(Type type, std::uint64_t raw);
 std::string plain_value_text(Type type, std::uint64_t raw);
 
 /// Reads a value as setp and sets do: bit 0, 1, TRUE, FALSE in any case; integers decimal, 0x and 0 octal; floats as strtod.
-/// Bit patterns are allowed (u32 from -1, s32 from 0xFFFFFFFF), anything that does not fit 32 or 64 bits is an error.
+/// A port: the size of its queue. Bit patterns are allowed (u32 from -1, s32 from 0xFFFFFFFF), anything that does not fit 32 or 64 bits is an error.
 rtapi::Result<std::uint64_t> parse_value(Type type, std::string_view text);
 
 }  // namespace kerf::hal

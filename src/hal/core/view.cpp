@@ -5,17 +5,23 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "hal/core/port.hpp"
 #include "hal/core/value_access.hpp"
 #include "hal/core/value_text.hpp"
 #include "rtapi/base/suggest.hpp"
 #include "rtapi/clock/real_clock.hpp"
+#include "rtapi/shm/process.hpp"
 
 namespace kerf::hal {
 namespace {
 
-/// A change takes microseconds, but the writer may be taken off its CPU in the middle of one. Away longer than this, it is dead.
+/// A change takes microseconds, but the writer may be taken off its CPU in the middle of one. Away longer than this, somebody
+/// looks whether it lives; longer than kPatience, it is as good as dead.
+constexpr rtapi::Nanos kSuspicion = 20 * rtapi::kMillisecond;
 constexpr rtapi::Nanos kPatience = 2 * rtapi::kSecond;
 constexpr int kSpins = 200;
+/// Records that are read in one piece at first.
+constexpr std::size_t kPiece = 4096;
 /// Chains of a changing structure may loop; no honest one is longer.
 constexpr std::size_t kLongest = 1U << 22U;
 
@@ -36,36 +42,101 @@ const T* View::at(Offset offset) const {
   return segment_.at<const T>(offset);
 }
 
+bool View::give_up(const Root& root, Wait& wait) const {
+  const rtapi::Nanos now = rtapi::monotonic_now();
+  const std::uint64_t generation = root.generation.get();
+  if (wait.since == 0 || generation != wait.generation) {
+    wait = {now, generation, false};
+  } else if ((generation & 1U) != 0 && now - wait.since > kSuspicion) {
+    // The same change all the time.
+    if (!wait.asked && !rtapi::process_lives(root.writer_pid, root.writer_start)) stuck_ = true;
+    wait.asked = true;
+    if (now - wait.since > kPatience) stuck_ = true;
+  }
+  return stuck_;
+}
+
+template <class F>
+bool View::attempt(const Root& root, F&& copy) const {
+  const std::uint64_t before = root.generation.observe();
+  if ((before & 1U) != 0) return false;
+  copy();
+  // Acquire: the copy is read before the second look.
+  std::atomic_thread_fence(std::memory_order_acquire);
+  return root.generation.get() == before;
+}
+
 template <class F>
 auto View::consistent(F&& copy) const {
   using Out = std::invoke_result_t<F, const Root&>;
+  Out out{};
   const Root* r = root();
-  if (r == nullptr) return Out{};
-  rtapi::Nanos give_up = 0;
-  for (int spins = 0;; ++spins) {
-    const std::uint64_t before = r->generation.observe();
-    if ((before & 1U) == 0) {
-      Out out = copy(*r);
-      // Acquire: the copy is read before the second look.
-      std::atomic_thread_fence(std::memory_order_acquire);
-      if (r->generation.get() == before) return out;
+  if (r == nullptr) return out;
+  Wait wait;
+  for (int spins = 1;; ++spins) {
+    if (attempt(*r, [&] { out = copy(*r); })) {
+      stuck_ = false;
+      return out;
     }
-    if (spins < kSpins) continue;
-    const rtapi::Nanos now = rtapi::monotonic_now();
-    if (give_up == 0) give_up = now + kPatience;
-    if (now > give_up) break;
+    if (spins % kSpins != 0) continue;
+    if (give_up(*r, wait)) return Out{};
     ::sched_yield();
   }
-  stuck_ = true;
-  return Out{};
 }
 
 template <class T, class F>
-void View::each(const Root& root, Kind kind, F&& visit) const {
-  const T* r = at<T>(root.head[static_cast<std::size_t>(kind)].observe());
-  for (std::size_t n = 0; r != nullptr && n < kLongest; ++n) {
-    visit(*r);
-    r = at<T>(r->next.observe());
+auto View::list(Kind kind, F&& make) const {
+  std::vector<std::invoke_result_t<F, const T&>> out;
+  const Root* r = root();
+  if (r == nullptr) return out;
+  // Where the reading goes on: behind the record with this number, which stands at `last`.
+  Offset last = 0;
+  std::uint32_t last_id = 0;
+  std::size_t piece = kPiece;
+  Wait wait;
+  for (int spins = 1;; ++spins) {
+    const std::size_t had = out.size();
+    const T* next = nullptr;
+    Offset read_to = last;
+    std::uint32_t read_id = last_id;
+    const bool good = attempt(*r, [&] {
+      const Record* at_last = at<Record>(last);
+      std::size_t hops = 0;
+      if (at_last != nullptr && at_last->id == last_id && at_last->kind == kind) {
+        next = at<T>(at_last->next.observe());
+      } else {
+        // It was removed: numbers rise along the list.
+        next = at<T>(r->head[static_cast<std::size_t>(kind)].observe());
+        for (; next != nullptr && next->id <= last_id && ++hops < kLongest;)
+          next = at<T>(next->next.observe());
+      }
+      for (std::size_t n = 0; next != nullptr && n < piece; ++n) {
+        out.push_back(make(*next));
+        read_to = segment_.offset_of(next);
+        read_id = next->id;
+        next = at<T>(next->next.observe());
+      }
+    });
+    if (good) {
+      last = read_to;
+      last_id = read_id;
+      if (next == nullptr) {
+        stuck_ = false;
+        return out;
+      }
+      piece = std::min(piece * 2, kPiece);
+      wait = {};
+      continue;
+    }
+    // The writer is busy: smaller pieces fit between its changes.
+    out.resize(had);
+    if ((r->generation.get() & 1U) == 0) piece = std::max<std::size_t>(piece / 4, 1);
+    if (spins % kSpins != 0) continue;
+    if (give_up(*r, wait)) {
+      out.clear();
+      return out;
+    }
+    ::sched_yield();
   }
 }
 
@@ -95,7 +166,10 @@ const ItemRecord* View::lookup_item(const Root& root, Kind kind, std::string_vie
 std::uint64_t View::value_at(Type type, Offset offset) const {
   const std::size_t bytes = value_bytes(type);
   if (offset == 0 || offset % bytes != 0 || !segment_.in_use(offset, bytes)) return 0;
-  return load_value(type, segment_.at<std::byte>(offset));
+  const std::uint64_t raw = load_value(type, segment_.at<std::byte>(offset));
+  if (type != Type::port) return raw;
+  const auto* queue = at<PortHeader>(raw);
+  return queue == nullptr ? 0 : queue->size;
 }
 
 std::string View::name_at(Offset offset) const {
@@ -169,6 +243,23 @@ ThreadInfo View::info(const ThreadRecord& r) const {
   return out;
 }
 
+FunctionInfo View::info(const FunctionRecord& r) const {
+  FunctionInfo out;
+  out.name = r.name.view();
+  if (const auto* owner = at<ComponentRecord>(r.owner); owner != nullptr) {
+    out.owner_id = owner->id;
+    out.owner = owner->name.view();
+  }
+  out.code = r.code;
+  out.argument = r.argument;
+  out.users = r.users;
+  return out;
+}
+
+MemoryInfo View::info(const MemoryRecord& r) const {
+  return {std::string(r.name.view()), r.memory, r.bytes, r.abi};
+}
+
 std::optional<ItemInfo> View::find(Kind kind, std::string_view name) const {
   return consistent([&](const Root& root) -> std::optional<ItemInfo> {
     const auto* r = lookup_item(root, kind, name);
@@ -216,17 +307,7 @@ std::optional<MemoryInfo> View::find_memory(std::string_view name) const {
   return consistent([&](const Root& root) -> std::optional<MemoryInfo> {
     const auto* r = lookup<MemoryRecord>(root, Kind::memory, name);
     if (r == nullptr || !segment_.in_use(r->memory, r->bytes)) return std::nullopt;
-    return MemoryInfo{std::string(r->name.view()), r->memory, r->bytes, r->abi};
-  });
-}
-
-std::vector<MemoryInfo> View::memories() const {
-  return consistent([&](const Root& root) {
-    std::vector<MemoryInfo> list;
-    each<MemoryRecord>(root, Kind::memory, [&](const MemoryRecord& r) {
-      list.push_back({std::string(r.name.view()), r.memory, r.bytes, r.abi});
-    });
-    return list;
+    return info(*r);
   });
 }
 
@@ -248,63 +329,32 @@ void sort_by_name(std::vector<T>& items) {
 }  // namespace
 
 std::vector<ItemInfo> View::items(Kind kind) const {
-  auto out = consistent([&](const Root& root) {
-    std::vector<ItemInfo> list;
-    each<ItemRecord>(root, kind, [&](const ItemRecord& r) { list.push_back(info(r)); });
-    return list;
-  });
+  auto out = list<ItemRecord>(kind, [&](const ItemRecord& r) { return info(r); });
   sort_by_name(out);
   return out;
 }
 
 std::vector<SignalInfo> View::signals() const {
-  auto out = consistent([&](const Root& root) {
-    std::vector<SignalInfo> list;
-    each<SignalRecord>(root, Kind::signal, [&](const SignalRecord& r) { list.push_back(info(r)); });
-    return list;
-  });
+  auto out = list<SignalRecord>(Kind::signal, [&](const SignalRecord& r) { return info(r); });
   sort_by_name(out);
   return out;
 }
 
 std::vector<ComponentInfo> View::components() const {
-  auto out = consistent([&](const Root& root) {
-    std::vector<ComponentInfo> list;
-    each<ComponentRecord>(root, Kind::component,
-                          [&](const ComponentRecord& r) { list.push_back(info(r)); });
-    return list;
-  });
+  auto out =
+      list<ComponentRecord>(Kind::component, [&](const ComponentRecord& r) { return info(r); });
   std::reverse(out.begin(), out.end());
   return out;
 }
 
 std::vector<ThreadInfo> View::threads() const {
-  auto out = consistent([&](const Root& root) {
-    std::vector<ThreadInfo> list;
-    each<ThreadRecord>(root, Kind::thread, [&](const ThreadRecord& r) { list.push_back(info(r)); });
-    return list;
-  });
+  auto out = list<ThreadRecord>(Kind::thread, [&](const ThreadRecord& r) { return info(r); });
   std::reverse(out.begin(), out.end());
   return out;
 }
 
 std::vector<FunctionInfo> View::functions() const {
-  auto out = consistent([&](const Root& root) {
-    std::vector<FunctionInfo> list;
-    each<FunctionRecord>(root, Kind::function, [&](const FunctionRecord& r) {
-      FunctionInfo f;
-      f.name = r.name.view();
-      if (const auto* owner = at<ComponentRecord>(r.owner); owner != nullptr) {
-        f.owner_id = owner->id;
-        f.owner = owner->name.view();
-      }
-      f.code = r.code;
-      f.argument = r.argument;
-      f.users = r.users;
-      list.push_back(std::move(f));
-    });
-    return list;
-  });
+  auto out = list<FunctionRecord>(Kind::function, [&](const FunctionRecord& r) { return info(r); });
   sort_by_name(out);
   return out;
 }
@@ -344,12 +394,8 @@ ThreadTiming View::timing_of(const ThreadRecord& r, std::uint32_t epoch) const {
 }
 
 std::vector<ThreadTiming> View::timings() const {
-  auto out = consistent([&](const Root& root) {
-    std::vector<ThreadTiming> list;
-    each<ThreadRecord>(root, Kind::thread, [&](const ThreadRecord& r) {
-      list.push_back(timing_of(r, root.timing_epoch.get()));
-    });
-    return list;
+  auto out = list<ThreadRecord>(Kind::thread, [&](const ThreadRecord& r) {
+    return timing_of(r, root()->timing_epoch.get());
   });
   std::reverse(out.begin(), out.end());
   return out;
@@ -359,17 +405,27 @@ TimingMode View::timing_mode() const {
   return root() == nullptr ? TimingMode::off : static_cast<TimingMode>(root()->timing_mode.get());
 }
 
+std::vector<MemoryInfo> View::memories() const {
+  return list<MemoryRecord>(Kind::memory, [&](const MemoryRecord& r) { return info(r); });
+}
+
 std::vector<std::string> View::names(Kind kind) const {
-  return consistent([&](const Root& root) {
-    std::vector<std::string> list;
-    each<Record>(root, kind, [&](const Record& r) { list.emplace_back(r.name.view()); });
-    return list;
-  });
+  return list<Record>(kind, [](const Record& r) { return std::string(r.name.view()); });
+}
+
+rtapi::Status View::health() const {
+  if (root() == nullptr) return rtapi::fail(rtapi::Errc::not_found, "HAL does not run");
+  if (!stuck_) (void)consistent([](const Root&) { return true; });
+  if (!stuck_) return {};
+  return rtapi::fail(rtapi::Errc::dead,
+                     "the realtime host died in the middle of a change of HAL; `halrun -U` clears "
+                     "up what is left");
 }
 
 rtapi::Result<std::string> View::value(std::string_view name) const {
   if (const auto item = find_item(name)) return plain_value_text(item->type, item->raw);
   if (const auto signal = find_signal(name)) return plain_value_text(signal->type, signal->raw);
+  if (stuck_) return rtapi::Failure{health().error()};
   auto known = names(Kind::pin);
   for (const Kind kind : {Kind::param, Kind::signal}) {
     const auto more = names(kind);

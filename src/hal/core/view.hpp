@@ -4,8 +4,9 @@
 //   const auto pin = view.find_pin("motion.in-position");
 //   if (pin) std::puts(hal::value_text(pin->type, pin->raw).c_str());
 //
-// Each call gives a copy as it stood at one moment; a copy that the writer disturbed is made again. Values are read when the
-// copy is made.
+// Each call gives a copy as it stood at one moment; a copy that the writer disturbed is made again. Only a long list that is read
+// while the writer never rests is put together from pieces of several moments: each entry is whole, none comes twice, and all that
+// were there from beginning to end are in it. Values are read when the copy is made.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,7 @@ struct ItemInfo {
   std::string original_name;  ///< empty: no alias
   Type type{Type::unspecified};
   Dir dir{Dir::unspecified};
-  std::uint64_t raw{0};
+  std::uint64_t raw{0};  ///< a port: bytes of its queue
   std::uint32_t owner_id{0};
   std::string owner;
   std::string signal;  ///< empty: not linked
@@ -161,18 +162,31 @@ class View {
     std::uint32_t recycled[kKinds]{};
   };
   [[nodiscard]] Counts counts() const;
-  /// True when the writer died in the middle of a change: nothing more can be read.
+  /// True when the last call found that the writer died in the middle of a change: it gave nothing, and no other will.
   [[nodiscard]] bool stuck() const { return stuck_; }
+  /// dead, with what to do, in that case; not_found before HAL is made.
+  [[nodiscard]] rtapi::Status health() const;
 
  private:
   [[nodiscard]] const Root* root() const;
   template <class T>
   [[nodiscard]] const T* at(Offset offset) const;
+  struct Wait {
+    std::int64_t since{0};
+    std::uint64_t generation{0};
+    bool asked{false};
+  };
+  /// Whether it is no use to try again; says so in stuck_.
+  bool give_up(const Root& root, Wait& wait) const;
+  /// True when nothing changed while `copy` ran.
+  template <class F>
+  bool attempt(const Root& root, F&& copy) const;
   /// Calls `copy` until it saw one state from beginning to end.
   template <class F>
   auto consistent(F&& copy) const;
+  /// What `make` gives for each record of a kind, in order of creation.
   template <class T, class F>
-  void each(const Root& root, Kind kind, F&& visit) const;
+  auto list(Kind kind, F&& make) const;
   template <class T>
   [[nodiscard]] const T* lookup(const Root& root, Kind kind, std::string_view name) const;
   [[nodiscard]] std::vector<ItemInfo> items(Kind kind) const;
@@ -187,6 +201,8 @@ class View {
   [[nodiscard]] ComponentInfo info(const ComponentRecord& r) const;
   [[nodiscard]] ThreadInfo info(const ThreadRecord& r) const;
   [[nodiscard]] ThreadTiming timing_of(const ThreadRecord& r, std::uint32_t epoch) const;
+  [[nodiscard]] FunctionInfo info(const FunctionRecord& r) const;
+  [[nodiscard]] MemoryInfo info(const MemoryRecord& r) const;
 
   const rtapi::Segment& segment_;
   mutable const Root* root_{nullptr};

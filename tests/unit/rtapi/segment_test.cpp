@@ -49,6 +49,55 @@ TEST(Segment, FullIsAnErrorThatNamesTheKey) {
   EXPECT_NE(block.error().message().find("[KERF]SEGMENT_MB"), std::string::npos);
 }
 
+TEST(Segment, AClientMayWriteValuesButNotTheStructure) {
+  const std::string instance = unique_instance("regions");
+  auto made = Segment::create(instance);
+  ASSERT_TRUE(made.ok());
+  auto structure = (*made)->make<Word<int>>("structure", 1, Region::structure);
+  auto value = (*made)->make<Word<int>>("value", 1, Region::shared);
+  ASSERT_TRUE(structure.ok() && value.ok());
+  // How a process ends that maps the segment and writes to a block, and what then stands there.
+  const auto write = [&](const char* block, Access access) {
+    const pid_t child = fork();
+    if (child == 0) {
+      auto own = Segment::attach(instance, access);
+      if (!own.ok()) _exit(1);
+      (*(*own)->find<Word<int>>(block, 1))->set(5);
+      _exit(0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
+  };
+  EXPECT_EQ(write("structure", Access::client), -SIGSEGV);
+  EXPECT_EQ((*structure)->get(), 0);
+  EXPECT_EQ(write("value", Access::client), 0);
+  EXPECT_EQ((*value)->get(), 5);
+  EXPECT_EQ(write("structure", Access::whole), 0);
+  EXPECT_EQ((*structure)->get(), 5);
+  auto client = Segment::attach(instance);
+  ASSERT_TRUE(client.ok());
+  EXPECT_EQ((*client)->make<Word<int>>("mine").error().code, Errc::permission);
+}
+
+TEST(Segment, EachRegionIsFullByItself) {
+  auto segment = Segment::create(unique_instance("halves"), 8U << 20U);
+  ASSERT_TRUE(segment.ok());
+  EXPECT_TRUE((*segment)->extend(Region::structure, 3U << 20U).ok());
+  const auto full = (*segment)->extend(Region::structure, 2U << 20U);
+  ASSERT_FALSE(full.ok());
+  EXPECT_NE(full.error().message().find("[KERF]SEGMENT_MB"), std::string::npos);
+  EXPECT_EQ((*segment)->extend(Region::shared, SIZE_MAX).error().code, Errc::no_memory);
+  auto last = (*segment)->extend(Region::shared, 4U << 20U);
+  ASSERT_TRUE(last.ok());
+  std::memset((*segment)->base() + *last, 1, 4U << 20U);  // memory is behind all of it
+  EXPECT_TRUE((*segment)->in_use(*last, 4U << 20U));
+  EXPECT_FALSE((*segment)->in_use(*last + 1, 4U << 20U));
+  EXPECT_FALSE((*segment)->in_use((4U << 20U) - 1, 1));
+  EXPECT_EQ(Segment::create(unique_instance("large"), std::size_t{4} << 30U).error().code,
+            Errc::bad_argument);
+}
+
 TEST(Segment, LiveOwnerIsRefusedByName) {
   const std::string instance = unique_instance("live");
   auto first = Segment::create(instance);
