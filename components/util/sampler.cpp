@@ -93,7 +93,8 @@ class Sampler final : public hal::Component<Sampler> {
           "holds. Both take a list with commas, one entry a channel, up to 8 channels; use one "
           "channel a thread. A sample that finds the FIFO full is lost and counted in overruns; "
           "its number is used up, so gaps can be measured.",
-      .singleton = true};
+      .singleton = true,
+      .example = "cfg=bfs depth=100"};
 
   explicit Sampler(hal::Builder& b) noexcept : Component(b) {
     const hal::StreamChannels configs = hal::read_stream_channels(b);

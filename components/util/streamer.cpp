@@ -111,7 +111,8 @@ class Streamer final : public hal::Component<Streamer> {
           "many rows the FIFO holds. Both take a list with commas, one entry a channel, up to 8 "
           "channels. A row that is due and not there is counted in underruns, and the pins keep "
           "their values.",
-      .singleton = true};
+      .singleton = true,
+      .example = "cfg=bfs depth=100"};
 
   explicit Streamer(hal::Builder& b) noexcept : Component(b) {
     const hal::StreamChannels configs = hal::read_stream_channels(b);

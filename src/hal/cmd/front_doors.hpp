@@ -1,4 +1,5 @@
-// The commands that need no running HAL: `halcmd check`, `halcmd graph` and, with them, the program `hal`. Each takes the words
+// The commands that need no running HAL: `halcmd check`, `halcmd graph`, and all that the program `hal`
+// has. Each takes the words
 // from its own name on and returns the exit status: 0 good, 1 something is wrong with the input, 2 wrong use.
 #pragma once
 

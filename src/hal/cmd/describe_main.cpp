@@ -1,0 +1,94 @@
+// `hal describe`: options.
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "hal/cmd/describe.hpp"
+#include "hal/cmd/front_doors.hpp"
+#include "rtapi/log/log.hpp"
+
+namespace kerf::hal {
+
+namespace {
+
+using rtapi::Errc;
+using rtapi::fail;
+using rtapi::Status;
+
+struct Form {
+  const char* option;
+  const char* help;
+  const char* ending;
+  std::string (*text)(const Declaration&);
+};
+constexpr Form kForms[] = {
+    {"--man", "as a manual page for `man -l`", ".9", man_page},
+    {"--markdown", "as Markdown", ".md", markdown_page},
+    {"--json", "as JSON", ".json", declaration_json},
+    {"--text", "as plain text; this is the default", ".txt", text_page},
+};
+
+Status write_file(const std::string& path, const std::string& text) {
+  std::FILE* f = std::fopen(path.c_str(), "we");
+  if (f == nullptr) return fail(Errc::system, path + ": " + std::strerror(errno));
+  const bool written = std::fwrite(text.data(), 1, text.size(), f) == text.size();
+  if (std::fclose(f) != 0 || !written) return fail(Errc::system, path + ": cannot be written");
+  return {};
+}
+
+Status write_pages(const std::vector<std::string>& names, const Form& form,
+                   const std::string& folder) {
+  DlopenSource modules;
+  if (!folder.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) return fail(Errc::system, folder + ": " + error.message());
+  }
+  Describer describer(modules);
+  for (const auto& name : names.empty() ? modules.names() : names) {
+    KERF_TRY(const Declaration declaration, describer.describe(name));
+    const std::string text = form.text(declaration);
+    if (folder.empty())
+      std::fputs(text.c_str(), stdout);
+    else
+      KERF_CHECK(write_file(std::string(folder).append("/").append(name).append(form.ending), text));
+  }
+  return {};
+}
+
+}  // namespace
+
+int describe_main(std::span<const std::string> words) {
+  CLI::App app{"Prints the manual page of components, made from their own declarations.",
+               "hal describe"};
+  std::vector<std::string> names;
+  std::string folder;
+  bool all = false;
+  bool chosen[std::size(kForms)]{};
+  app.add_option("COMPONENT", names, "as loadrt takes it");
+  app.add_flag("--all", all, "every component there is");
+  app.add_option("-o", folder, "write a file for each into this folder");
+  for (std::size_t i = 0; i < std::size(kForms); ++i)
+    app.add_flag(kForms[i].option, chosen[i], kForms[i].help);
+  try {
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend() - 1));
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  if (names.empty() == !all) {
+    std::fputs("hal describe: name components, or --all\n", stderr);
+    return 2;
+  }
+  const Form* form = &kForms[std::size(kForms) - 1];
+  for (std::size_t i = std::size(kForms); i-- > 0;)
+    if (chosen[i]) form = &kForms[i];
+  if (const auto done = write_pages(names, *form, folder); !done.ok()) {
+    rtapi::log_error(done.error());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace kerf::hal
