@@ -2,7 +2,6 @@
 
 #include <poll.h>
 
-#include "hal/loader/protocol.hpp"
 #include "rtapi/shm/socket.hpp"
 
 namespace kerf::hal {
@@ -24,21 +23,50 @@ Result<std::unique_ptr<SocketSession>> SocketSession::connect(rtapi::Segment& se
 }
 
 SocketSession::~SocketSession() {
+  rtapi::close_fd(room_fd_);
   rtapi::close_fd(fd_);
-  if (auto* inbox = rtapi::find_inbox(segment_, kHalService); inbox != nullptr) inbox->notify();
+  notify_host();
 }
 
-void SocketSession::wait_readable(bool writable) {
-  if (clock_ != nullptr && !writable) {
-    rtapi::WaitSpec spec;
-    spec.watch_fd(fd_);
-    spec.holds_time = true;
-    clock_->wait(spec);
-    return;
-  }
-  pollfd p{fd_, static_cast<short>(writable ? POLLOUT : POLLIN), 0};
-  (void)::poll(&p, 1, -1);
+void SocketSession::notify_host() {
+  if (inbox_ == nullptr) inbox_ = rtapi::find_inbox(segment_, kHalService);
+  if (inbox_ != nullptr) inbox_->notify();
 }
+
+Status SocketSession::wait(bool room) {
+  if (clock_ == nullptr) {
+    pollfd p{fd_, static_cast<short>(room ? POLLIN | POLLOUT : POLLIN), 0};
+    (void)::poll(&p, 1, -1);
+    return {};
+  }
+  if (clock_->stopped()) return rtapi::fail(Errc::cancelled, "stopped");
+  rtapi::WaitSpec spec;
+  spec.watch_fd(fd_);
+  if (room) {
+    if (room_fd_ < 0) {
+      KERF_TRY(room_fd_, rtapi::open_room_watch(fd_));
+    }
+    spec.watch_fd(room_fd_);
+  }
+  spec.holds_time = true;
+  clock_->wait(spec);
+  return {};
+}
+
+Result<bool> SocketSession::take_replies() {
+  bool any = false;
+  while (true) {
+    KERF_TRY(auto packet, rtapi::receive_packet(fd_));
+    if (!packet.has_value()) return any;
+    auto reply = decode_reply(*packet);
+    if (!reply)
+      return rtapi::fail(Errc::protocol, "the realtime host sent something that is not a reply");
+    replies_.push_back(std::move(*reply));
+    any = true;
+  }
+}
+
+bool SocketSession::alive() { return take_replies().ok(); }
 
 Status SocketSession::post(std::span<const std::string> argv) {
   const std::string packet = encode_request(next_id_, argv);
@@ -50,29 +78,37 @@ Status SocketSession::post(std::span<const std::string> argv) {
     const auto sent = rtapi::send_packet(fd_, packet);
     if (sent.ok()) break;
     if (sent.error().code != Errc::busy) return sent;
-    wait_readable(true);
+    // The host may be waiting for us to read.
+    KERF_TRY(const bool any, take_replies());
+    if (!any) KERF_CHECK(wait(true));
   }
   ++next_id_;
-  if (auto* inbox = rtapi::find_inbox(segment_, kHalService); inbox != nullptr) inbox->notify();
+  notify_host();
   return {};
 }
 
 Result<Reply> SocketSession::collect() {
+  if (next_reply_ == next_id_) return rtapi::fail(Errc::bad_argument, "no reply is outstanding");
+  const std::uint32_t wanted = next_reply_++;
   while (true) {
-    KERF_TRY(auto packet, rtapi::receive_packet(fd_));
-    if (packet.has_value()) {
-      auto reply = decode_reply(*packet);
-      if (!reply)
-        return rtapi::fail(Errc::protocol, "the realtime host sent something that is not a reply");
-      return Reply{reply->status, std::move(reply->text)};
+    while (!replies_.empty()) {
+      ReplyPacket reply = std::move(replies_.front());
+      replies_.pop_front();
+      if (reply.id == wanted) return Reply{reply.status, std::move(reply.text)};
+      // An older one was given up. The difference, not the numbers: they wrap.
+      if (static_cast<std::int32_t>(reply.id - wanted) > 0) {
+        return rtapi::fail(Errc::protocol, "the realtime host left out a reply");
+      }
     }
-    if (clock_ != nullptr && clock_->stopped()) return rtapi::fail(Errc::cancelled, "stopped");
-    wait_readable(false);
+    KERF_TRY(const bool any, take_replies());
+    if (!any) KERF_CHECK(wait(false));
   }
 }
 
 Result<Reply> SocketSession::request(std::span<const std::string> argv) {
   KERF_CHECK(post(argv));
+  // Replies to posts before it that nobody has collected are not this one's.
+  next_reply_ = next_id_ - 1;
   return collect();
 }
 

@@ -55,8 +55,11 @@ class Commander {
   void set_interceptor(Interceptor interceptor) { interceptor_ = std::move(interceptor); }
   /// show, list, status, getp, gets, ptype and stype print JSON (docs/hal-json.md), and so do errors.
   void set_json(bool on) { json_ = on; }
-  /// What loadusr -W, waitusr and sleep wait on. Without it they are errors.
-  void set_clock(rtapi::WaitClock* clock) { clock_ = clock; }
+  /// What loadusr -W, waitusr, sleep and the host's answers are waited for on. Without it the first three are errors.
+  void set_clock(rtapi::WaitClock* clock) {
+    clock_ = clock;
+    session_.use_clock(clock);
+  }
 
   /// Called once, before the first command that shows the components of HAL or starts a program: the time to appear as one.
   void set_presence(std::function<void()> appear) { appear_ = std::move(appear); }

@@ -9,6 +9,7 @@
 #include "hal/cmd/commander.hpp"
 #include "hal/cmd/processes.hpp"
 #include "rtapi/clock/join_clock.hpp"
+#include "rtapi/shm/socket.hpp"
 
 namespace kerf::hal {
 
@@ -76,6 +77,12 @@ void outside_work(const rtapi::Segment& segment, pid_t pid, rtapi::WaitSpec& spe
   spec.holds_time = !rtapi::lives_in_virtual_time(segment, pid);
 }
 
+/// The text for a wait that only the host could have ended.
+Status host_died(const std::string& component) {
+  return fail(Errc::dead,
+              "the realtime host died while component " + quoted(component) + " was waited for");
+}
+
 }  // namespace
 
 Status Commander::load_user(Words w) {
@@ -95,13 +102,15 @@ Status Commander::load_user(Words w) {
 }
 
 Status Commander::wait_ready(pid_t pid, const std::string& component, const std::string& program) {
-  const int pidfd = open_pidfd(pid);
+  const int pidfd = rtapi::open_pidfd(pid);
   Status result;
   while (true) {
     rtapi::WaitSpec spec;
     outside_work(session_.segment(), pid, spec);
     if (const auto* changed = view_.changed(); changed != nullptr) spec.watch(*changed);
     if (pidfd >= 0) spec.watch_fd(pidfd);
+    const bool host_lives = session_.alive();
+    session_.watch(spec);
     const auto found = view_.find_component(component);
     if (found && found->ready) {
       say("Component " + quoted(component) + " ready");
@@ -111,6 +120,10 @@ Status Commander::wait_ready(pid_t pid, const std::string& component, const std:
       result = fail(Errc::dead, program + " exited without becoming ready (status " +
                                     std::to_string(status) + ", waiting for component " +
                                     quoted(component) + ")");
+      break;
+    }
+    if (!host_lives) {
+      result = host_died(component);
       break;
     }
     if (clock_->stopped()) {
@@ -124,7 +137,7 @@ Status Commander::wait_ready(pid_t pid, const std::string& component, const std:
 }
 
 Status Commander::wait_exit(pid_t pid, const std::string& program, bool ignore_status) {
-  const int pidfd = open_pidfd(pid);
+  const int pidfd = rtapi::open_pidfd(pid);
   int status = -1;
   while ((status = child_status(pid)) < 0 && !clock_->stopped()) {
     rtapi::WaitSpec spec;
@@ -154,6 +167,9 @@ Status Commander::wait_user(Words w) {
   while (true) {
     rtapi::WaitSpec spec;
     if (const auto* changed = view_.changed(); changed != nullptr) spec.watch(*changed);
+    // Asked first: of a dead host's memory nothing can be told.
+    if (!session_.alive()) return host_died(w[1]);
+    session_.watch(spec);
     if (!view_.find_component(w[1])) break;
     if (clock_->stopped())
       return fail(Errc::cancelled, "stopped while waiting for " + quoted(w[1]));

@@ -17,6 +17,7 @@
 #include "hal/cmd/options.hpp"
 #include "hal/cmd/prompt.hpp"
 #include "rtapi/clock/join_clock.hpp"
+#include "rtapi/clock/stop_signals.hpp"
 #include "rtapi/log/log.hpp"
 #include "rtapi/shm/process.hpp"
 
@@ -26,12 +27,6 @@ using namespace kerf;  // NOLINT(google-build-using-namespace): the program's ow
 
 /// Exit status when the options or a file that they name cannot be used.
 constexpr int kBadUse = 255;
-rtapi::WaitClock* wait_clock = nullptr;  // for the signal handler
-
-void on_signal(int /*signal*/) {
-  if (wait_clock != nullptr) wait_clock->stop();
-}
-
 void print_help() {
   std::puts(
       "Usage: halcmd [OPTIONS] [COMMAND [ARGUMENT ...]]\n"
@@ -80,7 +75,15 @@ class LateSession final : public hal::Session {
     if (clock_ != nullptr) socket_->use_clock(clock_);
     return {};
   }
-  void use_clock(rtapi::WaitClock* clock) { clock_ = clock; }
+  void use_clock(rtapi::WaitClock* clock) noexcept override {
+    clock_ = clock;
+    if (socket_) socket_->use_clock(clock);
+  }
+  void watch(rtapi::WaitSpec& spec) const noexcept override {
+    if (socket_) socket_->watch(spec);
+  }
+  /// Connects, for only a connection tells of the host's death.
+  [[nodiscard]] bool alive() override { return connect().ok() && socket_->alive(); }
   /// As long as it is to be seen: halcmd with its process id, as scripts expect of `show comp`.
   rtapi::Status appear() {
     const std::string name = "halcmd" + std::to_string(::getpid());
@@ -130,8 +133,8 @@ int connect_and_run(hal::HalcmdOptions& options, const std::vector<std::string>&
                            : !words.empty();
   auto clock = choose_clock(**segment, bounded);
   if (!clock.ok()) return fail(clock.error());
-  wait_clock = clock->get();
-  if (bounded) session.use_clock(clock->get());
+  const rtapi::StopOnSignal stop(**clock);
+  session.use_clock(clock->get());
 
   const auto appear = [&] {
     if (auto done = session.appear(); !done.ok()) rtapi::log_error(done.error());
@@ -149,13 +152,13 @@ int connect_and_run(hal::HalcmdOptions& options, const std::vector<std::string>&
   else
     good = hal::run_interactive(commander);
   session.leave();
-  wait_clock = nullptr;
   return good ? 0 : 1;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  rtapi::catch_stop_signals({SIGTERM, SIGINT});
   rtapi::set_program_name("halcmd");
   hal::HalcmdOptions options;
   int c = 0;
@@ -199,10 +202,5 @@ int main(int argc, char** argv) {
     return kBadUse;
   }
   if (!options.load_ini()) return kBadUse;
-  struct sigaction action {};
-  action.sa_handler = on_signal;
-  ::sigaction(SIGTERM, &action, nullptr);
-  ::sigaction(SIGINT, &action, nullptr);
-  ::signal(SIGPIPE, SIG_IGN);
   return connect_and_run(options, words);
 }

@@ -21,24 +21,18 @@
 #include "hal/cmd/processes.hpp"
 #include "hal/cmd/prompt.hpp"
 #include "rtapi/clock/join_clock.hpp"
+#include "rtapi/clock/stop_signals.hpp"
 #include "rtapi/log/log.hpp"
 #include "rtapi/shm/leftovers.hpp"
+#include "rtapi/shm/owner_lock.hpp"
 #include "rtapi/shm/process.hpp"
+#include "rtapi/shm/socket.hpp"
 
 namespace {
 
 using namespace kerf;  // NOLINT(google-build-using-namespace): the program's own file
 
 constexpr int kPatienceMs = 2000;
-rtapi::WaitClock* wait_clock = nullptr;  // for the signal handler
-volatile sig_atomic_t interrupted = 0;
-volatile sig_atomic_t tcl_process = 0;
-
-void on_signal(int /*signal*/) {
-  interrupted = 1;
-  if (wait_clock != nullptr) wait_clock->stop();
-  if (tcl_process > 0) ::kill(tcl_process, SIGTERM);
-}
 
 void print_help() {
   std::puts(
@@ -69,7 +63,8 @@ class RealtimeProcess {
  public:
   ~RealtimeProcess() { stop(); }
 
-  rtapi::Status start(const std::string& instance) {
+  /// Returns when it answers requests; a stop of the clock ends the wait.
+  rtapi::Status start(const std::string& instance, rtapi::WaitClock& clock) {
     int ends[2];
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
       return rtapi::fail(rtapi::Errc::system, std::string("socketpair: ") + std::strerror(errno));
@@ -90,13 +85,15 @@ class RealtimeProcess {
     fd_ = ends[0];
     if (pid_ < 0)
       return rtapi::fail(rtapi::Errc::system, std::string("fork: ") + std::strerror(errno));
+    while (!rtapi::is_readable(fd_)) {
+      if (clock.stopped()) return rtapi::fail(rtapi::Errc::cancelled, "stopped by a signal");
+      rtapi::WaitSpec spec;
+      spec.watch_fd(fd_);
+      clock.wait(spec);
+    }
     char byte = 0;
-    ssize_t n = 0;
-    do {
-      n = ::read(fd_, &byte, 1);
-    } while (n < 0 && errno == EINTR && interrupted == 0);
-    if (interrupted != 0) return rtapi::fail(rtapi::Errc::cancelled, "interrupted");
-    if (n != 1) return rtapi::fail(rtapi::Errc::dead, "rtapi_app did not start");
+    if (::read(fd_, &byte, 1) != 1)
+      return rtapi::fail(rtapi::Errc::dead, "rtapi_app did not start");
     return {};
   }
 
@@ -123,27 +120,52 @@ class RealtimeProcess {
   int fd_{-1};
 };
 
+/// Waits until the process is dead; false after `patience_ms`.
+bool dies_within(std::int64_t pid, std::uint64_t start, int patience_ms) {
+  const auto clock = rtapi::make_real_clock();
+  for (int waited = 0; rtapi::process_lives(pid, start); ++waited) {
+    if (waited >= patience_ms) return false;
+    rtapi::WaitSpec spec;
+    spec.wake_at(clock->now() + rtapi::kMillisecond);
+    clock->wait(spec);
+  }
+  return true;
+}
+
+void end_process(std::int64_t pid, std::uint64_t start) {
+  if (pid <= 1 || pid == ::getpid() || !rtapi::process_lives(pid, start)) return;
+  ::kill(static_cast<pid_t>(pid), SIGTERM);
+  ::kill(static_cast<pid_t>(pid), SIGCONT);  // it may be stopped
+  if (dies_within(pid, start, kPatienceMs)) return;
+  ::kill(static_cast<pid_t>(pid), SIGKILL);
+  (void)dies_within(pid, start, kPatienceMs);
+}
+
+/// Whatever state the instance is in, nothing of it stays: the owner that is named in the segment, the one that has the lock (its
+/// segment may be half-made), and every process of this or an earlier run.
 int force_end(const std::string& instance) {
   std::string run_id;
-  {
-    auto segment = rtapi::Segment::attach(instance);
-    if (!segment.ok()) return 0;
+  if (auto segment = rtapi::Segment::attach(instance); segment.ok()) {
     const auto& header = (*segment)->header();
     run_id = std::string(header.run_id.view());
-    const std::int64_t owner = header.owner_pid.get();
-    const auto clock = rtapi::make_real_clock();
-    for (int waited = 0; rtapi::process_lives(owner, header.owner_start); ++waited) {
-      if (waited == 0) ::kill(static_cast<pid_t>(owner), SIGTERM);
-      if (waited == kPatienceMs) ::kill(static_cast<pid_t>(owner), SIGKILL);
-      if (waited > 2 * kPatienceMs) break;
-      rtapi::WaitSpec spec;
-      spec.wake_at(clock->now() + rtapi::kMillisecond);
-      clock->wait(spec);
-    }
+    end_process(header.owner_pid.get(), header.owner_start);
   }
+  end_process(rtapi::OwnerLock::taker(instance), 0);
   (void)rtapi::end_processes_of_run(run_id, kPatienceMs);
+  (void)rtapi::end_processes_of_instance(instance, kPatienceMs);
+  // Its guard may be at the same work.
+  const auto clock = rtapi::make_real_clock();
+  const rtapi::Nanos limit = clock->now() + kPatienceMs * rtapi::kMillisecond;
+  while (!rtapi::Segment::remove(instance) && clock->now() < limit) {
+    rtapi::WaitSpec spec;
+    spec.wake_at(clock->now() + 10 * rtapi::kMillisecond);
+    clock->wait(spec);
+  }
   if (!rtapi::Segment::remove(instance)) {
-    rtapi::log_message(rtapi::Level::error, "instance '%s' could not be ended", instance.c_str());
+    const std::int64_t owner = rtapi::OwnerLock::taker(instance);
+    rtapi::log_message(
+        rtapi::Level::error, "instance '%s' could not be ended: process %lld (%s) holds it",
+        instance.c_str(), static_cast<long long>(owner), rtapi::process_name(owner).c_str());
     return 1;
   }
   return 0;
@@ -160,9 +182,9 @@ struct Wish {
   }
 };
 
-/// haltcl with the terminal, as a child in this process group; gives its exit status.
-int run_haltcl(const Wish& wish, const std::string& file) {
-  if (interrupted != 0) return 1;
+/// haltcl with the terminal, as a child in this process group; gives its exit status. A stop of the clock ends it.
+int run_haltcl(const Wish& wish, const std::string& file, rtapi::WaitClock& clock) {
+  if (clock.stopped()) return 1;
   std::vector<std::string> words{program_folder() + "/haltcl"};
   if (!wish.options.ini_path.empty()) words.insert(words.end(), {"-i", wish.options.ini_path});
   if (!file.empty()) words.push_back(file);
@@ -175,61 +197,58 @@ int run_haltcl(const Wish& wish, const std::string& file) {
     std::fprintf(stderr, "halrun: %s: %s\n", argv[0], std::strerror(errno));
     ::_exit(127);
   }
-  tcl_process = pid;
+  if (pid < 0) return 1;
   // A person's Ctrl-C is for the command that they wait for.
   if (file.empty()) ::signal(SIGINT, SIG_IGN);
-  if (interrupted != 0) ::kill(pid, SIGTERM);  // the handler did not know the child yet
+  const int pidfd = rtapi::open_pidfd(pid);
   int status = -1;
-  while (pid > 0 && (status = hal::child_status(pid)) < 0) {
-    siginfo_t info{};
-    if (interrupted == 0) {
-      (void)::waitid(P_PID, static_cast<id_t>(pid), &info, WEXITED | WNOWAIT);
-      continue;
-    }
-    // It has been asked to end.
-    const auto clock = rtapi::make_real_clock();
-    for (int waited = 0; (status = hal::child_status(pid)) < 0; ++waited) {
-      if (waited == kPatienceMs) ::kill(pid, SIGKILL);
-      rtapi::WaitSpec spec;
-      spec.wake_at(clock->now() + rtapi::kMillisecond);
-      clock->wait(spec);
-    }
-    break;
+  while ((status = hal::child_status(pid)) < 0 && !clock.stopped()) {
+    rtapi::WaitSpec spec;
+    if (pidfd >= 0)
+      spec.watch_fd(pidfd);
+    else
+      spec.wake_at(clock.now() + 10 * rtapi::kMillisecond);
+    clock.wait(spec);
   }
-  tcl_process = 0;
+  rtapi::close_fd(pidfd);
+  if (status < 0) {
+    ::kill(pid, SIGTERM);
+    if (!dies_within(pid, 0, kPatienceMs)) ::kill(pid, SIGKILL);
+    (void)dies_within(pid, 0, kPatienceMs);
+    status = hal::child_status(pid);
+  }
   return status;
 }
 
 /// Gives halrun's exit status.
-int run_commands(rtapi::Segment& segment, const Wish& wish) {
+int run_commands(rtapi::Segment& segment, const Wish& wish, rtapi::WaitClock& clock) {
   auto session = hal::SocketSession::connect(segment);
   if (!session.ok()) {
     rtapi::log_error(session.error());
     return 1;
   }
-  const auto clock = rtapi::make_real_clock();
-  wait_clock = clock.get();
+  (*session)->use_clock(&clock);
   int status = 0;
   {
     hal::UserComponent self(**session, "halcmd" + std::to_string(::getpid()));
     (void)self.ready();
     hal::Commander commander(**session);
-    commander.set_clock(clock.get());
+    commander.set_clock(&clock);
     wish.options.apply(commander);
     if (wish.tcl_file())
-      status = run_haltcl(wish, wish.file);
+      status = run_haltcl(wish, wish.file, clock);
     else if (!wish.file.empty())
       status = commander.run_file(wish.file) ? 0 : 1;
     // What a person types fails before their eyes; only the file's status counts.
-    if (wish.interactive && !clock->stopped()) (void)hal::run_interactive(commander);
-    if (wish.interactive_tcl && interrupted == 0) (void)run_haltcl(wish, "");
+    if (wish.interactive && !clock.stopped()) (void)hal::run_interactive(commander);
+    if (wish.interactive_tcl && !clock.stopped()) (void)run_haltcl(wish, "", clock);
+    (*session)->use_clock(&clock);
     hal::Commander last(**session);
     last.set_level(hal::Commander::Level::silent);
     const std::string words[] = {"unloadusr", "all"};
     (void)last.run_words(words);
   }
-  wait_clock = nullptr;
-  return interrupted != 0 && status == 0 && !wish.interactive ? 1 : status;
+  return clock.stopped() && status == 0 && !wish.interactive ? 1 : status;
 }
 
 /// -1: go on; else the exit status. Codes are those of the peer's halrun.
@@ -286,6 +305,9 @@ void set_environment(const std::string& instance) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  rtapi::catch_stop_signals({SIGTERM, SIGINT, SIGHUP});
+  const auto clock = rtapi::make_real_clock();
+  const rtapi::StopOnSignal stop(*clock);
   rtapi::set_program_name("halrun");
   Wish wish;
   const std::string instance = rtapi::default_instance();
@@ -294,15 +316,8 @@ int main(int argc, char** argv) {
 
   set_environment(instance);
   ::prctl(PR_SET_CHILD_SUBREAPER, 1);  // orphans of orphans come back here
-  struct sigaction action {};
-  action.sa_handler = on_signal;
-  ::sigaction(SIGTERM, &action, nullptr);
-  ::sigaction(SIGINT, &action, nullptr);
-  ::sigaction(SIGHUP, &action, nullptr);
-  ::signal(SIGPIPE, SIG_IGN);
-
   RealtimeProcess realtime;
-  if (auto started = realtime.start(instance); !started.ok()) {
+  if (auto started = realtime.start(instance, *clock); !started.ok()) {
     rtapi::log_error(started.error());
     return 1;
   }
@@ -311,7 +326,7 @@ int main(int argc, char** argv) {
   if (auto segment = rtapi::Segment::attach(instance); segment.ok()) {
     run_id = std::string((*segment)->header().run_id.view());
     if (!run_id.empty()) ::setenv("KERF_RUN_ID", run_id.c_str(), 1);
-    exit_status = run_commands(**segment, wish);
+    exit_status = run_commands(**segment, wish, *clock);
   } else {
     rtapi::log_error(segment.error());
   }

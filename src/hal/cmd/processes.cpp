@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -92,8 +91,6 @@ Result<pid_t> start_program(std::span<const std::string> argv, const rtapi::Segm
   }
   return pid;
 }
-
-int open_pidfd(pid_t pid) { return static_cast<int>(::syscall(SYS_pidfd_open, pid, 0)); }
 
 int child_status(pid_t pid) {
   int status = 0;

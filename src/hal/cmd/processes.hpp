@@ -21,9 +21,6 @@ namespace kerf::hal {
 rtapi::Result<pid_t> start_program(std::span<const std::string> argv,
                                    const rtapi::Segment& segment);
 
-/// A descriptor that becomes readable when the process ends; -1 when there is none.
-int open_pidfd(pid_t pid);
-
 /// Exit status of a child that has ended (128 + signal number for a signal), or -1 while it runs.
 int child_status(pid_t pid);
 

@@ -61,11 +61,17 @@ std::span<const Host::Row> Host::rows() {
       {"lock", 0, 1, 0, &Host::lock},
       {"unlock", 0, 1, 0, &Host::unlock},
       {"timing", 1, 1, 0, &Host::timing},
-      {"comp-new", 1, 1, 0, &Host::component_new},
-      {"pin-new", 4, 5, 0, &Host::pin_new},
-      {"param-new", 4, 5, 0, &Host::param_new},
+      {"comp-new", 1, 2, 0, &Host::component_new},
+      {"pin-new", 4, 6, 0, &Host::pin_new},
+      {"param-new", 4, 6, 0, &Host::param_new},
       {"comp-ready", 1, 1, 0, &Host::component_ready},
+      {"comp-unready", 1, 1, 0, &Host::component_unready},
       {"comp-exit", 1, 1, 0, &Host::component_exit},
+      {"mem-new", 1, 1, 0, &Host::memory_new},
+      {"shm-new", 3, 3, 0, &Host::named_memory_new},
+      {"shm-drop", 1, 1, 0, &Host::named_memory_drop},
+      {"hold-values", 0, 0, 0, &Host::hold_values},
+      {"check-invariants", 0, 0, 0, &Host::check_invariants},
   };
   return kRows;
 }
@@ -80,7 +86,7 @@ Result<std::unique_ptr<Host>> Host::create(rtapi::Segment& segment, const rtapi:
 
 Host::~Host() { unload_all(); }
 
-Reply Host::command(Words argv, std::uint64_t client, std::int64_t pid) {
+Reply Host::command(Words argv, const Caller& caller) {
   if (argv.empty()) return {};
   for (const Row& row : rows()) {
     if (argv[0] != row.name) continue;
@@ -94,8 +100,7 @@ Reply Host::command(Words argv, std::uint64_t client, std::int64_t pid) {
                                          " arguments, " + std::to_string(given) + " given");
     }
     if (const auto locked = registry_->check_lock(row.lock); !locked.ok()) return reply(locked);
-    client_ = client;
-    pid_ = pid;
+    caller_ = caller;
     registry_->reclaim();
     return (this->*row.run)(argv.subspan(1));
   }
@@ -108,12 +113,20 @@ Reply Host::command(Words argv, std::uint64_t client, std::int64_t pid) {
 Reply Host::batch(Words argv) {
   const auto batch = decode_batch(argv);
   if (!batch) return bad(Errc::protocol, "batch: words that do not belong together");
+  // A reply is one packet: when there are many failures the texts of the later ones are cut.
+  constexpr std::size_t kWhole = 96U << 10U;
+  constexpr std::size_t kMost = 160U << 10U;
+  constexpr std::size_t kCut = 40;
+  std::size_t bytes = 0;
   std::vector<ReplyPacket> failures;
   for (std::size_t i = 0; i < batch->commands.size(); ++i) {
     const Command& words = batch->commands[i];
     if (!words.empty() && words[0] == "batch") return bad(Errc::protocol, "batch within a batch");
-    Reply done = command(words, client_, pid_);
+    Reply done = command(words, caller_);
     if (done.ok()) continue;
+    if (bytes + done.text.size() > kWhole) done.text.resize(std::min(done.text.size(), kCut));
+    bytes += done.text.size() + 4 * sizeof(std::uint32_t);
+    if (bytes > kMost) return bad(Errc::protocol, "batch: too many commands that fail");
     failures.push_back({static_cast<std::uint32_t>(i), done.status, std::move(done.text)});
     if (!batch->keep_going) break;
   }
@@ -161,6 +174,8 @@ Reply Host::unalias(Words argv) {
     return bad(Errc::bad_argument, "unalias: " + quoted(argv[0]) + " is neither pin nor param");
   return reply(registry_->unalias(kind, argv[1]));
 }
+
+Reply Host::check_invariants(Words /*argv*/) { return reply(registry_->check_invariants()); }
 
 Reply Host::start(Words /*argv*/) {
   registry_->set_running(true);
@@ -211,88 +226,6 @@ Reply Host::timing(Words argv) {
   }
   set_timing_mode(*mode);
   return {};
-}
-
-// ---- user components ----------------------------------------------------------------------------
-
-Reply Host::component_new(Words argv) {
-  auto made = registry_->add_component(argv[0], ComponentKind::user, pid_);
-  if (!made.ok()) {
-    std::string text = made.error().message();
-    if (made.error().code == Errc::exists) text = "duplicate component name " + quoted(argv[0]);
-    return bad(made.error().code, text);
-  }
-  user_components_[argv[0]] = {*made, client_};
-  return {0, std::to_string((*made)->id)};
-}
-
-Result<Host::UserComponent*> Host::own_component(const std::string& name) {
-  const auto it = user_components_.find(name);
-  if (it == user_components_.end())
-    return fail(Errc::not_found, "component " + quoted(name) + " not found");
-  if (it->second.client != client_) {
-    return fail(Errc::permission, "component " + quoted(name) + " belongs to another client");
-  }
-  return &it->second;
-}
-
-Reply Host::item_new(Words argv, bool pin) {
-  auto owner = own_component(argv[0]);
-  if (!owner.ok()) return bad(owner.error().code, owner.error().message());
-  if ((*owner)->record->ready != 0) {
-    return bad(Errc::busy,
-               "component " + quoted(argv[0]) + " is ready: no more pins or parameters");
-  }
-  const Type type = type_from_name(argv[2]);
-  const Dir dir = dir_from_name(argv[3]);
-  const bool is_pin_dir = dir == Dir::in || dir == Dir::out || dir == Dir::io;
-  if (type == Type::unspecified || dir == Dir::unspecified || is_pin_dir != pin) {
-    return bad(Errc::bad_argument,
-               "bad type or direction for " + quoted(argv[1]) + ": " + argv[2] + " " + argv[3]);
-  }
-  std::uint64_t initial = 0;
-  if (argv.size() > 4) {
-    auto value = parse_value(type, argv[4]);
-    if (!value.ok()) return bad(value.error().code, value.error().message());
-    initial = *value;
-  }
-  auto& record = *(*owner)->record;
-  auto made = pin ? registry_->add_pin(record, argv[1], type, dir, initial)
-                  : registry_->add_param(record, argv[1], type, dir, initial);
-  if (!made.ok()) return bad(made.error().code, made.error().message());
-  return {0, std::to_string((*made)->link)};
-}
-
-Reply Host::pin_new(Words argv) { return item_new(argv, true); }
-Reply Host::param_new(Words argv) { return item_new(argv, false); }
-
-Reply Host::component_ready(Words argv) {
-  auto own = own_component(argv[0]);
-  if (!own.ok()) return bad(own.error().code, own.error().message());
-  if ((*own)->record->ready != 0)
-    return bad(Errc::busy, "Component " + quoted(argv[0]) + " already ready");
-  registry_->set_ready(*(*own)->record);
-  return {};
-}
-
-Reply Host::component_exit(Words argv) {
-  auto own = own_component(argv[0]);
-  if (!own.ok()) return bad(own.error().code, own.error().message());
-  registry_->remove_component(*(*own)->record);
-  user_components_.erase(argv[0]);
-  return {};
-}
-
-void Host::client_gone(std::uint64_t client) {
-  for (auto it = user_components_.begin(); it != user_components_.end();) {
-    if (it->second.client != client) {
-      ++it;
-      continue;
-    }
-    registry_->remove_component(*it->second.record);
-    it = user_components_.erase(it);
-  }
-  registry_->reclaim();
 }
 
 // ---- what drivers look at -----------------------------------------------------------------------

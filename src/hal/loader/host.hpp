@@ -27,6 +27,14 @@ struct Reply {
   [[nodiscard]] bool ok() const noexcept { return status == 0; }
 };
 
+/// Who asks. Components leave with the client (a connection), memory with the process.
+struct Caller {
+  std::uint64_t client{0};  ///< 0: nobody's, its components stay
+  std::int64_t pid{0};      ///< what `show comp` prints
+  std::uint64_t process{
+      0};  ///< number of a process that may hold addresses of the segment; 0: this one
+};
+
 /// Who runs the threads and participants that loaded components bring.
 class HostDriver {
  public:
@@ -55,14 +63,17 @@ class Host {
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
-  /// One command of any kind, whole words. `client` tells whose user components are meant (0: nobody's, they stay), `pid` is
-  /// the client's process.
-  Reply command(std::span<const std::string> argv, std::uint64_t client = 0, std::int64_t pid = 0);
+  /// One command of any kind, whole words. Whatever they are, nothing worse happens than an error.
+  Reply command(std::span<const std::string> argv, const Caller& caller = {});
   Reply command(std::initializer_list<std::string> argv) {
     return command(std::span<const std::string>(argv.begin(), argv.size()));
   }
   /// The client is dead: its components leave, their pins are unlinked.
   void client_gone(std::uint64_t client);
+  /// The process is dead and has no connection any more: nobody holds the addresses that it had.
+  void process_gone(std::uint64_t process);
+  /// True when the process has been given anything that lasts until process_gone().
+  [[nodiscard]] bool holds(std::uint64_t process) const { return processes_.count(process) > 0; }
 
   /// Threads by period, fastest first; equal ones in order of creation.
   [[nodiscard]] std::vector<ThreadRunner*> threads() const;
@@ -136,6 +147,19 @@ class Host {
   struct UserComponent {
     ComponentRecord* record;
     std::uint64_t client;
+    std::uint64_t base;  ///< where its process maps the segment; 0: not told
+  };
+  /// Another process that has components or memory: it may hold addresses until it is gone.
+  struct Process {
+    std::uint64_t holder;
+    std::uint64_t value_holder;            ///< 0: has not asked for values by name
+    std::map<Offset, std::size_t> memory;  ///< of mem-new
+    std::map<std::string, int> named;      ///< of shm-new: how many times
+  };
+  /// Memory of shm-new, until the last user has dropped it.
+  struct NamedMemory {
+    MemoryRecord* record;
+    int users;
   };
   using Words = std::span<const std::string>;
   struct Row;
@@ -155,10 +179,10 @@ class Host {
   Reply link_signal_pin(Words argv);
   Reply link_pins(Words argv);
   Reply unlink(Words argv);
-  Reply set_item(Words argv);
-  Reply set_signal(Words argv);
   Reply alias(Words argv);
   Reply unalias(Words argv);
+  Reply set_item(Words argv);
+  Reply set_signal(Words argv);
   Reply add_function(Words argv);
   Reply delete_function(Words argv);
   Reply start(Words argv);
@@ -170,8 +194,14 @@ class Host {
   Reply pin_new(Words argv);
   Reply param_new(Words argv);
   Reply component_ready(Words argv);
+  Reply component_unready(Words argv);
   Reply component_exit(Words argv);
   Reply item_new(Words argv, bool pin);
+  Reply memory_new(Words argv);
+  Reply named_memory_new(Words argv);
+  Reply named_memory_drop(Words argv);
+  Reply hold_values(Words argv);
+  Reply check_invariants(Words argv);
 
   rtapi::Status add_thread(Loaded& owner, std::string_view name, std::int64_t period_ns);
   void remove_threads(Loaded& owner);
@@ -185,6 +215,11 @@ class Host {
   Thread* find_thread(std::string_view name);
   [[nodiscard]] Loaded* find_loaded(std::string_view name) const;
   rtapi::Result<UserComponent*> own_component(const std::string& name);
+  /// The asking process, a holder from now on.
+  Process& own_process();
+  /// A place in memory that the asking process got by mem-new, `bytes` long and aligned so.
+  rtapi::Result<std::byte*> own_place(const std::string& offset, std::size_t bytes);
+  void drop_named(const std::string& name, int times);
 
   const rtapi::Clock& clock_;
   ModuleSource& modules_;
@@ -197,9 +232,10 @@ class Host {
   rtapi::CycleCounter counter_;
   std::map<std::string, Service, std::less<>> services_;
   std::map<std::string, UserComponent, std::less<>> user_components_;
+  std::map<std::uint64_t, Process> processes_;
+  std::map<std::string, NamedMemory, std::less<>> named_;
   std::uint64_t thread_changes_{0};
-  std::uint64_t client_{0};  ///< of the command being done
-  std::int64_t pid_{0};
+  Caller caller_;  ///< of the command being done
 };
 
 }  // namespace kerf::hal

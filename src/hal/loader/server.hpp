@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,15 +11,14 @@
 #include "hal/loader/host.hpp"
 #include "rtapi/base/result.hpp"
 #include "rtapi/clock/clock.hpp"
+#include "rtapi/shm/socket.hpp"
 
 namespace kerf::hal {
 
+/// Any number of clients, as far as descriptors go. Each has its turn: a few requests, then the next. Nobody is cut off for not
+/// reading; a client with many unread replies is not read from until it has taken some.
 class Server {
  public:
-  static constexpr std::size_t kMostClients = 60;  ///< WaitSpec has room for 64 descriptors
-  static constexpr std::size_t kMostUnread =
-      4096;  ///< replies kept for a client that does not read; then it is cut off
-
   /// Listens, and makes the inbox cell that clients notify. exists: the instance has a realtime host already.
   static rtapi::Result<std::unique_ptr<Server>> open(Host& host, rtapi::Segment& segment,
                                                      const std::string& instance);
@@ -26,7 +26,7 @@ class Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// Does all that clients have asked for so far. True when there was something.
+  /// A turn for everybody who has asked for something. True when there was something.
   bool serve();
   /// serve() until nothing is left, or until other work of the host must have its turn (false).
   bool serve_all();
@@ -35,25 +35,46 @@ class Server {
   [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }
 
  private:
+  /// A process that has connected, until it is gone and all its connections are closed: only then does nobody hold addresses of
+  /// the segment that it was given (a forked child may go on with a connection).
+  struct Process {
+    std::uint64_t number;
+    std::int64_t pid;
+    int pidfd;  ///< -1: gone
+    int connections;
+  };
   struct Client {
     int fd;
     std::uint64_t number;
-    std::int64_t pid;
+    std::uint64_t process;
     std::deque<std::string> unsent;
+    std::size_t unsent_bytes{0};
+    unsigned watched{0};
   };
-  Server(Host& host, int listener, rtapi::Cell* inbox)
-      : host_(host), listener_(listener), inbox_(inbox) {}
-  bool accept_new();
-  /// False: the client is gone.
-  bool serve_client(Client& client, bool& worked);
-  static bool flush(Client& client);
+  Server(Host& host, int listener, rtapi::Cell* inbox, rtapi::Epoll epoll)
+      : host_(host), listener_(listener), inbox_(inbox), epoll_(std::move(epoll)) {}
+  void accept_new(int& budget);
+  void pause_listener(bool paused);
+  /// Requests that it may have done in this turn; false: the client is gone.
+  bool serve_client(Client& client, int& budget);
+  bool flush(Client& client);
+  void watch_client(Client& client);
+  void drop_client(std::uint64_t number);
+  Process& process_of(int fd);
+  void look_at_process(std::uint64_t number);
+  bool serve_within(int& budget);
 
   Host& host_;
   int listener_;
   rtapi::Cell* inbox_;
+  rtapi::Epoll epoll_;
   std::uint64_t inbox_seen_{0};
   std::uint64_t next_number_{1};
-  std::vector<std::unique_ptr<Client>> clients_;
+  std::uint64_t last_served_{0};
+  bool listener_paused_{false};  ///< no descriptors left
+  bool accept_failed_{false};    ///< and that has been said
+  std::map<std::uint64_t, Client> clients_;
+  std::map<std::uint64_t, Process> processes_;
 };
 
 }  // namespace kerf::hal

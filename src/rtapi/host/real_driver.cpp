@@ -1,9 +1,14 @@
 #include "rtapi/host/real_driver.hpp"
 
+#include <sched.h>
+
+#include <algorithm>
+#include <charconv>
 #include <string>
 
 #include "hal/core/view.hpp"
 #include "rtapi/clock/join_clock.hpp"
+#include "rtapi/clock/stop_signals.hpp"
 #include "rtapi/log/log.hpp"
 
 namespace kerf::hal {
@@ -48,25 +53,64 @@ std::string overrun_text(const rtapi::Segment& segment, const ThreadRunner& thre
 
 }  // namespace
 
+rtapi::Result<std::vector<int>> parse_cpus(std::string_view text) {
+  std::vector<int> cpus;
+  const auto wrong = [&](const std::string& why) {
+    return rtapi::fail(rtapi::Errc::bad_argument,
+                       "processors '" + std::string(text) + "': " + why + "; give 2,3 or 2-3");
+  };
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const auto comma = std::min(rest.find(','), rest.size());
+    std::string_view part = rest.substr(0, comma);
+    rest.remove_prefix(std::min(comma + 1, rest.size()));
+    while (!part.empty() && part.front() == ' ') part.remove_prefix(1);
+    while (!part.empty() && part.back() == ' ') part.remove_suffix(1);
+    if (part.empty()) continue;
+    const auto number = [](std::string_view digits, int& out) {
+      const auto end = digits.data() + digits.size();
+      const auto parsed = std::from_chars(digits.data(), end, out);
+      return parsed.ec == std::errc() && parsed.ptr == end && out >= 0 && out < CPU_SETSIZE;
+    };
+    int first = 0;
+    const auto dash = part.find('-');
+    if (!number(part.substr(0, dash), first))
+      return wrong("no number in '" + std::string(part) + "'");
+    int last = first;
+    if (dash != std::string_view::npos && !number(part.substr(dash + 1), last))
+      return wrong("no number in '" + std::string(part) + "'");
+    if (last < first) return wrong("'" + std::string(part) + "' runs backwards");
+    for (int cpu = first; cpu <= last; ++cpu) {
+      if (std::find(cpus.begin(), cpus.end(), cpu) == cpus.end()) cpus.push_back(cpu);
+    }
+  }
+  return cpus;
+}
+
 rtapi::Status RealDriver::thread_added(ThreadRunner& thread) {
+  int place = 0;
+  while (
+      std::any_of(cyclic_.begin(), cyclic_.end(), [&](const auto& c) { return c.place == place; }))
+    ++place;
   rtapi::CyclicThread::Config config;
   config.name = rtapi::FixedString<31>(thread.name());
   config.period_ns = thread.period_ns();
   // The fastest is made first and may interrupt the others.
-  config.priority = std::max(kLowestPriority, kHighestPriority - made_);
-  config.cpu = cpu_;
+  config.priority = std::max(kLowestPriority, kHighestPriority - place);
+  if (!cpus_.empty())
+    config.cpu = cpus_[std::min(static_cast<std::size_t>(place), cpus_.size() - 1)];
   config.cycle = &ThreadRunner::cycle;
   config.self = &thread;
   auto cyclic = std::make_unique<rtapi::CyclicThread>(config);
   thread.record().ticking.publish(1);
+  const rtapi::NoSignalsInThreads no_signals;
   // Whole multiples of the period, so that the cycles of several threads keep their places.
   const auto status = cyclic->start(clock_.now() / thread.period_ns() * thread.period_ns());
   if (!status.ok()) {
     thread.record().ticking.publish(0);
     return status;
   }
-  ++made_;
-  cyclic_.push_back({&thread, std::move(cyclic)});
+  cyclic_.push_back({&thread, std::move(cyclic), place});
   return {};
 }
 
@@ -76,7 +120,6 @@ void RealDriver::thread_removed(ThreadRunner& thread) {
     it->thread->stop();
     thread.record().ticking.publish(0);
     cyclic_.erase(it);
-    if (cyclic_.empty()) made_ = 0;
     return;
   }
 }
@@ -86,6 +129,7 @@ rtapi::Status RealDriver::participant_added(rtapi::Participant& participant) {
   auto& worker = workers_.emplace_back();
   worker.participant = &participant;
   worker.clock = std::move(clock);
+  const rtapi::NoSignalsInThreads no_signals;
   worker.thread =
       std::thread([&worker] { rtapi::run_participant(*worker.clock, *worker.participant); });
   return {};

@@ -3,7 +3,9 @@
 
 #include <list>
 #include <memory>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "hal/loader/host.hpp"
 #include "rtapi/clock/clock.hpp"
@@ -14,9 +16,10 @@ namespace kerf::hal {
 
 class RealDriver final : public HostDriver {
  public:
-  /// `clock` is the main thread's; `cpu` -1: any.
-  RealDriver(rtapi::Segment& segment, rtapi::WaitClock& clock, int cpu)
-      : segment_(segment), clock_(clock), cpu_(cpu) {}
+  /// `clock` is the main thread's. The first thread, which is the fastest, runs on the first of `cpus`, the next on the next, and
+  /// all that are left on the last, so that the fastest has its CPU alone. No cpus: any.
+  RealDriver(rtapi::Segment& segment, rtapi::WaitClock& clock, std::vector<int> cpus)
+      : segment_(segment), clock_(clock), cpus_(std::move(cpus)) {}
 
   rtapi::Status thread_added(ThreadRunner& thread) override;
   void thread_removed(ThreadRunner& thread) override;
@@ -30,6 +33,7 @@ class RealDriver final : public HostDriver {
   struct Cyclic {
     ThreadRunner* runner;
     std::unique_ptr<rtapi::CyclicThread> thread;
+    int place;  ///< 0: the first thread; free again when the thread is removed
     bool overrun_reported{false};
   };
   struct Worker {
@@ -39,10 +43,12 @@ class RealDriver final : public HostDriver {
   };
   rtapi::Segment& segment_;
   rtapi::WaitClock& clock_;
-  int cpu_;
-  int made_{0};
+  std::vector<int> cpus_;
   std::list<Cyclic> cyclic_;
   std::list<Worker> workers_;
 };
+
+/// "2,3", "2-5" or a mixture: processor numbers in the order given. bad_argument names what is wrong.
+rtapi::Result<std::vector<int>> parse_cpus(std::string_view text);
 
 }  // namespace kerf::hal

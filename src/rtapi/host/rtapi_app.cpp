@@ -6,6 +6,7 @@
 #include <getopt.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -19,6 +20,7 @@
 #include "hal/loader/realtime_host.hpp"
 #include "hal/loader/server.hpp"
 #include "rtapi/clock/join_clock.hpp"
+#include "rtapi/clock/stop_signals.hpp"
 #include "rtapi/host/real_driver.hpp"
 #include "rtapi/log/log.hpp"
 #include "rtapi/shm/leftovers.hpp"
@@ -33,16 +35,10 @@ using namespace kerf;  // NOLINT(google-build-using-namespace): the program's ow
 constexpr rtapi::Nanos kHousekeeping = 100 * rtapi::kMillisecond;
 constexpr int kPatienceMs = 1000;
 
-rtapi::WaitClock* main_clock = nullptr;  // for the signal handler
-
-void on_signal(int /*signal*/) {
-  if (main_clock != nullptr) main_clock->stop();
-}
-
 struct Options {
   std::string instance;
   bool make_virtual{false};
-  int cpu{-1};
+  std::string cpus;
   std::size_t segment_bytes{rtapi::Segment::kDefaultBytes};
   hal::TimingMode timing{hal::TimingMode::sampled};
 };
@@ -55,7 +51,8 @@ void print_help() {
       "\n"
       "  --instance NAME    the instance (default: KERF_INSTANCE, else by user)\n"
       "  --virtual          a new instance runs on virtual time\n"
-      "  --cpu N            run realtime threads on this CPU (default: KERF_RT_CPUS, else any)\n"
+      "  --cpu LIST         processors of the realtime threads, the fastest first: 2,3 or 2-3\n"
+      "                     (default: KERF_RT_CPUS, else any)\n"
       "  --function-timing every|sampled|off\n"
       "                     time each function in every cycle, in every 16th, or none\n"
       "                     (default: KERF_FUNCTION_TIMING, else sampled)\n"
@@ -74,7 +71,7 @@ bool parse_options(int argc, char** argv, Options& o, int& status) {
                                      {nullptr, 0, nullptr, 0}};
   o.instance = rtapi::default_instance();
   if (const char* cpus = std::getenv("KERF_RT_CPUS"); cpus != nullptr && *cpus != '\0')
-    o.cpu = std::atoi(cpus);
+    o.cpus = cpus;
   if (const char* timing = std::getenv("KERF_FUNCTION_TIMING"); timing != nullptr)
     o.timing = hal::timing_mode_of(timing).value_or(o.timing);
   int c = 0;
@@ -82,7 +79,7 @@ bool parse_options(int argc, char** argv, Options& o, int& status) {
     switch (c) {
       case 'n': o.instance = optarg; break;
       case 'v': o.make_virtual = true; break;
-      case 'c': o.cpu = std::atoi(optarg); break;
+      case 'c': o.cpus = optarg; break;
       case 'm':
         o.segment_bytes = static_cast<std::size_t>(std::max(1, std::atoi(optarg))) << 20U;
         break;
@@ -200,6 +197,14 @@ int fail(const rtapi::Error& error) {
   return 1;
 }
 
+/// Each client costs two descriptors, and each component one while it is opened.
+void raise_descriptor_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  (void)::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 rtapi::Result<std::unique_ptr<rtapi::Segment>> open_segment(const Options& o, bool& made) {
   auto found = rtapi::Segment::attach(o.instance, rtapi::Access::whole);
   if (found.ok()) {
@@ -230,9 +235,11 @@ int run(const Options& o, Supervisor& supervisor, rtapi::Segment& segment, bool&
   }
   auto clock = rtapi::join_clock(segment, rtapi::Role::realtime_host, "rtapi_app");
   if (!clock.ok()) return fail(clock.error());
-  main_clock = clock->get();
+  const rtapi::StopOnSignal stop(**clock);
+  auto cpus = hal::parse_cpus(o.cpus);
+  if (!cpus.ok()) return fail(cpus.error());
   hal::DlopenSource modules;
-  hal::RealDriver driver(segment, **clock, o.cpu);
+  hal::RealDriver driver(segment, **clock, std::move(*cpus));
   auto host = hal::Host::create(segment, **clock, modules, is_virtual ? nullptr : &driver);
   if (!host.ok() && host.error().code == rtapi::Errc::exists) {
     rtapi::log_message(rtapi::Level::error,
@@ -252,29 +259,24 @@ int run(const Options& o, Supervisor& supervisor, rtapi::Segment& segment, bool&
   (*host)->unload_all();
   server->reset();
   host->reset();
-  main_clock = nullptr;
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  rtapi::catch_stop_signals({SIGTERM, SIGINT});
   rtapi::set_program_name("rtapi_app");
   Options options;
   int status = 0;
   if (!parse_options(argc, argv, options, status)) return status;
   // Set for whatever libraries of components look at it.
   ::setenv("KERF_INSTANCE", options.instance.c_str(), 1);
+  raise_descriptor_limit();
   Supervisor supervisor;
   bool made = false;
   auto segment = open_segment(options, made);
   if (!segment.ok()) return fail(segment.error());
-
-  struct sigaction action {};
-  action.sa_handler = on_signal;
-  ::sigaction(SIGTERM, &action, nullptr);
-  ::sigaction(SIGINT, &action, nullptr);
-  ::signal(SIGPIPE, SIG_IGN);
 
   bool orphaned = false;
   status = run(options, supervisor, **segment, orphaned);

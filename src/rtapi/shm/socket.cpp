@@ -1,7 +1,10 @@
 #include "rtapi/shm/socket.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
+#include <sys/epoll.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -16,6 +19,9 @@
 namespace kerf::rtapi {
 
 namespace {
+
+/// As many may connect at once; on the virtual clock a connect() that waits would keep the host from accepting.
+constexpr int kBacklog = 4096;
 
 /// Abstract addresses have no file rights: only this user and root may be at the other end.
 bool peer_is_trusted(int fd) {
@@ -36,7 +42,7 @@ Result<int> listen_seqpacket(const std::string& address) {
   if (fd < 0) return system_error("cannot make a socket");
   sockaddr_un sun{};
   const socklen_t length = abstract_address(address, sun);
-  if (bind(fd, reinterpret_cast<const sockaddr*>(&sun), length) != 0 || listen(fd, 64) != 0) {
+  if (bind(fd, reinterpret_cast<const sockaddr*>(&sun), length) != 0 || listen(fd, kBacklog) != 0) {
     const auto error = system_error("cannot listen on @" + address);
     close(fd);
     return error;
@@ -99,7 +105,10 @@ Status send_packet(int fd, std::string_view packet) {
 Result<std::optional<std::string>> receive_packet(int fd) {
   static thread_local std::string buffer(kMaxPacket, '\0');
   for (;;) {
-    const ssize_t n = recv(fd, buffer.data(), buffer.size(), MSG_DONTWAIT);
+    // MSG_TRUNC gives the length that was sent: half a packet must never pass for a whole one.
+    const ssize_t n = recv(fd, buffer.data(), buffer.size(), MSG_DONTWAIT | MSG_TRUNC);
+    if (n > static_cast<ssize_t>(buffer.size()))
+      return fail(Errc::protocol, "packet of more than 192 KiB");
     if (n > 0)
       return std::optional<std::string>(std::string(buffer.data(), static_cast<std::size_t>(n)));
     if (n == 0) return fail(Errc::dead, "the other side is gone");
@@ -114,6 +123,61 @@ std::int64_t peer_pid(int fd) {
   ucred credentials{};
   socklen_t length = sizeof credentials;
   return getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &credentials, &length) == 0 ? credentials.pid : 0;
+}
+
+int open_pidfd(std::int64_t pid) noexcept {
+  if (pid <= 0) return -1;
+  return static_cast<int>(syscall(SYS_pidfd_open, static_cast<pid_t>(pid), 0));
+}
+
+bool is_readable(int fd) noexcept {
+  pollfd p{fd, POLLIN, 0};
+  return fd >= 0 && poll(&p, 1, 0) > 0;
+}
+
+Result<int> open_room_watch(int fd) {
+  Epoll epoll;
+  KERF_TRY(epoll, Epoll::open());
+  KERF_CHECK(epoll.add(fd, 0, Epoll::writable));
+  return epoll.release();
+}
+
+Result<Epoll> Epoll::open() {
+  Epoll epoll;
+  epoll.fd_ = epoll_create1(EPOLL_CLOEXEC);
+  if (epoll.fd_ < 0) return system_error("cannot make an epoll");
+  return epoll;
+}
+
+namespace {
+epoll_event event_of(std::uint64_t tag, unsigned what) {
+  epoll_event event{};
+  event.events = ((what & Epoll::readable) != 0U ? EPOLLIN : 0U) |
+                 ((what & Epoll::writable) != 0U ? EPOLLOUT : 0U);
+  event.data.u64 = tag;
+  return event;
+}
+}  // namespace
+
+Status Epoll::add(int fd, std::uint64_t tag, unsigned what) {
+  epoll_event event = event_of(tag, what);
+  if (epoll_ctl(fd_, EPOLL_CTL_ADD, fd, &event) != 0) return system_error("cannot watch");
+  return {};
+}
+
+void Epoll::change(int fd, std::uint64_t tag, unsigned what) noexcept {
+  epoll_event event = event_of(tag, what);
+  (void)epoll_ctl(fd_, EPOLL_CTL_MOD, fd, &event);
+}
+
+void Epoll::remove(int fd) noexcept { (void)epoll_ctl(fd_, EPOLL_CTL_DEL, fd, nullptr); }
+
+std::vector<std::uint64_t> Epoll::ready(std::size_t most) const {
+  std::vector<epoll_event> events(most);
+  const int n = epoll_wait(fd_, events.data(), static_cast<int>(most), 0);
+  std::vector<std::uint64_t> tags;
+  for (int i = 0; i < n; ++i) tags.push_back(events[static_cast<std::size_t>(i)].data.u64);
+  return tags;
 }
 
 void close_fd(int fd) noexcept {
