@@ -67,7 +67,8 @@ class And2 final : public Component<And2> {
   Function update_{function<&And2::update>("", "Computes out from the inputs")};
 };
 
-/// One cycle of a thread with `range(0)` times and2, their inputs linked, in the timing mode `range(1)`.
+/// One cycle of a thread with `range(0)` times and2 in the timing mode `range(1)`. `range(2)`: other work of so many KiB comes between
+/// two cycles, as on a machine that does something else too.
 void cycle_of_and2(benchmark::State& state) {
   const auto count = state.range(0);
   auto segment = rtapi::Segment::in_memory();
@@ -77,18 +78,27 @@ void cycle_of_and2(benchmark::State& state) {
   static const StaticModule table[] = {{"and2", &and2}, {"test_threads", &threads}};
   StaticSource modules{table};
   auto host = std::move(Host::create(*segment, clock, modules)).value();
-  host->set_cycle_counter(rtapi::CycleCounter::calibrated());
+  const auto counter = rtapi::CycleCounter::calibrated();
+  host->set_cycle_counter(counter);
   host->set_timing_mode(static_cast<TimingMode>(state.range(1)));
   (void)host->command({"loadrt", "test-threads", "name1=t", "period1=100000000"});
   (void)host->command({"loadrt", "and2", "count=" + std::to_string(count)});
   for (int i = 0; i < count; ++i) (void)host->command({"addf", "and2." + std::to_string(i), "t"});
   (void)host->command({"start"});
   auto* thread = host->threads().at(0);
-  for (auto _ : state) thread->run_cycle(0, 0);
+  std::vector<std::uint64_t> other(static_cast<std::size_t>(state.range(2)) * 128);
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < other.size(); i += 8) ++other[i];
+    const auto begin = counter.ticks();
+    thread->run_cycle(0, 0);
+    state.SetIterationTime(static_cast<double>(counter.ns(counter.ticks() - begin)) * 1e-9);
+  }
   state.SetLabel(timing_mode_name(static_cast<TimingMode>(state.range(1))));
-  state.SetItemsProcessed(state.iterations() * count);
+  state.counters["ns/function"] = benchmark::Counter(
+      static_cast<double>(count) * 1e-9 * static_cast<double>(state.iterations()),
+      benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
-BENCHMARK(cycle_of_and2)->ArgsProduct({{20, 1000}, {0, 1, 2}});
+BENCHMARK(cycle_of_and2)->ArgsProduct({{20, 1000}, {0, 1, 2}, {0, 4096}})->UseManualTime();
 
 }  // namespace
 }  // namespace kerf::hal
