@@ -42,6 +42,7 @@ void set_environment(const Installation& installation, const RunEnvironment& run
     unsetenv("KERF_RT_CPUS");
   else
     setenv("KERF_RT_CPUS", run.rt_cpus.c_str(), 1);
+  setenv("KERF_FUNCTION_TIMING", run.function_timing.c_str(), 1);
   setenv("INI_FILE_NAME", run.ini_path.c_str(), 1);
   setenv("CONFIG_DIR", run.ini_dir.c_str(), 1);
   if (!installation.hallib.empty()) setenv("HALLIB_DIR", installation.hallib.front().c_str(), 1);

@@ -28,6 +28,7 @@ struct RunEnvironment {
   std::string ini_path;
   std::string ini_dir;
   std::string rt_cpus;
+  std::string function_timing;
   int supervisor_fd{-1};
 };
 

@@ -65,6 +65,9 @@ class Planner {
                                     {.fallback = 64, .min = 16, .max = 2047, .unit = "MiB"});
     plan_.segment_mb = static_cast<std::size_t>(mb);
     reader_.known_key("KERF", "HEARTBEAT_TIMEOUT");  // of task
+    constexpr const char* kTiming[] = {"sampled", "every", "off"};
+    plan_.function_timing =
+        kTiming[reader_.choice("KERF", "FUNCTION_TIMING", {"sampled", "every", "off"}, 0)];
     plan_.rt_cpus = reader_.string("KERF", "RT_CPUS", "");
     if (plan_.rt_cpus.find_first_not_of("0123456789,- ") != std::string::npos) {
       reader_.complain("KERF", "RT_CPUS",

@@ -23,6 +23,7 @@ struct LaunchPlan {
   bool virtual_time{false};      ///< [KERF]CLOCK
   std::size_t segment_mb{64};    ///< [KERF]SEGMENT_MB
   std::string rt_cpus;           ///< [KERF]RT_CPUS, "" any
+  std::string function_timing;   ///< [KERF]FUNCTION_TIMING: every, sampled or off
   std::vector<HalStep> hal;      ///< [HAL]HALFILE in order, then [HAL]HALCMD in order
   std::vector<HalStep> postgui;  ///< POSTGUI_HALFILE, then POSTGUI_HALCMD
   std::vector<HalStep> shutdown;

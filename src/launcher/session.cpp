@@ -146,7 +146,7 @@ Status Session::make_instance() {
   (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
   const int signal_fd = catch_stop_signals();
   set_environment(installation_, {instance_, run_id_, plan_.ini_path, plan_.ini_dir, plan_.rt_cpus,
-                                  children_end_});
+                                  plan_.function_timing, children_end_});
   KERF_TRY(auto clock, rtapi::join_clock(*segment_, rtapi::Role::launcher, "kerf"));
   clock_ = std::make_unique<SupervisedClock>(*segment_, std::move(clock), signal_fd);
   console_.detail("instance " + instance_ + (plan_.virtual_time ? ", virtual time" : ""));

@@ -10,6 +10,7 @@
 #include "hal/cmd/json.hpp"
 #include "hal/cmd/save.hpp"
 #include "hal/cmd/show.hpp"
+#include "hal/cmd/timing_table.hpp"
 #include "hal/core/value_text.hpp"
 #include "rtapi/base/suggest.hpp"
 
@@ -137,6 +138,10 @@ std::span<const Commander::Row> Commander::rows() {
        "the values of unconnected pins."},
       {"status", 0, 1, 0, &Commander::status, "status [lock | mem | all]",
        "Prints the state of HAL itself."},
+      {"timing", 0, kAny, 0, &Commander::timing,
+       "timing [PATTERN ...] | every | sampled | off | reset",
+       "Prints what threads and functions cost, times each function in every cycle, in every 16th "
+       "or never, or starts the figures anew."},
       {"start", 0, 0, Row::refused, &Commander::forward, "start",
        "Lets the realtime threads run their functions."},
       {"stop", 0, 0, Row::refused, &Commander::forward, "stop",
@@ -461,6 +466,15 @@ Status Commander::show(Words w) {
   const std::string item = w.size() > 1 ? w[1] : "";
   KERF_TRY(const std::string text,
            json_ ? show_json(view_, item, patterns) : show_text(view_, item, patterns, script_));
+  sink_->out(text);
+  return {};
+}
+
+Status Commander::timing(Words w) {
+  if (w.size() == 2 && (w[1] == "reset" || timing_mode_of(w[1]))) return forward(w);
+  const Words patterns = w.subspan(1);
+  KERF_TRY(const std::string text,
+           json_ ? timing_json(view_, patterns) : timing_text(view_, patterns, script_));
   sink_->out(text);
   return {};
 }

@@ -130,6 +130,7 @@ class Commander {
   Done get_signal(Words w);
   Done signal_type(Words w);
   Done show(Words w);
+  Done timing(Words w);
   Done list(Words w);
   Done status(Words w);
   Done save(Words w);

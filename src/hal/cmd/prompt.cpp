@@ -80,6 +80,7 @@ const std::vector<Place>& places() {
       {"lock", kNone, kNone, {"none", "tune", "all"}},
       {"unlock", kNone, kNone, {"tune", "all"}},
       {"status", kNone, kNone, {"lock", "mem", "all"}},
+      {"timing", kNone, kEverything, {"every", "sampled", "off", "reset"}},
       {"list", kNone, kEverything, {"comp", "pin", "sig", "param", "funct", "thread"}},
       {"show",
        kNone,

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <string>
 
-#include "hal/core/view.hpp"
+#include "hal/core/overrun_text.hpp"
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/clock/stop_signals.hpp"
 #include "rtapi/log/log.hpp"
@@ -18,37 +18,20 @@ constexpr int kHighestPriority = 80;
 constexpr int kLowestPriority = 50;
 constexpr int kPatienceMs = 3000;  ///< three times the longest period that a thread may have
 
-std::string text_of(std::int64_t ns) { return std::to_string(ns) + " ns"; }
-
 /// What to say of the thread's last overrun.
-std::string overrun_text(const rtapi::Segment& segment, const ThreadRunner& thread,
-                         const rtapi::ThreadStats& stats) {
-  const std::string head = std::string("thread ") + thread.name() + " ";
-  const std::string period = text_of(thread.period_ns());
+std::string report_text(const rtapi::Segment& segment, const ThreadRunner& thread,
+                        const rtapi::ThreadStats& stats) {
   for (const auto& timing : View(segment).timings()) {
-    if (timing.name != thread.name() || !timing.last_overrun) continue;
-    const auto& last = *timing.last_overrun;
-    if (last.function.empty()) {
-      return head + "was woken " + text_of(last.woken_late_ns) + " late in cycle " +
-             std::to_string(last.cycle) + ", its period is " + period +
-             ": the machine was busy otherwise";
-    }
-    const bool exact = last.function == last.last_function;
-    std::string text = head + "overran its period of " + period + " in cycle " +
-                       std::to_string(last.cycle) + ", which took " + text_of(last.took_ns) + ": ";
-    text += exact ? "function " + last.function
-                  : "one of the functions " + last.function + " to " + last.last_function;
-    text += " took " + text_of(last.function_ns) + ", usually " + text_of(last.function_usual_ns);
-    if (exact && last.function_stats.count > 1)
-      text += " (p99 " + text_of(last.function_stats.p99_ns) + ")";
-    if (!exact) text += "; each is timed now, see 'halcmd timing'";
-    return text;
+    if (timing.name != thread.name()) continue;
+    if (auto text = overrun_text(timing); !text.empty()) return text;
   }
+  const std::string period = std::to_string(thread.period_ns()) + " ns";
+  const std::string head = std::string("thread ") + thread.name() + " ";
   if (stats.last_overrun_ns < thread.period_ns())
     return head + "was woken later than its period of " + period +
            ": the machine was busy otherwise";
   return head + "overran its period of " + period + ": a cycle took " +
-         text_of(stats.last_overrun_ns) + "; 'halcmd timing every' finds the function";
+         std::to_string(stats.last_overrun_ns) + " ns; 'halcmd timing every' finds the function";
 }
 
 }  // namespace
@@ -161,7 +144,7 @@ void RealDriver::report_overruns() {
     if (stats.overruns == 0 && c.runner->record().overrun.version() == 0) continue;
     c.overrun_reported = true;
     rtapi::log_message(rtapi::Level::warning, "%s",
-                       overrun_text(segment_, *c.runner, stats).c_str());
+                       report_text(segment_, *c.runner, stats).c_str());
   }
 }
 

@@ -102,12 +102,14 @@ TEST_F(PlanTest, NoHalFileAtAll) {
 }
 
 TEST_F(PlanTest, KerfSection) {
-  const LaunchPlan p =
-      plan("[HAL]\nHALFILE = one.hal\n[KERF]\nCLOCK = Virtual\nSEGMENT_MB = 128\nRT_CPUS = 2-3\n");
+  const LaunchPlan p = plan(
+      "[HAL]\nHALFILE = one.hal\n[KERF]\nCLOCK = Virtual\nSEGMENT_MB = 128\nRT_CPUS = 2-3\n"
+      "FUNCTION_TIMING = Every\n");
   ASSERT_TRUE(p.ok) << messages(p);
   EXPECT_TRUE(p.virtual_time);
   EXPECT_EQ(p.segment_mb, 128U);
   EXPECT_EQ(p.rt_cpus, "2-3");
+  EXPECT_EQ(p.function_timing, "every");
 }
 
 TEST_F(PlanTest, BadValuesOfTheKerfSection) {
