@@ -298,6 +298,7 @@ void set_environment(const std::string& instance) {
   };
   const std::string folder = program_folder();
   prepend("PATH", folder + ":", "/usr/bin:/bin");
+  prepend("PYTHONPATH", std::filesystem::path(folder).parent_path().string() + "/python:", "");
   prepend("TCLLIBPATH", std::filesystem::path(folder).parent_path().string() + "/tcl ", "");
   ::setenv("KERF_INSTANCE", instance.c_str(), 1);
 }

@@ -42,6 +42,18 @@ std::string preload_for(const rtapi::Segment& segment, const std::string& progra
   return before != nullptr && *before != '\0' ? shim.string() + ":" + before : shim.string();
 }
 
+/// PYTHONPATH with which a program finds our module hal; "" when it need not change.
+std::string python_path() {
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  const auto folder = self.parent_path().parent_path() / "python";
+  if (error || !std::filesystem::exists(folder / "hal", error)) return {};
+  const char* set = std::getenv("PYTHONPATH");
+  const std::string before = set == nullptr ? "" : set;
+  if ((":" + before + ":").find(":" + folder.string() + ":") != std::string::npos) return {};
+  return before.empty() ? folder.string() : folder.string() + ":" + before;
+}
+
 }  // namespace
 
 Result<pid_t> start_program(std::span<const std::string> argv, const rtapi::Segment& segment) {
@@ -53,6 +65,7 @@ Result<pid_t> start_program(std::span<const std::string> argv, const rtapi::Segm
   const std::string& instance = segment.instance();
   const std::string run_id(segment.header().run_id.view());
   const std::string preload = preload_for(segment, copy[0]);
+  const std::string python = python_path();
   int report[2];
   // The pipe closes by exec; what comes through it is the errno of a failed one.
   if (::pipe2(report, O_CLOEXEC) != 0)
@@ -71,6 +84,7 @@ Result<pid_t> start_program(std::span<const std::string> argv, const rtapi::Segm
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
     ::setenv("KERF_INSTANCE", instance.c_str(), 1);
     if (!run_id.empty()) ::setenv("KERF_RUN_ID", run_id.c_str(), 1);
+    if (!python.empty()) ::setenv("PYTHONPATH", python.c_str(), 1);
     if (!preload.empty()) ::setenv("LD_PRELOAD", preload.c_str(), 1);
     ::execvp(args[0], args.data());
     const int why = errno;
