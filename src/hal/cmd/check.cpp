@@ -32,14 +32,16 @@ std::vector<std::string> without_arrows(std::span<const std::string> w) {
   return out;
 }
 
-/// What the arrows beside word i of a `net` say of the pin: in, out or unspecified. In "a => b c <= d" whoever has an arrow on the
-/// left is what that one says.
+/// What the arrows around word i of a `net` say of the pin: in, out or unspecified. "=>" speaks of all pins behind it and "<=" of
+/// the next one; a pin before the first arrow is at its other end.
 Dir arrow_dir(std::span<const std::string> w, std::size_t i) {
-  const std::string before = i > 2 && is_arrow(w[i - 1]) ? w[i - 1] : "";
+  for (std::size_t left = i; left-- > 2;) {
+    if (!is_arrow(w[left])) continue;
+    if (w[left] == "=>") return Dir::in;
+    return w[left] == "<=" && left + 1 == i ? Dir::out : Dir::unspecified;
+  }
   const std::string after = i + 1 < w.size() && is_arrow(w[i + 1]) ? w[i + 1] : "";
-  if (before == "=>" || (before.empty() && after == "<=")) return Dir::in;
-  if (before == "<=" || (before.empty() && after == "=>")) return Dir::out;
-  return Dir::unspecified;
+  return after == "<=" ? Dir::in : after == "=>" ? Dir::out : Dir::unspecified;
 }
 
 class StillClock final : public rtapi::Clock {

@@ -138,6 +138,9 @@ class ScriptCheck {
   bool strangers_{false};  ///< something was started whose pins have any name
 };
 
+/// What `halcmd check --json` prints; docs/hal-json.md has the keys.
+std::string check_json(const ScriptCheck& check, const std::vector<Finding>& findings);
+
 /// Reads a machine's INI file and sets the variables that HAL files find in their environment; what is wrong with it goes to
 /// stderr. `enter_folder`: its HAL files are to be read.
 bool load_machine_ini(const std::string& path, bool enter_folder, ini::LoadResult& ini);

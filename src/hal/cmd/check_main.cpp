@@ -33,7 +33,9 @@ void print_text(const std::vector<Finding>& findings, bool quiet) {
                 .c_str());
 }
 
-void print_json(const ScriptCheck& check, const std::vector<Finding>& findings) {
+}  // namespace
+
+std::string check_json(const ScriptCheck& check, const std::vector<Finding>& findings) {
   Json list = Json::array();
   for (const auto& f : findings) {
     Json one;
@@ -53,10 +55,8 @@ void print_json(const ScriptCheck& check, const std::vector<Finding>& findings) 
   out["notes"] = count(findings, Finding::Level::note);
   out["findings"] = std::move(list);
   out["unchecked"] = std::move(unchecked);
-  std::puts(out.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+  return out.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
-
-}  // namespace
 
 bool load_machine_ini(const std::string& path, bool enter_folder, ini::LoadResult& ini) {
   const auto whole = std::filesystem::absolute(path);
@@ -102,7 +102,7 @@ int check_main(std::span<const std::string> words) {
   for (const auto& file : files) check.run_file(file);
   const auto findings = check.finish();
   if (json)
-    print_json(check, findings);
+    std::fputs(check_json(check, findings).c_str(), stdout);
   else
     print_text(findings, quiet);
   return count(findings, Finding::Level::error) == 0 ? 0 : 1;

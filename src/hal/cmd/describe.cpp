@@ -155,33 +155,32 @@ Describer::~Describer() {
   while (!recorders_.empty()) recorders_.pop_back();
 }
 
-Result<Describer::Recorder*> Describer::declare(const std::string& name) {
-  for (int attempt = 0;; ++attempt) {
+Result<std::unique_ptr<Describer::Recorder>> Describer::declare(const std::string& name) {
+  for (bool again = true;; again = false) {
     KERF_TRY(const Module* module, modules_.open(name));
     auto recorder = std::make_unique<Recorder>(*this, *module, name);
     recorder->create();
     const std::string missing = recorder->missing();
-    if (attempt == 0 && !missing.empty() && searched_.insert(missing).second) {
-      recorder.reset();
-      find_provider(missing);
-      continue;
-    }
-    recorders_.push_back(std::move(recorder));
-    return recorders_.back().get();
+    // A search within the search for the same service would find nothing else.
+    if (!again || missing.empty() || !searching_.insert(missing).second) return recorder;
+    recorder.reset();
+    find_provider(missing);
+    searching_.erase(missing);
   }
 }
 
 void Describer::find_provider(const std::string& service) {
   for (const auto& name : modules_.names()) {
     auto made = declare(name);
-    if (!made.ok()) continue;
+    if (!made.ok() || (*made)->provided().empty()) continue;
     for (const auto& [provided, object] : (*made)->provided()) services_.emplace(provided, object);
+    recorders_.push_back(std::move(*made));
     if (services_.count(service) > 0) return;
   }
 }
 
 Result<Declaration> Describer::describe(const std::string& name) {
-  KERF_TRY(const Recorder* recorder, declare(name));
+  KERF_TRY(const auto recorder, declare(name));
   return recorder->declaration();
 }
 

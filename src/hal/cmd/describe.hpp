@@ -29,7 +29,9 @@ struct Declaration {
     Dir dir;
     std::uint64_t initial;
     std::string doc;
-    [[nodiscard]] bool is_pin() const { return dir == Dir::in || dir == Dir::out || dir == Dir::io; }
+    [[nodiscard]] bool is_pin() const {
+      return dir == Dir::in || dir == Dir::out || dir == Dir::io;
+    }
   };
   struct Function {
     std::string name, doc;
@@ -61,19 +63,20 @@ class Describer {
 
  private:
   class Recorder;
-  rtapi::Result<Recorder*> declare(const std::string& name);
+  rtapi::Result<std::unique_ptr<Recorder>> declare(const std::string& name);
   void find_provider(const std::string& service);
 
   ModuleSource& modules_;
   std::map<std::string, void*, std::less<>> services_;
-  std::vector<std::unique_ptr<Recorder>> recorders_;  ///< in order; those later may use what earlier ones provide
-  std::set<std::string> searched_;                    ///< services
+  std::vector<std::unique_ptr<Recorder>>
+      recorders_;  ///< providers; a later one may use what an earlier one provides
+  std::set<std::string> searching_;  ///< services
 };
 
 /// Items alike but for a number, such as "sampler.0.pin.0" to "sampler.0.pin.3".
 struct ItemGroup {
-  std::string name;    ///< the varying number is "M"
-  std::string range;   ///< "M from 0 to 3"; empty: one item
+  std::string name;   ///< the varying number is "M"
+  std::string range;  ///< "M from 0 to 3"; empty: one item
   const Declaration::Item* item;
 };
 std::vector<ItemGroup> grouped(const Declaration& declaration, bool pins);

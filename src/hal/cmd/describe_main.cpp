@@ -53,7 +53,8 @@ Status write_pages(const std::vector<std::string>& names, const Form& form,
     if (folder.empty())
       std::fputs(text.c_str(), stdout);
     else
-      KERF_CHECK(write_file(std::string(folder).append("/").append(name).append(form.ending), text));
+      KERF_CHECK(
+          write_file(std::string(folder).append("/").append(name).append(form.ending), text));
   }
   return {};
 }

@@ -12,7 +12,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kFunctionItems =
-    "Each function FUNCT also has the pin FUNCT.time (s32 out), the time of its last run in ns, and "
+    "Each function FUNCT also has the pin FUNCT.time (s32 out), the time of its last run in ns, "
+    "and "
     "the parameters FUNCT.tmax (s32 rw), the longest one, and FUNCT.tmax-increased (bit ro).";
 
 std::string dir_word(Dir dir) {
@@ -42,7 +43,8 @@ std::string remark(const ItemGroup& g) {
 /// The lines of loadrt, by what the loader and the component take.
 std::vector<std::string> synopsis(const Declaration& d) {
   std::string own;
-  for (const auto& a : d.arguments) own += " [" + a.name + "=" + (a.default_text.empty() ? "VALUE" : a.default_text) + "]";
+  for (const auto& a : d.arguments)
+    own += " [" + a.name + "=" + (a.default_text.empty() ? "VALUE" : a.default_text) + "]";
   if (d.singleton) return {"loadrt " + d.name + own};
   return {"loadrt " + d.name + " [count=N | names=NAME1[,NAME2...]]" + own};
 }
@@ -95,7 +97,8 @@ std::string upper(std::string text) {
 }  // namespace
 
 std::string man_page(const Declaration& d) {
-  std::string out = ".\\\" Made from the component's declaration by `hal describe`; not to be edited.\n";
+  std::string out =
+      ".\\\" Made from the component's declaration by `hal describe`; not to be edited.\n";
   out += ".TH " + upper(d.name) + " 9 \"\" \"Kerf\" \"HAL components\"\n";
   out += ".SH NAME\n" + roff(d.name) + " \\- " + prose(d.summary) + "\n.SH SYNOPSIS\n";
   for (const auto& line : synopsis(d)) out += "\\fB" + roff(line) + "\\fR\n";
@@ -123,8 +126,10 @@ std::string man_page(const Declaration& d) {
     for (const auto& g : groups) out += entry(head(g), remark(g), g.item->doc);
   }
   if (!d.example.empty())
-    out += ".SH EXAMPLE\nThe pins above are those of\n.PP\n.RS\nloadrt " + roff(d.name + " " + d.example) + "\n.RE\n";
-  if (!d.incomplete.empty()) out += ".SH BUGS\nThis page is not complete: " + prose(d.incomplete) + "\n";
+    out += ".SH EXAMPLE\nThe pins above are those of\n.PP\n.RS\nloadrt " +
+           roff(d.name + " " + d.example) + "\n.RE\n";
+  if (!d.incomplete.empty())
+    out += ".SH BUGS\nThis page is not complete: " + prose(d.incomplete) + "\n";
   out += ".SH LICENSE\n" + prose(d.license) + "\n.SH SEE ALSO\n.BR halcmd (1)\n";
   return out;
 }
@@ -134,7 +139,8 @@ std::string man_page(const Declaration& d) {
 namespace {
 
 std::string cell(std::string text) {
-  for (std::size_t i = 0; (i = text.find('|', i)) != std::string::npos; i += 2) text.insert(i, "\\");
+  for (std::size_t i = 0; (i = text.find('|', i)) != std::string::npos; i += 2)
+    text.insert(i, "\\");
   return text;
 }
 
@@ -278,8 +284,7 @@ std::string declaration_json(const Declaration& d) {
   for (const auto& a : d.arguments)
     arguments.push_back({{"name", a.name}, {"default", a.default_text}, {"doc", a.doc}});
   for (const auto& f : d.functions) functions.push_back({{"name", f.name}, {"doc", f.doc}});
-  for (const auto& t : d.threads)
-    threads.push_back({{"name", t.name}, {"period_ns", t.period_ns}});
+  for (const auto& t : d.threads) threads.push_back({{"name", t.name}, {"period_ns", t.period_ns}});
   Json out;
   out["name"] = d.name;
   out["summary"] = d.summary;

@@ -232,7 +232,7 @@ class Graph {
     if (pin.stranger) text = "<i>" + text + "</i>";
     if (options_.values && !pin.value.empty())
       text += " <font color=\"#777777\">" + html(pin.value) + "</font>";
-    return "<td port=" + in_quotes(pin.name) + " align=\"" + (left ? "left" : "right") + "\">" +
+    return "<td port=\"" + html(pin.name) + "\" align=\"" + (left ? "left" : "right") + "\">" +
            text + "</td>";
   }
 

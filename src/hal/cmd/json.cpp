@@ -70,6 +70,7 @@ Json component_json(const ComponentInfo& c) {
 Json item_json(const ItemInfo& item, bool is_pin) {
   Json out;
   out["name"] = item.name;
+  out["original_name"] = or_null(item.original_name);
   out["type"] = type_name(item.type);
   out["dir"] = dir_word(item.dir);
   out["value"] = value_of(item.type, item.raw);
@@ -113,12 +114,61 @@ void put_times(Json& out, const View& view, const std::string& name) {
   out["tmax_ns"] = own_item(view, name, "tmax");
 }
 
-Json thread_json(const View& view, const ThreadInfo& t) {
+Json stats_json(const FunctionStats& stats) {
+  Json out;
+  out["count"] = stats.count;
+  out["mean_ns"] = stats.mean_ns;
+  out["p50_ns"] = stats.p50_ns;
+  out["p99_ns"] = stats.p99_ns;
+  out["p999_ns"] = stats.p999_ns;
+  out["max_ns"] = stats.max_ns;
+  out["overruns"] = stats.overruns;
+  return out;
+}
+
+Json overrun_json(const ThreadTiming::LastOverrun& o) {
+  Json out;
+  out["cycle"] = o.cycle;
+  out["took_ns"] = o.took_ns;
+  out["woken_late_ns"] = o.woken_late_ns;
+  out["function"] = or_null(o.function);
+  out["last_function"] = or_null(o.last_function);
+  out["function_ns"] = o.function_ns;
+  out["function_usual_ns"] = o.function_usual_ns;
+  return out;
+}
+
+using Timings = std::map<std::string, ThreadTiming>;
+Timings timings_of(const View& view) {
+  Timings out;
+  for (auto& timing : view.timings()) {
+    const std::string name = timing.name;
+    out.emplace(name, std::move(timing));
+  }
+  return out;
+}
+
+/// Statistics of a function of a thread; null when there are none.
+Json function_stats(const Timings& timings, const std::string& thread, const std::string& name) {
+  const auto timing = timings.find(thread);
+  if (timing == timings.end()) return {};
+  for (const auto& f : timing->second.functions)
+    if (f.name == name) return stats_json(f.stats);
+  return {};
+}
+
+Json thread_json(const View& view, const ThreadInfo& t, const Timings& timings) {
   Json out;
   out["name"] = t.name;
   out["period_ns"] = t.period_ns;
   out["cycles"] = t.cycles;
   put_times(out, view, t.name);
+  const auto timing = timings.find(t.name);
+  const bool timed = timing != timings.end();
+  out["timing"] = timed ? stats_json(timing->second.stats) : Json();
+  out["wake_up"] = timed ? stats_json(timing->second.wake_up) : Json();
+  out["last_overrun"] =
+      timed && timing->second.last_overrun ? overrun_json(*timing->second.last_overrun) : Json();
   Json functions = Json::array();
   std::size_t position = 0;
   for (const auto& name : t.functions) {
@@ -126,9 +176,27 @@ Json thread_json(const View& view, const ThreadInfo& t) {
     f["name"] = name;
     f["position"] = ++position;
     put_times(f, view, name);
+    f["timing"] = function_stats(timings, t.name, name);
     functions.push_back(std::move(f));
   }
   out["functions"] = std::move(functions);
+  return out;
+}
+
+Json aliases_json(const View& view, const Filter& filter) {
+  Json out = Json::array();
+  const auto add = [&](const std::vector<ItemInfo>& items, const char* kind) {
+    for (const auto& item : items) {
+      if (item.original_name.empty() || !filter.takes(item.name)) continue;
+      Json one;
+      one["kind"] = kind;
+      one["alias"] = item.name;
+      one["original_name"] = item.original_name;
+      out.push_back(std::move(one));
+    }
+  };
+  add(view.pins(), "pin");
+  add(view.params(), "parameter");
   return out;
 }
 
@@ -159,6 +227,7 @@ Json functions_json(const View& view, const Filter& filter) {
     std::size_t position = 0;
     for (const auto& name : t.functions) places[name] = {t.name, ++position};
   }
+  const Timings timings = timings_of(view);
   Json out = Json::array();
   for (const auto& f : view.functions()) {
     if (!filter.takes(f.name)) continue;
@@ -171,15 +240,18 @@ Json functions_json(const View& view, const Filter& filter) {
     one["thread"] = place == places.end() ? Json() : Json(place->second.thread);
     one["position"] = place == places.end() ? Json() : Json(place->second.position);
     put_times(one, view, f.name);
+    one["timing"] =
+        place == places.end() ? Json() : function_stats(timings, place->second.thread, f.name);
     out.push_back(std::move(one));
   }
   return out;
 }
 
 Json threads_json(const View& view, const Filter& filter) {
+  const Timings timings = timings_of(view);
   Json out = Json::array();
   for (const auto& t : view.threads())
-    if (filter.takes(t.name)) out.push_back(thread_json(view, t));
+    if (filter.takes(t.name)) out.push_back(thread_json(view, t, timings));
   return out;
 }
 
@@ -200,13 +272,16 @@ Result<std::string> show_json(const View& view, std::string_view item,
   };
   Json out = Json::object();
   if (wanted("comp")) out["components"] = components_json(view, f);
+  if (wanted("alias")) out["aliases"] = aliases_json(view, f);
   if (wanted("pin")) out["pins"] = items_json(view.pins(), f, true);
+  if (item == "pinexact") out["pins"] = items_json(view.pins(), f.exactly(), true);
   if (wanted("sig", "signal")) out["signals"] = signals_json(view, f);
   if (wanted("param", "parameter")) out["parameters"] = items_json(view.params(), f, false);
   if (wanted("funct", "function")) out["functions"] = functions_json(view, f);
   if (wanted("thread")) out["threads"] = threads_json(view, f);
   if (out.empty()) {
-    return unknown("show", item, {"all", "comp", "pin", "sig", "param", "funct", "thread"});
+    return unknown("show", item,
+                   {"all", "alias", "comp", "pin", "pinexact", "sig", "param", "funct", "thread"});
   }
   return text_of(out);
 }
@@ -242,6 +317,7 @@ Result<std::string> status_json(const View& view, std::string_view item) {
     return unknown("status", item, {"all", "lock", "mem"});
   Json out = Json::object();
   if (all) out["running"] = view.running();
+  if (all) out["timing_mode"] = timing_mode_name(view.timing_mode());
   if (all || item == "lock") {
     const std::uint32_t bits = view.lock_bits();
     Json lock;
