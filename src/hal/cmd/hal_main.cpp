@@ -26,7 +26,8 @@ void print_help() {
   std::puts("Usage: hal COMMAND [OPTIONS] [ARGUMENT ...]\n");
   for (const Row& row : kRows) std::printf("  %-10s %s\n", row.name, row.help);
   std::puts(
-      "\n  -h, --help  this text; after a command, that command's\n\n"
+      "\n  -h, --help  this text; after a command, that command's\n"
+      "  hal describe takes --text, --man, --markdown or --json, and --all\n\n"
       "halcmd commands the HAL of a running machine.");
 }
 

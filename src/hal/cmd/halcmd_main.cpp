@@ -47,6 +47,10 @@ void print_help() {
       "\n"
       "Without a command, commands are read interactively. They are:\n");
   std::fputs(hal::Commander::help_text("").c_str(), stdout);
+  std::puts(
+      "\nWithout a running HAL:\n"
+      "  check       Finds what is wrong with HAL files; `halcmd check --help`.\n"
+      "  graph       Draws HAL files, or the running HAL; `halcmd graph --help`.");
 }
 
 /// Scripts of a known end hold the virtual clock while they run; a person or a pipe must not.
