@@ -84,7 +84,7 @@ Result<std::unique_ptr<Host>> Host::create(rtapi::Segment& segment, const rtapi:
   return host;
 }
 
-Host::~Host() { unload_all(); }
+Host::~Host() { (void)unload_all(); }
 
 Reply Host::command(Words argv, const Caller& caller) {
   if (argv.empty()) return {};

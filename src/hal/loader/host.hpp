@@ -58,7 +58,7 @@ class Host {
                                                      const rtapi::Clock& clock,
                                                      ModuleSource& modules,
                                                      HostDriver* driver = nullptr);
-  /// Unloads everything, last loaded first.
+  /// Unloads everything, last loaded first. No function may hang: see unload_all().
   ~Host();
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
@@ -91,8 +91,9 @@ class Host {
   void set_timing_mode(TimingMode mode) noexcept {
     registry_->root().timing_mode.set(static_cast<std::uint32_t>(mode));
   }
-  /// Stops, then unloads all realtime components, last first.
-  void unload_all();
+  /// Stops, then unloads all realtime components, last first, and ends all threads. busy: a function hangs; it is named, and nothing
+  /// has been unloaded.
+  rtapi::Status unload_all();
 
  private:
   friend class LiveBuilder;
@@ -121,7 +122,7 @@ class Host {
     std::vector<FunctionRecord*> functions;
     std::shared_ptr<RunStore> store;
     std::unique_ptr<RunList> list;
-    Loaded* owner;
+    Loaded* owner;  ///< null: its maker has been unloaded, and it stands on its own
   };
   /// A list that a thread may still be in.
   struct OldList {
@@ -204,8 +205,11 @@ class Host {
   Reply check_invariants(Words argv);
 
   rtapi::Status add_thread(Loaded& owner, std::string_view name, std::int64_t period_ns);
-  void remove_threads(Loaded& owner);
-  rtapi::Status unload_one(Loaded& loaded, bool forced);
+  void remove_threads(const Loaded& owner);
+  void remove_thread(Thread& thread);
+  rtapi::Status unload_one(Loaded& loaded);
+  /// Ends a thread that stands on its own.
+  rtapi::Status unload_thread(Thread& thread);
   /// Takes functions out of all run lists.
   rtapi::Status drop_functions(const Loaded& loaded);
   rtapi::Status publish_list(Thread& thread, std::vector<FunctionRecord*> functions);

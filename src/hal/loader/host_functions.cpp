@@ -33,7 +33,8 @@ Status Host::add_thread(Loaded& owner, std::string_view name, std::int64_t perio
                                         " ns is not between 1000 and 1000000000");
   }
   for (const auto& t : threads_) {
-    if (period_ns < t->runner->period_ns() && t->owner == &owner) {
+    // Priorities and CPUs are given in the order of creation.
+    if (period_ns < t->runner->period_ns()) {
       return fail(Errc::bad_argument, "new thread period " + std::to_string(period_ns) +
                                           " is less than the period " +
                                           std::to_string(t->runner->period_ns()) + " of thread " +
@@ -75,18 +76,18 @@ Status Host::add_thread(Loaded& owner, std::string_view name, std::int64_t perio
   return {};
 }
 
-void Host::remove_threads(Loaded& owner) {
-  for (auto it = threads_.begin(); it != threads_.end();) {
-    if ((*it)->owner != &owner) {
-      ++it;
-      continue;
-    }
-    if (driver_ != nullptr) driver_->thread_removed(*(*it)->runner);
-    const ThreadRecord* record = &(*it)->runner->record();
-    std::erase_if(old_lists_, [&](const OldList& old) { return old.thread == record; });
-    registry_->remove_component(*(*it)->component);
-    it = threads_.erase(it);
-    ++thread_changes_;
+void Host::remove_thread(Thread& thread) {
+  if (driver_ != nullptr) driver_->thread_removed(*thread.runner);
+  const ThreadRecord* record = &thread.runner->record();
+  std::erase_if(old_lists_, [&](const OldList& old) { return old.thread == record; });
+  registry_->remove_component(*thread.component);
+  std::erase_if(threads_, [&](const auto& t) { return t.get() == &thread; });
+  ++thread_changes_;
+}
+
+void Host::remove_threads(const Loaded& owner) {
+  for (std::size_t i = threads_.size(); i > 0; --i) {
+    if (threads_[i - 1]->owner == &owner) remove_thread(*threads_[i - 1]);
   }
 }
 
@@ -153,12 +154,10 @@ Status Host::wait_for_grace() {
 }
 
 Status Host::drop_functions(const Loaded& loaded) {
+  const Offset owner = segment().offset_of(loaded.record);
   for (const auto& t : threads_) {
     auto rest = t->functions;
-    std::erase_if(rest, [&](FunctionRecord* f) {
-      return std::find(loaded.functions.begin(), loaded.functions.end(), f) !=
-             loaded.functions.end();
-    });
+    std::erase_if(rest, [&](const FunctionRecord* f) { return f->owner == owner; });
     if (rest.size() != t->functions.size()) KERF_CHECK(publish_list(*t, std::move(rest)));
   }
   return {};
@@ -221,7 +220,7 @@ Reply Host::delete_function(Words argv) {
   auto list = thread->functions;
   const auto it = std::find(list.begin(), list.end(), function);
   if (it == list.end()) {
-    return error(Errc::not_found, "thread " + quoted(argv[1]) + " doesn't use " + quoted(argv[0]));
+    return error(Errc::not_found, "thread " + quoted(argv[1]) + " doesn't use " + argv[0]);
   }
   list.erase(it);
   return reply(publish_list(*thread, std::move(list)));

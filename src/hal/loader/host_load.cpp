@@ -17,7 +17,8 @@ using rtapi::Status;
 namespace {
 
 constexpr std::size_t kCacheLine = 64;
-constexpr std::int64_t kMostInstances = 4096;
+/// A typing error must not take the machine's memory; what fits is for [KERF]SEGMENT_MB to say.
+constexpr std::int64_t kMostInstances = 100'000;
 
 std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
 
@@ -211,18 +212,17 @@ void Host::destroy(Loaded& l) {
   registry_->reclaim();
 }
 
-Status Host::unload_one(Loaded& loaded, bool forced) {
-  for (const auto& other : loaded_) {
-    if (!forced && other->uses.count(&loaded) > 0) {
-      return fail(Errc::busy,
-                  "component " + quoted(loaded.name) + " is in use by " + quoted(other->name));
-    }
-  }
+Status Host::unload_one(Loaded& loaded) {
   KERF_CHECK(drop_functions(loaded));
-  if (auto status = wait_for_grace(); !status.ok() && !forced) return status;
-  // Functions of others in this component's threads are free again.
+  KERF_CHECK(wait_for_grace());
   for (const auto& t : threads_) {
-    if (t->owner == &loaded) KERF_CHECK(publish_list(*t, {}));
+    if (t->owner != &loaded) continue;
+    if (loaded.functions.empty()) {
+      // Made by a component that does nothing but make threads: they stand on their own from now on.
+      t->owner = nullptr;
+    } else {
+      KERF_CHECK(publish_list(*t, {}));  // functions of others in it are free again
+    }
   }
   for (const auto& other : loaded_) other->uses.erase(&loaded);
   destroy(loaded);
@@ -230,36 +230,52 @@ Status Host::unload_one(Loaded& loaded, bool forced) {
   return {};
 }
 
+Status Host::unload_thread(Thread& thread) {
+  KERF_CHECK(publish_list(thread, {}));
+  remove_thread(thread);
+  return {};
+}
+
 Reply Host::unload(Words argv) {
-  if (argv[0] == "all") {
-    unload_all();
-    return {};
-  }
+  const auto reply = [](const Status& status) {
+    if (status.ok()) return Reply{};
+    return Reply{static_cast<int>(status.error().code), status.error().message()};
+  };
+  if (argv[0] == "all") return reply(unload_all());
   Loaded* loaded = find_loaded(argv[0]);
   if (loaded == nullptr) {
     std::vector<std::string> known;
     for (const auto& l : loaded_) known.push_back(l->name);
+    for (const auto& t : threads_) {
+      if (t->owner != nullptr) continue;
+      if (t->component->name == argv[0]) return reply(unload_thread(*t));
+      known.emplace_back(t->component->name.view());
+    }
     return {static_cast<int>(Errc::not_found), "component " + quoted(argv[0]) + " is not loaded" +
                                                    rtapi::did_you_mean(argv[0], known)};
   }
-  if (auto status = unload_one(*loaded, false); !status.ok()) {
-    return {static_cast<int>(status.error().code), status.error().message()};
-  }
-  return {};
-}
-
-void Host::unload_all() {
-  if (registry_ == nullptr) return;
-  registry_->set_running(false);
-  while (!loaded_.empty()) {
-    const std::size_t before = loaded_.size();
-    (void)unload_one(*loaded_.back(), true);
-    // Out of HAL memory, not even an empty list could be published: the threads are stopped with their owner all the same.
-    if (loaded_.size() == before) {
-      destroy(*loaded_.back());
-      loaded_.pop_back();
+  for (const auto& other : loaded_) {
+    if (other->uses.count(loaded) > 0) {
+      return reply(fail(Errc::busy, "component " + quoted(loaded->name) + " is in use by " +
+                                        quoted(other->name)));
     }
   }
+  return reply(unload_one(*loaded));
+}
+
+Status Host::unload_all() {
+  if (registry_ == nullptr) return {};
+  registry_->set_running(false);
+  // Out of the threads first, all at once: one grace is enough, and if a function hangs nothing is taken away beneath it.
+  // Without HAL memory not even an empty list can be published; the threads are stopped before their functions go all the same.
+  for (const auto& t : threads_) (void)publish_list(*t, {});
+  KERF_CHECK(wait_for_grace());
+  while (!threads_.empty()) remove_thread(*threads_.back());
+  while (!loaded_.empty()) {
+    destroy(*loaded_.back());
+    loaded_.pop_back();
+  }
+  return {};
 }
 
 }  // namespace kerf::hal

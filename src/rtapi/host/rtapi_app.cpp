@@ -225,19 +225,31 @@ rtapi::Result<rtapi::LogRing*> open_log(rtapi::Segment& segment) {
   return segment.make<rtapi::LogRing>(rtapi::LogRing::kBlock);
 }
 
-int run(const Options& o, Supervisor& supervisor, rtapi::Segment& segment, bool& orphaned) {
+/// Ends what was started in this run, and takes the instance's name away.
+void take_down(const rtapi::Segment& segment) {
+  (void)rtapi::end_processes_of_run(segment.header().run_id.view(), kPatienceMs);
+  (void)rtapi::Segment::remove(segment.instance());
+}
+
+/// How the run ended.
+struct End {
+  int status{0};
+  bool orphaned{false};
+};
+
+End run(const Options& o, Supervisor& supervisor, rtapi::Segment& segment, bool made) {
   auto log = open_log(segment);
-  if (!log.ok()) return fail(log.error());
+  if (!log.ok()) return {fail(log.error())};
   const bool is_virtual = rtapi::clock_mode(segment) == rtapi::ClockMode::virtual_time;
   if (!is_virtual) {
     const auto rights = rtapi::acquire_realtime_rights();
     if (!rights.text.empty()) rtapi::log_message(rtapi::Level::warning, "%s", rights.text.c_str());
   }
   auto clock = rtapi::join_clock(segment, rtapi::Role::realtime_host, "rtapi_app");
-  if (!clock.ok()) return fail(clock.error());
+  if (!clock.ok()) return {fail(clock.error())};
   const rtapi::StopOnSignal stop(**clock);
   auto cpus = hal::parse_cpus(o.cpus);
-  if (!cpus.ok()) return fail(cpus.error());
+  if (!cpus.ok()) return {fail(cpus.error())};
   hal::DlopenSource modules;
   hal::RealDriver driver(segment, **clock, std::move(*cpus));
   auto host = hal::Host::create(segment, **clock, modules, is_virtual ? nullptr : &driver);
@@ -245,21 +257,26 @@ int run(const Options& o, Supervisor& supervisor, rtapi::Segment& segment, bool&
     rtapi::log_message(rtapi::Level::error,
                        "instance '%s' has a realtime host already; 'halrun -U' ends it",
                        o.instance.c_str());
-    return 1;
+    return {1};
   }
-  if (!host.ok()) return fail(host.error());
+  if (!host.ok()) return {fail(host.error())};
   if (!is_virtual) (*host)->set_cycle_counter(rtapi::CycleCounter::calibrated());
   (*host)->set_timing_mode(o.timing);
   auto server = hal::Server::open(**host, segment, o.instance);
-  if (!server.ok()) return fail(server.error());
+  if (!server.ok()) return {fail(server.error())};
   MainParticipant participant(**host, **server, supervisor, **clock, driver, **log);
   supervisor.say_ready();
   rtapi::run_participant(**clock, participant);
-  orphaned = participant.orphaned();
-  (*host)->unload_all();
+  const End end{0, participant.orphaned()};
+  if (auto unloaded = (*host)->unload_all(); !unloaded.ok()) {
+    // The thread that hangs cannot be joined, nor anything be destroyed that it uses: the process ends as it is.
+    rtapi::log_error(unloaded.error());
+    if (made || end.orphaned) take_down(segment);
+    std::_Exit(1);
+  }
   server->reset();
   host->reset();
-  return 0;
+  return end;
 }
 
 }  // namespace
@@ -278,14 +295,8 @@ int main(int argc, char** argv) {
   auto segment = open_segment(options, made);
   if (!segment.ok()) return fail(segment.error());
 
-  bool orphaned = false;
-  status = run(options, supervisor, **segment, orphaned);
+  const End end = run(options, supervisor, **segment, made);
   // A living launcher tears down its own children; without one it is done here.
-  if (made || orphaned) {
-    const std::string run_id((*segment)->header().run_id.view());
-    (void)rtapi::end_processes_of_run(run_id, kPatienceMs);
-    segment->reset();
-    (void)rtapi::Segment::remove(options.instance);
-  }
-  return status;
+  if (made || end.orphaned) take_down(**segment);
+  return end.status;
 }

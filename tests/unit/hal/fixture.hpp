@@ -21,11 +21,10 @@ inline std::span<const StaticModule> test_modules() {
   static const Module provider = module_of<Provider>();
   static const Module consumer = module_of<Consumer>();
   static const Module faulty = module_of<Faulty>();
-  static const StaticModule table[] = {{"adder", &adder},
-                                       {"test_threads", &threads},
-                                       {"provider", &provider},
-                                       {"consumer", &consumer},
-                                       {"faulty", &faulty}};
+  static const Module adder_thread = module_of<AdderThread>();
+  static const StaticModule table[] = {{"adder", &adder},       {"test_threads", &threads},
+                                       {"provider", &provider}, {"consumer", &consumer},
+                                       {"faulty", &faulty},     {"adder_thread", &adder_thread}};
   return table;
 }
 

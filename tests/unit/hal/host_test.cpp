@@ -135,7 +135,7 @@ TEST_F(ThreadTest, BadFunctionCommandsSayWhy) {
   EXPECT_EQ(refused({"delf", "a", "fast"}), "function 'a' is not in use");
   ok({"addf", "a", "fast"});
   EXPECT_EQ(refused({"addf", "a", "slow"}), "function 'a' may only be added to one thread");
-  EXPECT_EQ(refused({"delf", "a", "slow"}), "thread 'slow' doesn't use 'a'");
+  EXPECT_EQ(refused({"delf", "a", "slow"}), "thread 'slow' doesn't use a");
 }
 
 TEST_F(ThreadTest, UnloadingTakesFunctionsOut) {
@@ -147,10 +147,81 @@ TEST_F(ThreadTest, UnloadingTakesFunctionsOut) {
   cycle();
   ok({"loadrt", "adder", "names=a"});
   ok({"addf", "a", "slow"});
-  ok({"unloadrt", "test-threads"});
-  EXPECT_EQ(view_->functions().at(0).users, 0U);
+  ok({"unloadrt", "all"});
   EXPECT_TRUE(host_->threads().empty());
+  EXPECT_TRUE(view_->components().empty());
   EXPECT_FALSE(view_->find_pin("fast.time").has_value());
+}
+
+TEST_F(ThreadTest, ThreadsStandOnTheirOwn) {
+  ok({"addf", "a", "slow"});
+  ok({"start"});
+  ok({"unloadrt", "test-threads"});
+  EXPECT_THAT(list("slow"), ElementsAre("a"));
+  cycle(1);
+  EXPECT_EQ(value("a.out"), "1");
+  EXPECT_EQ(value("slow.threadbeat"), "1");
+  // More of them, as often as one likes, but none that is faster.
+  EXPECT_EQ(refused({"loadrt", "test-threads", "name1=fast", "period1=5000000"}),
+            "test-threads: duplicate component '__fast'");
+  EXPECT_THAT(refused({"loadrt", "test-threads", "name1=x", "period1=500000"}),
+              HasSubstr("new thread period 500000 is less than the period"));
+  ok({"loadrt", "test-threads", "name1=x", "period1=5000000"});
+  EXPECT_EQ(host_->threads().size(), 3U);
+  // The thread's own component ends it; its functions are free again.
+  EXPECT_EQ(refused({"unloadrt", "__slov"}),
+            "component '__slov' is not loaded; did you mean '__slow'?");
+  ok({"unloadrt", "__slow"});
+  EXPECT_FALSE(view_->find_thread("slow").has_value());
+  EXPECT_FALSE(view_->find_component("__slow").has_value());
+  ok({"addf", "a", "x"});
+  EXPECT_TRUE(host_->registry().check_invariants().ok());
+}
+
+TEST_F(ThreadTest, AThreadOfAComponentWithFunctionsGoesWithIt) {
+  ok({"loadrt", "adder-thread"});
+  ok({"addf", "a", "own"});
+  ok({"unloadrt", "adder-thread"});
+  EXPECT_FALSE(view_->find_thread("own").has_value());
+  ok({"addf", "a", "fast"});
+}
+
+/// Never ends a cycle: as a function that waits for what never comes.
+class HungDriver final : public HostDriver {
+ public:
+  bool wait_for_threads(int attempt) override { return attempt < 5; }
+};
+
+TEST_F(ThreadTest, AHungFunctionIsNamedAndNothingIsTakenFromUnderIt) {
+  HungDriver driver;
+  host_->set_driver(&driver);
+  ok({"addf", "a", "fast"});
+  auto& record = host_->threads().at(0)->record();
+  record.ticking.publish(1);
+  record.running.set(segment_->offset_of(host_->registry().find_function("a")));
+  for (const char* what : {"adder", "all"}) {
+    EXPECT_EQ(refused({"unloadrt", what}),
+              "thread 'fast' does not end its cycle; it is in function 'a'");
+    EXPECT_TRUE(view_->find_component("adder").has_value());
+    EXPECT_FALSE(view_->functions().empty());
+  }
+  record.ticking.publish(0);
+  ok({"unloadrt", "all"});
+  host_->set_driver(nullptr);
+}
+
+TEST_F(ThreadTest, ManyInstancesAndFunctions) {
+  constexpr int kMany = 10'000;
+  ok({"unloadrt", "adder"});
+  ok({"loadrt", "adder", "count=" + std::to_string(kMany)});
+  for (int i = 0; i < kMany; ++i) ok({"addf", "adder." + std::to_string(i), "fast"});
+  ok({"start"});
+  cycle();
+  EXPECT_EQ(value("adder.9999.out"), "1");
+  EXPECT_TRUE(host_->registry().check_invariants().ok());
+  ok({"unloadrt", "adder"});
+  EXPECT_TRUE(list("fast").empty());
+  EXPECT_THAT(refused({"loadrt", "adder", "count=100001"}), HasSubstr("between 0 and 100000"));
 }
 
 TEST_F(ThreadTest, VirtualTimeCostsNothingAndShowsNothing) {

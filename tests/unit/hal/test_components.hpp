@@ -38,6 +38,17 @@ class TestThreads final : public Component<TestThreads> {
   }
 };
 
+/// Has a thread and a function, as motmod does.
+class AdderThread final : public Component<AdderThread> {
+ public:
+  static constexpr Info kInfo{.name = "adder-thread", .summary = "Both", .singleton = true};
+  explicit AdderThread(Builder& b) noexcept : Component(b) { b.add_thread("own", 8'000'000); }
+
+ private:
+  void update(const Period&) noexcept {}
+  Function update_{function<&AdderThread::update>("", "Nothing")};
+};
+
 /// Offers a number to others.
 class Provider final : public Component<Provider> {
  public:

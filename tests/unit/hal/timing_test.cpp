@@ -260,7 +260,7 @@ TEST_F(TimingTest, ALateWakeUpIsNoFunctionsFault) {
 }
 
 TEST_F(TimingTest, VirtualTimeHasNoCounter) {
-  ok({"unloadrt", "test-threads"});
+  ok({"unloadrt", "all"});
   host_->set_cycle_counter({});
   ok({"loadrt", "test-threads", "name1=t", "period1=1000000"});
   load(3);
