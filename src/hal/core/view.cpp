@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <type_traits>
+#include <unordered_set>
 
 #include "hal/core/port.hpp"
 #include "hal/core/value_access.hpp"
@@ -20,10 +21,30 @@ namespace {
 constexpr rtapi::Nanos kSuspicion = 20 * rtapi::kMillisecond;
 constexpr rtapi::Nanos kPatience = 2 * rtapi::kSecond;
 constexpr int kSpins = 200;
-/// Records that are read in one piece at first.
-constexpr std::size_t kPiece = 4096;
 /// Chains of a changing structure may loop; no honest one is longer.
 constexpr std::size_t kLongest = 1U << 22U;
+
+std::string_view name_of(const std::string& name) { return name; }
+template <class T>
+std::string_view name_of(const T& info) {
+  return info.name;
+}
+
+/// What was removed and made again while the list was read is in it twice; the later one is there now.
+template <class T>
+void drop_older_namesakes(std::vector<T>& list) {
+  std::unordered_set<std::string_view> later;
+  std::vector<bool> old(list.size());
+  for (std::size_t i = list.size(); i-- > 0;) old[i] = !later.insert(name_of(list[i])).second;
+  later.clear();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (old[i]) continue;
+    if (kept != i) list[kept] = std::move(list[i]);
+    ++kept;
+  }
+  list.resize(kept);
+}
 
 }  // namespace
 
@@ -92,7 +113,8 @@ auto View::list(Kind kind, F&& make) const {
   // Where the reading goes on: behind the record with this number, which stands at `last`.
   Offset last = 0;
   std::uint32_t last_id = 0;
-  std::size_t piece = kPiece;
+  std::size_t piece = largest_piece_;
+  std::size_t pieces = 0;
   Wait wait;
   for (int spins = 1;; ++spins) {
     const std::size_t had = out.size();
@@ -122,9 +144,11 @@ auto View::list(Kind kind, F&& make) const {
       last_id = read_id;
       if (next == nullptr) {
         stuck_ = false;
+        if (pieces > 0) drop_older_namesakes(out);
         return out;
       }
-      piece = std::min(piece * 2, kPiece);
+      ++pieces;
+      piece = std::min(piece * 2, largest_piece_);
       wait = {};
       continue;
     }

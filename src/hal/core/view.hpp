@@ -109,7 +109,9 @@ struct ThreadTiming {
 
 class View {
  public:
-  explicit View(const rtapi::Segment& segment) : segment_(segment) {}
+  /// `piece`: records of a list that are read at one moment, at most; smaller in tests of just that.
+  explicit View(const rtapi::Segment& segment, std::size_t piece = 4096)
+      : segment_(segment), largest_piece_(piece) {}
 
   /// False until the realtime host has made HAL in this segment.
   [[nodiscard]] bool attached() const { return root() != nullptr; }
@@ -205,6 +207,7 @@ class View {
   [[nodiscard]] MemoryInfo info(const MemoryRecord& r) const;
 
   const rtapi::Segment& segment_;
+  std::size_t largest_piece_;
   mutable const Root* root_{nullptr};
   mutable bool stuck_{false};
 };
