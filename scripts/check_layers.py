@@ -29,8 +29,8 @@ ALLOWED = {
     "launcher": ["rtapi", "ini", *HAL_CLIENT, "hal/cmd",  # it carries out the HAL files
                   "task/api", "motion/api"],
     "gateway": ["rtapi", "ini", *HAL_CLIENT, "task/api", "motion/api"],
-    "python": ["rtapi", "ini", *HAL_CLIENT, "hal/component.hpp", "hal/stream.hpp", "hal/core/port.hpp",
-               "hal/core/value_text.hpp", "task/api", "motion/api"],
+    "python": ["rtapi", "ini", *HAL_CLIENT, "hal/component.hpp", "hal/stream.hpp", "hal/shared_memory.hpp",
+               "hal/core/port.hpp", "hal/core/value_text.hpp", "task/api", "motion/api"],
     "components": ["hal/component.hpp", "hal/stream.hpp", "hal/stream_channels.hpp", "hal/core/types.hpp", "rtapi/base"],
     "components/tools": ["hal/component.hpp", "hal/stream.hpp", "hal/core/types.hpp", "rtapi/base", "motion/api"],
     "components/kinematics": ["hal/component.hpp", "hal/core/types.hpp", "rtapi/base", "motion/api"],

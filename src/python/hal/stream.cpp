@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "hal/client/find_stream.hpp"
+#include "hal/shared_memory.hpp"
 #include "python/hal/component.hpp"
 #include "python/hal/errors.hpp"
 #include "python/hal/stream.hpp"
@@ -131,16 +132,18 @@ class PyStream {
   std::uint64_t number_{0};  ///< of the row that was read last
 };
 
-/// Named memory of plain bytes.
+/// Memory of plain bytes, made by whoever comes first.
 class SharedMemory {
  public:
   SharedMemory(const Component& component, std::uint32_t key, std::size_t size)
       : owner_(component.state()), key_(key), size_(size), room_(size) {
     owner_->check();
-    if (size == 0) raise_os_error(EINVAL);
-    data_ = make_memory(*owner_, name(), size, 0);
+    const auto found = owner_->link->view().find_memory(hal::shared_memory_name(key));
+    if (found) room_ = found->bytes;
+    if (size == 0 || size > room_) raise_os_error(EINVAL);
+    data_ = make_memory(*owner_, hal::shared_memory_name(key), room_, hal::kSharedMemoryAbi);
   }
-  ~SharedMemory() { drop_memory(*owner_, name()); }
+  ~SharedMemory() { drop_memory(*owner_, hal::shared_memory_name(key_)); }
   SharedMemory(const SharedMemory&) = delete;
   SharedMemory& operator=(const SharedMemory&) = delete;
 
@@ -163,11 +166,6 @@ class SharedMemory {
   }
 
  private:
-  [[nodiscard]] std::string name() const {
-    char text[24];
-    std::snprintf(text, sizeof text, "shmem-%08" PRIx32, key_);
-    return text;
-  }
   std::shared_ptr<const ComponentState> owner_;
   std::uint32_t key_;
   std::size_t size_;
