@@ -1,7 +1,10 @@
 """Pins, parameters, signals, queries and their errors, as the newest LinuxCNC has them (captured)."""
 import math
 import os
+import subprocess
+import sys
 import threading
+import time
 import unittest
 
 import hal
@@ -326,6 +329,24 @@ class Life(unittest.TestCase):
         c.ready()
         self.assertTrue(hal.component_is_ready("parent"))
         self.assertIs(c["x"], True)
+
+    def test_a_dead_process_leaves_nothing(self):
+        program = "import hal, sys, time\nc = hal.component('mortal')\nc.newpin('x', hal.HAL_BIT, hal.HAL_OUT)\nc.ready()\n" \
+                  "print('there', flush=True)\nsys.stdin.readline()\n"
+        for end in ("exit", "kill"):
+            with self.subTest(end=end), subprocess.Popen([sys.executable, "-c", program], stdin=subprocess.PIPE,
+                                                         stdout=subprocess.PIPE) as child:
+                self.assertEqual(child.stdout.readline(), b"there\n")
+                self.assertTrue(hal.component_is_ready("mortal"))
+                if end == "kill":
+                    child.kill()
+                else:
+                    child.stdin.write(b"\n")
+                    child.stdin.flush()
+                self.assertEqual(child.wait(), -9 if end == "kill" else 0)
+                while end == "kill" and hal.component_exists("mortal"):
+                    time.sleep(0.001)  # the host sees it when it looks next
+                self.assertFalse(hal.component_exists("mortal"))
 
     def test_constants(self):
         self.assertEqual((hal.HAL_BIT, hal.HAL_FLOAT, hal.HAL_S32, hal.HAL_U32, hal.HAL_PORT, hal.HAL_S64, hal.HAL_U64),
