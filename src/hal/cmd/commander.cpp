@@ -342,7 +342,6 @@ std::string Commander::done_text(Words w) const {
   if (c == "addf") return "Function " + quoted(w[1]) + " added to thread " + quoted(w[2]);
   if (c == "delf") return "Function " + quoted(w[1]) + " removed from thread " + quoted(w[2]);
   if (c == "unlinkp") return "Pin " + quoted(w[1]) + " unlinked";
-  if (c == "newsig") return "Signal " + quoted(w[1]) + " created";
   if (c == "delsig") return "Signal " + quoted(w[1]) + " deleted";
   if (c == "sets") return "Signal " + quoted(w[1]) + " set to " + w[2];
   if (c == "linkps") return linked(w[1], w[2]);
@@ -362,8 +361,8 @@ Status Commander::forward(Words w) {
   if (w[0] == "net") {
     for (std::size_t i = 2; i < w.size(); ++i)
       say("Pin " + quoted(w[i]) + " linked to signal " + quoted(w[1]));
-  } else {
-    say(done_text(w));
+  } else if (const auto text = done_text(w); !text.empty()) {
+    say(text);
   }
   return {};
 }
@@ -504,7 +503,7 @@ Status Commander::save(Words w) {
   if (f != nullptr && std::fclose(f) != 0) good = false;
   if (!good)
     return fail(Errc::system,
-                "Can't open 'save' destination " + quoted(w[2]) + ": " + std::strerror(errno));
+                "Can't open 'save' destination " + quoted(w[2]) + "; " + std::strerror(errno));
   return {};
 }
 

@@ -1,5 +1,6 @@
 #include "hal/cmd/show.hpp"
 
+#include <algorithm>
 #include <cinttypes>
 #include <cstdarg>
 #include <cstdio>
@@ -271,6 +272,12 @@ Result<std::string> status_text(const View& view, std::string_view item) {
     out += "HAL memory status\n";
     put(out, "  used/total shared memory:   %" PRIu64 "/%" PRIu64 "\n", counts.bytes_used,
         counts.bytes_total);
+    std::uint32_t aliases = 0;
+    for (const auto& items : {view.pins(), view.params()}) {
+      aliases += static_cast<std::uint32_t>(
+          std::count_if(items.begin(), items.end(),
+                        [](const ItemInfo& i) { return !i.original_name.empty(); }));
+    }
     const std::pair<const char*, Kind> rows[] = {
         {"components:", Kind::component}, {"pins:", Kind::pin},
         {"parameters:", Kind::param},     {"aliases:", Kind::none},
@@ -278,9 +285,9 @@ Result<std::string> status_text(const View& view, std::string_view item) {
         {"threads:", Kind::thread}};
     for (const auto& [label, kind] : rows) {
       const auto k = static_cast<std::size_t>(kind);
+      const std::uint32_t active = kind == Kind::none ? aliases : counts.active[k];
       const std::uint32_t recycled = kind == Kind::none ? 0 : counts.recycled[k];
-      put(out, "  active/recycled %-11s %" PRIu32 "/%" PRIu32 "\n", label, counts.active[k],
-          recycled);
+      put(out, "  active/recycled %-11s %" PRIu32 "/%" PRIu32 "\n", label, active, recycled);
     }
   }
   return out;

@@ -368,8 +368,8 @@ Status Registry::alias(Kind kind, std::string_view name, std::string_view alias)
     return fail(Errc::exists, "duplicate pin/alias name " + quoted(alias));
   ItemRecord* item = find_item(kind, name);
   if (item == nullptr) {
-    return fail(Errc::not_found, std::string(kind_name(kind)) + " " + quoted(name) + " not found" +
-                                     suggestion(name, {kind}));
+    return fail(Errc::not_found, (kind == Kind::pin ? "pin " : "param ") + quoted(name) +
+                                     " not found" + suggestion(name, {kind}));
   }
   OriginalRecord* original = nullptr;
   if (item->original.get() == 0) {
@@ -397,8 +397,8 @@ Status Registry::unalias(Kind kind, std::string_view name) {
   reclaim();
   ItemRecord* item = find_item(kind, name);
   if (item == nullptr) {
-    return fail(Errc::not_found, std::string(kind_name(kind)) + " " + quoted(name) + " not found" +
-                                     suggestion(name, {kind}));
+    return fail(Errc::not_found, (kind == Kind::pin ? "pin " : "param ") + quoted(name) +
+                                     " not found" + suggestion(name, {kind}));
   }
   if (item->original.get() == 0) return {};
   const Change change(root_);
@@ -517,11 +517,11 @@ void Registry::set_lock(std::uint32_t bits) noexcept { root_.lock.set(bits); }
 Status Registry::check_lock(std::uint32_t bits) const {
   const std::uint32_t locked = root_.lock.get() & bits;
   if (locked == 0) return {};
-  const char* what = (locked & lock_load) != 0     ? "loading of components"
+  const char* what = (locked & lock_load) != 0     ? "loading of programs"
                      : (locked & lock_config) != 0 ? "linking and addf"
                      : (locked & lock_params) != 0 ? "setting of values"
                                                    : "starting and stopping";
-  return fail(Errc::busy, std::string("HAL is locked: no ") + what + "; 'unlock all' first");
+  return fail(Errc::busy, std::string("HAL is locked, ") + what + " is not permitted; 'unlock all' first");
 }
 
 }  // namespace kerf::hal

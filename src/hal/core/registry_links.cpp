@@ -147,12 +147,12 @@ void Registry::detach(ItemRecord& pin) noexcept {
 
 Status Registry::net(std::string_view name, std::span<const std::string> pins) {
   reclaim();
+  if (pins.empty()) return fail(Errc::bad_argument, "'net' requires at least one pin, none given");
   if (find_pin(name) != nullptr) {
     return fail(Errc::bad_argument,
                 "Signal name " + quoted(name) +
                     " must not be the same as a pin.  Did you omit the signal name?");
   }
-  if (pins.empty()) return fail(Errc::bad_argument, "'net' requires at least one pin, none given");
   if (const auto reason = bad_name_reason(name); !reason.empty()) {
     return fail(Errc::bad_argument, reason);
   }
@@ -294,8 +294,8 @@ Status Registry::set_item(std::string_view name, std::string_view value) {
   if (pin->dir == Dir::out)
     return fail(Errc::permission, "pin " + quoted(name) + " is not writable");
   if (const auto* signal = at<SignalRecord>(pin->signal.get()); signal != nullptr) {
-    return fail(Errc::busy, "pin " + quoted(name) + " is connected to a signal (" +
-                                std::string(signal->name) + "): use sets");
+    return fail(Errc::busy, "pin " + quoted(name) + " is connected to a signal; use sets " +
+                                std::string(signal->name));
   }
   if (pin->type == Type::port) return make_queue(*pin, pin->value, value);
   KERF_TRY(const std::uint64_t raw, parse_value(pin->type, value));
@@ -312,7 +312,7 @@ Status Registry::set_signal(std::string_view name, std::string_view value) {
   if (signal->type == Type::port) return make_queue(*signal, signal->value, value);
   if (signal->writers > 0) {
     const auto* writer = pin_with(*signal, Dir::out);
-    return fail(Errc::busy, "signal " + quoted(name) + " already has writer(s): " +
+    return fail(Errc::busy, "signal " + quoted(name) + " already has writer(s); it is " +
                                 (writer != nullptr ? quoted(writer->name) : std::string("?")));
   }
   KERF_TRY(const std::uint64_t raw, parse_value(signal->type, value));

@@ -93,7 +93,7 @@ TEST_F(MemoryTest, AnAliasIsANameLikeOthers) {
   EXPECT_NE(static_cast<void*>(registry_->find_param("x")), registry_->find_pin("x"));
   EXPECT_EQ(said(registry_->alias(Kind::pin, "c.bb", "y")),
             "pin 'c.bb' not found; did you mean 'c.b'?");
-  EXPECT_EQ(said(registry_->unalias(Kind::param, "no-such")), "parameter 'no-such' not found");
+  EXPECT_EQ(said(registry_->unalias(Kind::param, "no-such")), "param 'no-such' not found");
   EXPECT_EQ(said(registry_->alias(Kind::pin, "c.b", std::string(56, 'l'))),
             "alias name '" + std::string(56, 'l') + "' is too long");
   EXPECT_FALSE(registry_->add_pin(*comp_, "x", Type::bit, Dir::in, 0).ok());
