@@ -56,12 +56,16 @@ rtapi::Result<std::uint64_t> parse_integer(Type type, const std::string& text, b
   }
   if (end == text.c_str() || *end != '\0') return invalid(type, text);
   if (errno == ERANGE) return invalid(type, text, " (out of range)");
-  if (bits == 64) return raw;
+  const bool hex = text.find_first_of("xX") != std::string::npos;
+  if (bits == 64) {
+    if (is_signed && !negative && !hex && raw > INT64_MAX)
+      return invalid(type, text, " (out of range)");
+    return raw;
+  }
   const auto value = static_cast<std::int64_t>(raw);
   if (value > INT64_C(0xFFFFFFFF) || value < INT32_MIN)
     return invalid(type, text, " (out of range)");
   if (!negative && value < 0) return invalid(type, text, " (out of range)");
-  const bool hex = text.find_first_of("xX") != std::string::npos;
   if (is_signed && value > INT32_MAX && !hex) return invalid(type, text, " (out of range)");
   if (is_signed) return to_raw(static_cast<std::int32_t>(static_cast<std::uint32_t>(raw)));
   return to_raw(static_cast<std::uint32_t>(raw));

@@ -317,6 +317,65 @@ TEST_F(MemoryTest, AThousandRoundsOfEverythingDoNotGrow) {
   EXPECT_EQ(registry_->arena_bytes(), arena);
 }
 
+TEST(FullSegment, NothingIsHalfDone) {
+  for (const Region full : {Region::structure, Region::shared}) {
+    auto segment = rtapi::Segment::in_memory(std::size_t{4} << 20U);
+    auto registry = std::move(Registry::create(*segment)).value();
+    auto* comp = *registry->add_component("c", ComponentKind::realtime);
+    std::vector<std::string> pins;
+    for (int i = 0; i < 8; ++i) {
+      pins.push_back("c." + std::to_string(i));
+      ASSERT_TRUE(registry->add_pin(*comp, pins.back(), Type::port, Dir::in, 0).ok());
+    }
+    std::vector<std::byte*> pieces;
+    for (std::size_t bytes : {std::size_t{65536}, std::size_t{4096}, std::size_t{64}}) {
+      for (;;) {
+        auto made = registry->allocate_memory(bytes, full);
+        if (!made.ok()) {
+          EXPECT_THAT(made.error().message(), HasSubstr("[KERF]SEGMENT_MB"));
+          break;
+        }
+        pieces.push_back(*made);
+      }
+    }
+    // What is taken a page at a time may still work for a while.
+    int made = 0;
+    rtapi::Status said;
+    while (said.ok() && made < 5000) {
+      const std::string name = "d." + std::to_string(made);
+      auto pin = registry->add_pin(*comp, name, Type::bit, Dir::in, 0);
+      if (pin.ok())
+        ++made;
+      else
+        said = rtapi::Failure{pin.error()};
+    }
+    EXPECT_THAT(said.ok() ? "" : said.error().message(), HasSubstr("[KERF]SEGMENT_MB"));
+    EXPECT_EQ(registry->find_pin("d." + std::to_string(made)), nullptr);
+    said = {};
+    for (int i = 0; said.ok() && i < 5000; ++i)
+      said = registry->new_signal("s" + std::to_string(i), Type::bit);
+    EXPECT_FALSE(said.ok());
+    EXPECT_FALSE(registry->net("n", pins).ok());
+    EXPECT_EQ(registry->find_signal("n"), nullptr);
+    EXPECT_EQ(registry->find_pin("c.0")->signal.get(), 0U);
+    if (full == Region::structure) {
+      EXPECT_FALSE(registry->alias(Kind::pin, "c.0", "x").ok());
+      EXPECT_FALSE(registry->add_function(*comp, "f", 0, 0).ok());
+    } else {
+      EXPECT_FALSE(registry->set_item("c.0", "4000").ok());
+      EXPECT_FALSE(registry->add_memory("m", 4000, 1).ok());
+      EXPECT_EQ(registry->find_memory("m"), nullptr);
+    }
+    auto good = registry->check_invariants();
+    EXPECT_TRUE(good.ok()) << good.error().message();
+    for (auto* piece : pieces) registry->free_memory(piece);
+    EXPECT_TRUE(registry->net("n", pins).ok());
+    EXPECT_TRUE(registry->alias(Kind::pin, "c.0", "x").ok());
+    good = registry->check_invariants();
+    EXPECT_TRUE(good.ok()) << good.error().message();
+  }
+}
+
 // ---- run lists and size -------------------------------------------------------------------------
 
 TEST_F(MemoryTest, RunListsAreChangedInPlaceAndSeen) {

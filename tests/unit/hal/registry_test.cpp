@@ -289,6 +289,21 @@ TEST(ValueText, ReadsAndPrintsAsHalcmd) {
   EXPECT_EQ(raw(Type::u32, "4294967296"),
             "error: value '4294967296' invalid for U32 (out of range)");
   EXPECT_EQ(raw(Type::s64, "-9223372036854775808"), "-9223372036854775808");
+  EXPECT_EQ(raw(Type::s64, "0xFFFFFFFFFFFFFFFF"), "-1");
+  EXPECT_EQ(raw(Type::s64, "9223372036854775807"), "9223372036854775807");
+  EXPECT_EQ(raw(Type::s64, "9223372036854775808"),
+            "error: value '9223372036854775808' invalid for S64 (out of range)");
+  EXPECT_EQ(raw(Type::s64, "-9223372036854775809"),
+            "error: value '-9223372036854775809' invalid for S64 (out of range)");
+  for (const char* bad : {"0b101", "08", "5u", "1e3", " 5", "5 ", "", "-", "0x"}) {
+    for (const Type type : {Type::s32, Type::u32, Type::s64, Type::u64, Type::port})
+      EXPECT_THAT(raw(type, bad), HasSubstr("value '" + std::string(bad) + "' invalid for")) << bad;
+  }
+  EXPECT_EQ(raw(Type::port, "4096"), "4096");
+  EXPECT_EQ(raw(Type::floating, "1e400"), "inf");
+  EXPECT_EQ(raw(Type::floating, "nan"), "nan");
+  EXPECT_EQ(value_text(Type::s64, to_raw(std::int64_t{-5})), "-5");
+  EXPECT_EQ(raw(Type::u64, "-1"), "18446744073709551615");
   EXPECT_EQ(raw(Type::u64, "18446744073709551615"), "18446744073709551615");
   EXPECT_EQ(raw(Type::u64, "18446744073709551616"),
             "error: value '18446744073709551616' invalid for U64 (out of range)");
