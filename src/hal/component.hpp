@@ -390,9 +390,11 @@ struct Module {
   std::size_t align;
   void (*create)(void* storage, Builder& builder) noexcept;
   void (*destroy)(void* object) noexcept;
+  void* c_library{
+      nullptr};  ///< set by the loader: a module of the C API, for dlsym; the rest of it is empty
 };
 /// Raised when Builder, Module, Info or the handles change.
-inline constexpr std::uint64_t kModuleAbi = 2;
+inline constexpr std::uint64_t kModuleAbi = 3;
 
 /// Name of the symbol for component file ID (dashes as underscores): kerf_hal_module_ID.
 inline constexpr std::string_view kModuleSymbolPrefix = "kerf_hal_module_";

@@ -468,6 +468,21 @@ SlotRef View::slot(std::string_view name) const {
   });
 }
 
+SlotRef View::slot(Kind kind, std::string_view name) const {
+  return consistent([&](const Root& root) -> SlotRef {
+    const auto* item = lookup_item(root, kind, name);
+    if (item == nullptr || at<std::uint64_t>(item->link) == nullptr) return {};
+    return slot_at(segment_, item->link);
+  });
+}
+
+Offset View::signal_place(std::string_view name) const {
+  return consistent([&](const Root& root) -> Offset {
+    const auto* signal = lookup<SignalRecord>(root, Kind::signal, name);
+    return signal == nullptr ? 0 : signal->value;
+  });
+}
+
 std::uint32_t View::lock_bits() const { return root() == nullptr ? 0 : root()->lock.get(); }
 bool View::running() const { return root() != nullptr && root()->running.get() != 0; }
 const rtapi::Cell* View::changed() const { return root() == nullptr ? nullptr : &root()->changed; }

@@ -153,6 +153,11 @@ class View {
   /// Where a pin's or parameter's value stands, for readers within the realtime host's process (tests, the harness): valid
   /// while its component is loaded. `link` is null when there is no such item.
   [[nodiscard]] SlotRef slot(std::string_view name) const;
+  /// The same for a pin, and for a parameter, in the process whose segment this is.
+  [[nodiscard]] SlotRef pin_slot(std::string_view name) const { return slot(Kind::pin, name); }
+  [[nodiscard]] SlotRef param_slot(std::string_view name) const { return slot(Kind::param, name); }
+  /// Where a signal's value stands in the segment; 0: no such signal.
+  [[nodiscard]] Offset signal_place(std::string_view name) const;
 
   [[nodiscard]] std::uint32_t lock_bits() const;
   [[nodiscard]] bool running() const;
@@ -197,6 +202,7 @@ class View {
   [[nodiscard]] std::uint64_t value_at(Type type, Offset offset) const;
   [[nodiscard]] const ItemRecord* lookup_item(const Root& root, Kind kind,
                                               std::string_view name) const;
+  [[nodiscard]] SlotRef slot(Kind kind, std::string_view name) const;
   [[nodiscard]] std::string name_at(Offset offset) const;
   [[nodiscard]] ItemInfo info(const ItemRecord& r) const;
   [[nodiscard]] SignalInfo info(const SignalRecord& r) const;

@@ -5,6 +5,8 @@
 
 #include "hal/core/value_text.hpp"
 #include "hal/loader/batch.hpp"
+#include "hal/loader/c_function.hpp"
+#include "hal/loader/c_modules.hpp"
 #include "rtapi/base/suggest.hpp"
 #include "rtapi/log/log.hpp"
 
@@ -55,11 +57,13 @@ std::span<const Host::Row> Host::rows() {
       {"alias", 3, 3, lock_config, &Host::alias},
       {"unalias", 2, 2, lock_config, &Host::unalias},
       {"addf", 2, 3, lock_config, &Host::add_function},
+      {"initf", 2, 3, lock_config, &Host::add_init_function},
       {"delf", 2, 2, lock_config, &Host::delete_function},
       {"start", 0, 0, lock_run, &Host::start},
       {"stop", 0, 0, lock_run, &Host::stop},
       {"lock", 0, 1, 0, &Host::lock},
       {"unlock", 0, 1, 0, &Host::unlock},
+      {"lock-bits", 1, 1, 0, &Host::lock_bits},
       {"timing", 1, 1, 0, &Host::timing},
       {"comp-new", 1, 2, 0, &Host::component_new},
       {"pin-new", 4, 6, 0, &Host::pin_new},
@@ -84,7 +88,23 @@ Result<std::unique_ptr<Host>> Host::create(rtapi::Segment& segment, const rtapi:
   return host;
 }
 
+Host::Host(const rtapi::Clock& clock, ModuleSource& modules, HostDriver* driver)
+    : clock_(clock),
+      modules_(modules),
+      driver_(driver),
+      c_modules_(std::make_unique<CModules>(*this)) {}
+
 Host::~Host() { (void)unload_all(); }
+
+Host::Loaded::Loaded() = default;
+Host::Loaded::~Loaded() = default;
+
+Reply Host::nested_command(Words argv) {
+  const Caller caller = caller_;
+  Reply done = command(argv);
+  caller_ = caller;
+  return done;
+}
 
 Reply Host::command(Words argv, const Caller& caller) {
   if (argv.empty()) return {};
@@ -201,6 +221,14 @@ Reply Host::lock(Words argv) {
   return {};
 }
 
+Reply Host::lock_bits(Words argv) {
+  const auto bits = parse_value(Type::u32, argv[0]);
+  if (!bits.ok() || from_raw<std::uint32_t>(*bits) > lock_all)
+    return bad(Errc::bad_argument, "lock bits " + quoted(argv[0]) + " are not 0 to 255");
+  registry_->set_lock(from_raw<std::uint32_t>(*bits));
+  return {};
+}
+
 Reply Host::unlock(Words argv) {
   const std::string what = argv.empty() ? "all" : argv[0];
   if (what == "tune")
@@ -261,6 +289,7 @@ Host::Loaded* Host::find_loaded(std::string_view name) const {
   };
   for (const auto& l : loaded_) {
     if (folded(l->name) == folded(name)) return l.get();
+    if (l->c != nullptr && CModules::has_component(*l, name)) return l.get();
   }
   return nullptr;
 }

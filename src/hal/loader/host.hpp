@@ -20,6 +20,10 @@
 
 namespace kerf::hal {
 
+class CModules;
+struct CModulePart;
+struct OnceFunction;
+
 /// Answer to a command. `status` 0 or an rtapi::Errc; `text` is the error, or what was asked for.
 struct Reply {
   int status{0};
@@ -85,6 +89,8 @@ class Host {
   [[nodiscard]] rtapi::Segment& segment() noexcept { return registry_->segment(); }
   [[nodiscard]] const rtapi::Clock& clock() const noexcept { return clock_; }
   [[nodiscard]] bool running() const noexcept { return registry_->root().running.get() != 0; }
+  /// Modules of the C API; for their side of it (src/hal/capi).
+  [[nodiscard]] CModules& c_modules() noexcept { return *c_modules_; }
   void set_driver(HostDriver* driver) noexcept { driver_ = driver; }
   /// What threads made from now on time their functions with. Default: CLOCK_MONOTONIC, on the virtual clock nothing.
   void set_cycle_counter(const rtapi::CycleCounter& counter) noexcept { counter_ = counter; }
@@ -97,6 +103,7 @@ class Host {
 
  private:
   friend class LiveBuilder;
+  friend class CModules;
 
   struct Memory {
     void* data;
@@ -144,6 +151,11 @@ class Host {
     std::vector<rtapi::Participant*> participants;
     std::set<Loaded*> uses;  ///< whose services it has
     std::vector<std::unique_ptr<std::string>> texts;
+    std::unique_ptr<CModulePart> c;  ///< of a C module only; then `record` is null
+    Loaded();
+    ~Loaded();
+    Loaded(const Loaded&) = delete;
+    Loaded& operator=(const Loaded&) = delete;
   };
   struct UserComponent {
     ComponentRecord* record;
@@ -166,11 +178,12 @@ class Host {
   struct Row;
   static std::span<const Row> rows();
 
-  Host(const rtapi::Clock& clock, ModuleSource& modules, HostDriver* driver)
-      : clock_(clock), modules_(modules), driver_(driver) {}
+  Host(const rtapi::Clock& clock, ModuleSource& modules, HostDriver* driver);
 
   Reply batch(Words argv);
   Reply debug(Words argv);
+  /// A command from within another one.
+  Reply nested_command(Words argv);
   Reply load(Words argv);
   Reply unload(Words argv);
   Reply net(Words argv);
@@ -185,11 +198,13 @@ class Host {
   Reply set_item(Words argv);
   Reply set_signal(Words argv);
   Reply add_function(Words argv);
+  Reply add_init_function(Words argv);
   Reply delete_function(Words argv);
   Reply start(Words argv);
   Reply stop(Words argv);
   Reply lock(Words argv);
   Reply unlock(Words argv);
+  Reply lock_bits(Words argv);
   Reply timing(Words argv);
   Reply component_new(Words argv);
   Reply pin_new(Words argv);
@@ -210,6 +225,7 @@ class Host {
   rtapi::Status unload_one(Loaded& loaded);
   /// Ends a thread that stands on its own.
   rtapi::Status unload_thread(Thread& thread);
+  void forget_function(FunctionRecord* function);
   /// Takes functions out of all run lists.
   rtapi::Status drop_functions(const Loaded& loaded);
   rtapi::Status publish_list(Thread& thread, std::vector<FunctionRecord*> functions);
@@ -229,11 +245,14 @@ class Host {
   ModuleSource& modules_;
   HostDriver* driver_;
   std::unique_ptr<Registry> registry_;
+  std::unique_ptr<CModules> c_modules_;
   std::vector<std::unique_ptr<Loaded>> loaded_;
   std::vector<std::unique_ptr<Thread>> threads_;
   std::vector<OldList> old_lists_;
   std::map<FunctionRecord*, RunFunction> functions_;
   rtapi::CycleCounter counter_;
+  /// Functions that were added by initf, with what they ran before.
+  std::map<FunctionRecord*, std::vector<std::unique_ptr<OnceFunction>>> once_;
   std::map<std::string, Service, std::less<>> services_;
   std::map<std::string, UserComponent, std::less<>> user_components_;
   std::map<std::uint64_t, Process> processes_;

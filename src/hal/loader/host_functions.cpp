@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "hal/core/value_text.hpp"
+#include "hal/loader/c_function.hpp"
 #include "hal/loader/host.hpp"
 #include "rtapi/base/suggest.hpp"
 
@@ -154,10 +155,17 @@ Status Host::wait_for_grace() {
 }
 
 Status Host::drop_functions(const Loaded& loaded) {
-  const Offset owner = segment().offset_of(loaded.record);
+  // Those of a C module may belong to several components, or only some of them are meant.
+  const auto own = [&, owner = loaded.record == nullptr ? Offset{0}
+                                                       : segment().offset_of(loaded.record)](
+                       const FunctionRecord* f) {
+    if (owner != 0) return f->owner == owner;
+    return std::find(loaded.functions.begin(), loaded.functions.end(), f) !=
+           loaded.functions.end();
+  };
   for (const auto& t : threads_) {
     auto rest = t->functions;
-    std::erase_if(rest, [&](const FunctionRecord* f) { return f->owner == owner; });
+    std::erase_if(rest, own);
     if (rest.size() != t->functions.size()) KERF_CHECK(publish_list(*t, std::move(rest)));
   }
   return {};
@@ -200,6 +208,31 @@ Reply Host::add_function(Words argv) {
   return reply(publish_list(*thread, std::move(list)));
 }
 
+Reply Host::add_init_function(Words argv) {
+  FunctionRecord* function = registry_->find_function(argv[0]);
+  if (function == nullptr || function->users > 0) return add_function(argv);
+  auto& entry = functions_.at(function).entry;
+  auto once = std::make_unique<OnceFunction>();
+  once->thunk = entry.thunk;
+  once->object = entry.object;
+  // What the list holds while the function is in it; delf puts its own code back.
+  entry.thunk = &run_once;
+  entry.object = once.get();
+  Reply done = add_function(argv);
+  if (done.ok()) {
+    once_[function].push_back(std::move(once));
+  } else {
+    entry.thunk = once->thunk;
+    entry.object = once->object;
+  }
+  return done;
+}
+
+void Host::forget_function(FunctionRecord* function) {
+  functions_.erase(function);
+  once_.erase(function);
+}
+
 Reply Host::delete_function(Words argv) {
   const auto error = [](Errc code, std::string text) {
     return Reply{static_cast<int>(code), std::move(text)};
@@ -223,7 +256,17 @@ Reply Host::delete_function(Words argv) {
     return error(Errc::not_found, "thread " + quoted(argv[1]) + " doesn't use " + argv[0]);
   }
   list.erase(it);
-  return reply(publish_list(*thread, std::move(list)));
+  auto status = publish_list(*thread, std::move(list));
+  if (status.ok()) {
+    auto& entry = functions_.at(function).entry;
+    // A thread may still be in the old list: the OnceFunction stays until the component goes.
+    if (entry.thunk == &run_once) {
+      const auto* once = static_cast<const OnceFunction*>(entry.object);
+      entry.object = once->object;
+      entry.thunk = once->thunk;
+    }
+  }
+  return reply(status);
 }
 
 }  // namespace kerf::hal

@@ -3,6 +3,7 @@
 #include <new>
 
 #include "hal/core/value_text.hpp"
+#include "hal/loader/c_modules.hpp"
 #include "hal/loader/host.hpp"
 #include "hal/loader/live_builder.hpp"
 #include "rtapi/base/suggest.hpp"
@@ -130,10 +131,14 @@ Reply Host::load(Words argv) {
   if (find_loaded(name) != nullptr) {
     return {static_cast<int>(Errc::exists), name + ": already exists"};
   }
-  auto args = parse_args(argv.subspan(1));
-  if (!args.ok()) return error(args.error());
   auto module = modules_.open(name);
   if (!module.ok()) return {static_cast<int>(module.error().code), module.error().message()};
+  if ((*module)->c_library != nullptr) return c_modules_->load(name, argv.subspan(1), **module);
+  auto args = parse_args(argv.subspan(1));
+  if (!args.ok()) {
+    modules_.close(*module);
+    return error(args.error());
+  }
   auto wishes = instances((*module)->info, *args);
   std::string given;
   for (const auto& word : argv.subspan(1)) given += (given.empty() ? "" : " ") + word;
@@ -196,16 +201,17 @@ Reply Host::load(Words argv) {
 }
 
 void Host::destroy(Loaded& l) {
+  if (l.c != nullptr) c_modules_->stop(l);
   for (auto it = l.participants.rbegin(); it != l.participants.rend(); ++it) {
     if (driver_ != nullptr) driver_->participant_removed(**it);
   }
   remove_threads(l);
   for (auto it = l.instances.rbegin(); it != l.instances.rend(); ++it)
     l.module->destroy(it->object);
-  for (auto* function : l.functions) functions_.erase(function);
+  for (auto* function : l.functions) forget_function(function);
   for (const auto& service : l.services) services_.erase(service);
   for (auto* block : l.blocks) registry_->remove_memory(*block);
-  registry_->remove_component(*l.record);
+  if (l.record != nullptr) registry_->remove_component(*l.record);
   for (const auto& m : l.memory) ::operator delete(m.data, std::align_val_t(m.align));
   l.memory.clear();
   modules_.close(l.module);

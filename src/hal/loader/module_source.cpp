@@ -63,6 +63,8 @@ Result<const Module*> DlopenSource::open(std::string_view name) {
       }
       const std::string symbol = std::string(kModuleSymbolPrefix) + with(file, '-', '_');
       const auto* module = static_cast<const Module*>(::dlsym(handle, symbol.c_str()));
+      if (module == nullptr && ::dlsym(handle, "rtapi_app_main") != nullptr)
+        return open_c(std::string(name), path, handle);
       if (module == nullptr || module->abi != kModuleAbi) {
         ::dlclose(handle);
         return fail(Errc::protocol,
@@ -76,12 +78,30 @@ Result<const Module*> DlopenSource::open(std::string_view name) {
   return unknown(name, names());
 }
 
+Result<const Module*> DlopenSource::open_c(const std::string& name, const std::string& path,
+                                           void* handle) {
+  // Modules use each other's exported functions (kinematics, families of drivers).
+  void* again = ::dlopen(path.c_str(), RTLD_NOW | RTLD_GLOBAL | RTLD_NOLOAD);
+  ::dlclose(handle);
+  if (again == nullptr) {
+    const char* why = ::dlerror();
+    return fail(Errc::system, name + ": dlopen: " + (why != nullptr ? why : "failed"));
+  }
+  auto module = std::make_unique<Module>();
+  module->abi = kModuleAbi;
+  module->c_library = again;
+  open_.emplace(module.get(), again);
+  c_modules_.push_back(std::move(module));
+  return c_modules_.back().get();
+}
+
 void DlopenSource::close(const Module* module) {
   const auto it = open_.find(module);
   if (it == open_.end()) return;
   void* handle = it->second;
   open_.erase(it);
   ::dlclose(handle);
+  std::erase_if(c_modules_, [&](const auto& m) { return m.get() == module; });
 }
 
 std::vector<std::string> DlopenSource::names() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,7 +24,7 @@ class ModuleSource {
   [[nodiscard]] virtual std::vector<std::string> names() const = 0;
 };
 
-/// NAME.so in the folders of KERF_COMPONENTS (':' between them), else in "../components" seen from the program's folder.
+/// NAME.so, a component of ours or a module of the C API, in the folders of KERF_COMPONENTS (':' between them), else in "../components" seen from the program's folder.
 class DlopenSource final : public ModuleSource {
  public:
   DlopenSource();
@@ -37,7 +38,11 @@ class DlopenSource final : public ModuleSource {
 
  private:
   std::vector<std::string> folders_;
+  /// A library with rtapi_app_main: known to later ones by its exported symbols.
+  rtapi::Result<const Module*> open_c(const std::string& name, const std::string& path,
+                                      void* handle);
   std::multimap<const Module*, void*> open_;
+  std::vector<std::unique_ptr<Module>> c_modules_;
 };
 
 struct StaticModule {

@@ -15,6 +15,8 @@
 #include <cstring>
 #include <string>
 
+#include "hal/capi/messages.hpp"
+#include "hal/capi/realtime_backend.hpp"
 #include "hal/loader/host.hpp"
 #include "hal/loader/module_source.hpp"
 #include "hal/loader/realtime_host.hpp"
@@ -154,6 +156,7 @@ class MainParticipant final : public rtapi::Participant {
 
   void step(rtapi::Nanos now, rtapi::WaitSpec& next) override {
     (void)log_.drain();
+    (void)hal::capi::drain_messages();
     if (supervisor_.dead()) {
       orphaned_ = true;
       clock_.stop();
@@ -262,6 +265,7 @@ End run(const Options& o, Supervisor& supervisor, rtapi::Segment& segment, bool 
   if (!host.ok()) return {fail(host.error())};
   if (!is_virtual) (*host)->set_cycle_counter(rtapi::CycleCounter::calibrated());
   (*host)->set_timing_mode(o.timing);
+  hal::capi::use_host(**host);
   auto server = hal::Server::open(**host, segment, o.instance);
   if (!server.ok()) return {fail(server.error())};
   MainParticipant participant(**host, **server, supervisor, **clock, driver, **log);
@@ -274,6 +278,7 @@ End run(const Options& o, Supervisor& supervisor, rtapi::Segment& segment, bool 
     if (made || end.orphaned) take_down(segment);
     std::_Exit(1);
   }
+  hal::capi::forget_host();
   server->reset();
   host->reset();
   return end;
@@ -284,6 +289,7 @@ End run(const Options& o, Supervisor& supervisor, rtapi::Segment& segment, bool 
 int main(int argc, char** argv) {
   rtapi::catch_stop_signals({SIGTERM, SIGINT});
   rtapi::set_program_name("rtapi_app");
+  hal::capi::start_realtime();
   Options options;
   int status = 0;
   if (!parse_options(argc, argv, options, status)) return status;

@@ -1,0 +1,12 @@
+/* Kinds of motion that status reports. */
+#ifndef MOTION_TYPES_H
+#define MOTION_TYPES_H
+
+#define EMC_MOTION_TYPE_TRAVERSE 1
+#define EMC_MOTION_TYPE_FEED 2
+#define EMC_MOTION_TYPE_ARC 3
+#define EMC_MOTION_TYPE_TOOLCHANGE 4
+#define EMC_MOTION_TYPE_PROBING 5
+#define EMC_MOTION_TYPE_INDEXROTARY 6
+
+#endif

@@ -1,0 +1,92 @@
+// CModules: modules of the C API within Host: shared objects with rtapi_app_main, which make their components themselves.
+//
+// Host calls load() and stop(); while rtapi_app_main or rtapi_app_exit runs, the C API (src/hal/capi) calls back what is below.
+// What a module made belongs to it, so that its end takes everything back, whatever its own code forgot. All @nonrt.
+#pragma once
+
+#include <cstddef>
+#include <list>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "hal/loader/c_function.hpp"
+#include "hal/loader/host.hpp"
+
+namespace kerf::hal {
+
+/// A component that a module made.
+struct CComponent {
+  ComponentRecord* record{nullptr};
+  int (*constructor)(const char* prefix, const char* arg){nullptr};
+};
+
+/// What Host::Loaded has besides for a C module.
+struct CModulePart {
+  void* library{nullptr};  ///< for dlsym
+  std::string args;        ///< of loadrt
+  bool started{false};     ///< rtapi_app_main said 0: rtapi_app_exit is to be called
+  std::vector<CComponent> components;
+  std::list<CFunction> functions;
+  std::map<std::string, int> memory_names;     ///< how many times each was asked for
+  std::vector<std::unique_ptr<char[]>> texts;  ///< values of string parameters
+};
+
+class CModules {
+ public:
+  explicit CModules(Host& host) : host_(host) {}
+  ~CModules();
+  CModules(const CModules&) = delete;
+  CModules& operator=(const CModules&) = delete;
+
+  // ---- Host's side
+  /// The part of loadrt that follows the opening of the library. An error: everything is undone but the library itself.
+  Reply load(const std::string& name, std::span<const std::string> args, const Module& module);
+  /// Calls rtapi_app_exit, and takes out what is left of the module's components and memory.
+  void stop(Host::Loaded& module);
+  [[nodiscard]] static bool has_component(const Host::Loaded& module, std::string_view name);
+
+  // ---- the C API's side
+  rtapi::Result<ComponentRecord*> add_component(const std::string& name);
+  /// nullptr: no such component of a C module.
+  [[nodiscard]] ComponentRecord* find_component(std::uint32_t id) const;
+  rtapi::Status remove_component(ComponentRecord& component);
+  void set_constructor(ComponentRecord& component, int (*make)(const char*, const char*));
+  /// Calls the component's constructor.
+  rtapi::Status construct(std::string_view component, const std::string& prefix,
+                          const std::string& arg);
+  rtapi::Result<std::byte*> allocate(std::size_t bytes);
+  [[nodiscard]] bool owns(const void* memory, std::size_t bytes) const;
+  rtapi::Result<ItemRecord*> add_item(ComponentRecord& owner, const ItemSpec& spec, bool pin);
+  rtapi::Status add_function(ComponentRecord& owner, const std::string& name,
+                             void (*code)(void*, long), void* argument);
+  rtapi::Result<ComponentRecord*> add_thread(const std::string& name, std::int64_t period_ns);
+  rtapi::Status remove_thread(const std::string& name);
+  rtapi::Result<MemoryRecord*> add_memory(const std::string& name, std::size_t bytes,
+                                          std::uint64_t abi);
+  rtapi::Status drop_memory(const std::string& name);
+  /// A command as a client sends it, also from within loadrt.
+  Reply command(std::span<const std::string> argv) { return host_.nested_command(argv); }
+  [[nodiscard]] Host& host() noexcept { return host_; }
+
+ private:
+  struct Block {
+    std::size_t bytes;
+    std::set<const Host::Loaded*> users;  ///< it is given back when none is left
+  };
+  class Running;  ///< a module's code runs
+  /// Error when no code of a module runs.
+  rtapi::Result<Host::Loaded*> running() const;
+  [[nodiscard]] Host::Loaded* owner_of(const ComponentRecord& component) const;
+  void use(const void* memory, const Host::Loaded& user);
+  rtapi::Status take_out_functions(Host::Loaded& module, const ComponentRecord* component);
+  void erase_component(Host::Loaded& module, ComponentRecord& component);
+
+  Host& host_;
+  Host::Loaded* running_{nullptr};
+  std::map<const std::byte*, Block> blocks_;
+};
+
+}  // namespace kerf::hal
