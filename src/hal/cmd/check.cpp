@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "hal/client/session.hpp"
 #include "hal/loader/host.hpp"
@@ -197,6 +198,9 @@ const View& ScriptCheck::view() const { return machine_->view; }
 
 void ScriptCheck::add(Finding::Level level, const char* kind, const ScriptPlace& at,
                       std::string text) {
+  // Read twice for two passes, a line says the same again.
+  for (const auto& f : findings_)
+    if (f.at.line == at.line && f.at.file == at.file && f.text == text) return;
   findings_.push_back({level, kind, at, std::move(text)});
 }
 
@@ -258,22 +262,51 @@ std::string ScriptCheck::hal_file(const ini::Entry& entry) {
   return {};
 }
 
-void ScriptCheck::run_entries(const char* files_key, const char* commands_key) {
-  for (const ini::Entry* entry : ini_->find_all("HAL", files_key)) {
+std::vector<std::string> ScriptCheck::hal_files(const char* key) {
+  std::vector<std::string> out;
+  for (const ini::Entry* entry : ini_->find_all("HAL", key)) {
     const std::string path = hal_file(*entry);
     if (path.empty()) continue;
-    if (std::filesystem::path(path).extension() == ".tcl") {
-      add(Finding::Level::warning, "tcl", {entry->at.file, entry->at.line},
-          path + " is a Tcl file and is not checked; names that it would make are taken as given");
-      strangers_ = true;
+    if (std::filesystem::path(path).extension() != ".tcl") {
+      out.push_back(path);
       continue;
     }
-    run_file(path);
+    add(Finding::Level::warning, "tcl", {entry->at.file, entry->at.line},
+        path + " is a Tcl file and is not checked; names that it would make are taken as given");
+    strangers_ = true;
   }
-  for (const ini::Entry* entry : ini_->find_all("HAL", commands_key)) {
+  return out;
+}
+
+void ScriptCheck::run_commands(const char* key) {
+  for (const ini::Entry* entry : ini_->find_all("HAL", key)) {
     top_file_ = entry->at.file;
     (void)machine_->commander.run_line(entry->value, entry->at.file, entry->at.line);
   }
+}
+
+void ScriptCheck::run_two_pass(const std::vector<std::string>& files) {
+  std::vector<std::string> twice;
+  for (const auto& file : files) {
+    std::ifstream in(file);
+    const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    if (tcl::is_excluded(text))
+      run_file(file);
+    else
+      twice.push_back(file);
+  }
+  pass_ = Pass::gather;
+  for (const auto& file : twice) run_file(file);
+  for (const auto& module : loads_.modules()) {
+    std::vector<std::string> words = module.words();
+    words.insert(words.begin(), "loadrt");
+    const ScriptPlace at{module.places.front().file, module.places.front().line};
+    if (const auto done = load_realtime(words, at); done && !done->ok())
+      add(Finding::Level::error, "command", at, done->error().message());
+  }
+  pass_ = Pass::rest;
+  for (const auto& file : twice) run_file(file);
+  pass_ = Pass::single;
 }
 
 void ScriptCheck::run_ini_files() {
@@ -284,8 +317,15 @@ void ScriptCheck::run_ini_files() {
     const auto at = ini_->section_position("HAL");
     add(Finding::Level::error, "file", {at.file, at.line}, "no [HAL]HALFILE: nothing to check");
   }
-  run_entries("HALFILE", "HALCMD");
-  run_entries("POSTGUI_HALFILE", "POSTGUI_HALCMD");
+  const auto files = hal_files("HALFILE");
+  const ini::Entry* two_pass = ini_->find("HAL", "TWOPASS");
+  if (two_pass != nullptr && !two_pass->value.empty())
+    run_two_pass(files);
+  else
+    for (const auto& file : files) run_file(file);
+  run_commands("HALCMD");
+  for (const auto& file : hal_files("POSTGUI_HALFILE")) run_file(file);
+  run_commands("POSTGUI_HALCMD");
 }
 
 // ---- commands -----------------------------------------------------------------------------------
@@ -327,6 +367,11 @@ ScriptCheck::Done ScriptCheck::command(Words w, const ScriptPlace& at) {
       {"unecho", 1, &ScriptCheck::skip},
       {"help", 1, &ScriptCheck::skip},
   };
+  if (pass_ == Pass::gather) {
+    if (w[0] != "loadrt" || w.size() < 2) return w[0] == "source" ? Done{} : Done{Status{}};
+    return loads_.add(w.subspan(1), {at.file, at.line});
+  }
+  if (pass_ == Pass::rest && w[0] == "loadrt" && w.size() >= 2) return Status{};
   for (const Row& row : kRows)
     if (w[0] == row.name && w.size() >= row.min) return (this->*row.run)(w, at);
   return std::nullopt;

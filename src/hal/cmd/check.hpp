@@ -19,6 +19,7 @@
 #include "hal/cmd/commander.hpp"
 #include "hal/core/view.hpp"
 #include "hal/loader/module_source.hpp"
+#include "hal/tcl/loadrt_merge.hpp"
 #include "ini/ini_file.hpp"
 
 namespace kerf::hal {
@@ -121,7 +122,11 @@ class ScriptCheck {
   void expect_unknown(const std::string& component);
   void add(Finding::Level level, const char* kind, const ScriptPlace& at, std::string text);
   [[nodiscard]] std::string hal_file(const ini::Entry& entry);
-  void run_entries(const char* files_key, const char* commands_key);
+  /// The .hal files of a key, found; complaints about the others.
+  std::vector<std::string> hal_files(const char* key);
+  void run_commands(const char* key);
+  /// [HAL]TWOPASS: all loadrt first, those of one module as one.
+  void run_two_pass(const std::vector<std::string>& files);
   void enter(const std::string& file);
 
   ModuleSource& modules_;
@@ -134,7 +139,10 @@ class ScriptCheck {
   std::set<std::string>
       unknown_prefixes_;  ///< of pins of programs, and of what could not be loaded
   std::set<std::string>
-      untyped_signals_;    ///< those with unchecked pins only: HAL does not know them
+      untyped_signals_;  ///< those with unchecked pins only: HAL does not know them
+  enum class Pass { single, gather, rest };
+  Pass pass_{Pass::single};
+  tcl::LoadrtMerge loads_;
   bool strangers_{false};  ///< something was started whose pins have any name
 };
 

@@ -187,4 +187,20 @@ Status LoadrtMerge::add(std::span<const std::string> words, const Place& at) {
   return {};
 }
 
+bool is_excluded(std::string_view text) {
+  static constexpr std::string_view kMagic = "#notwopass";
+  std::size_t matched = 0;
+  bool line_matches = true;
+  for (const char c : text) {
+    if (c == '\n') {
+      matched = 0;
+      line_matches = true;
+    } else if (line_matches && c != ' ' && c != '\t' && c != '\r') {
+      line_matches = std::tolower(static_cast<unsigned char>(c)) == kMagic[matched];
+      if (line_matches && ++matched == kMagic.size()) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace kerf::hal::tcl

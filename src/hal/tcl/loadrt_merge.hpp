@@ -8,6 +8,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "rtapi/base/result.hpp"
@@ -52,5 +53,8 @@ class LoadrtMerge {
  private:
   std::vector<Module> modules_;
 };
+
+/// True when a line of the .hal file's text begins with #NOTWOPASS, whatever its case and blanks.
+bool is_excluded(std::string_view text);
 
 }  // namespace kerf::hal::tcl

@@ -80,22 +80,6 @@ bool is_tcl_file(std::string_view path) {
   return path.size() >= 4 && path.substr(path.size() - 4) == ".tcl";
 }
 
-bool is_excluded(std::string_view text) {
-  static constexpr std::string_view kMagic = "#notwopass";
-  std::size_t matched = 0;
-  bool line_matches = true;
-  for (const char c : text) {
-    if (c == '\n') {
-      matched = 0;
-      line_matches = true;
-    } else if (line_matches && c != ' ' && c != '\t' && c != '\r') {
-      line_matches = std::tolower(static_cast<unsigned char>(c)) == kMagic[matched];
-      if (line_matches && ++matched == kMagic.size()) return true;
-    }
-  }
-  return false;
-}
-
 // ---- Interpreter --------------------------------------------------------------------------------
 
 Result<std::unique_ptr<Interpreter>> Interpreter::create(TclHal& words, const ini::IniFile* ini) {

@@ -33,8 +33,6 @@ struct TwoPassOptions {
 
 /// True for names that end in .tcl.
 bool is_tcl_file(std::string_view path);
-/// True when a line of the .hal file's text begins with #NOTWOPASS, whatever its case and blanks.
-bool is_excluded(std::string_view text);
 
 class Interpreter {
  public:
