@@ -44,6 +44,11 @@ function(kerf_program name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 endfunction()
 
+# kerf_script(name FILE)  -> build/<preset>/bin/name
+function(kerf_script name file)
+  configure_file(${file} ${CMAKE_BINARY_DIR}/bin/${name} COPYONLY)
+endfunction()
+
 # kerf_component(file-name SOURCES ... [LINK ...])  -> build/<preset>/components/file-name.so, loaded by `loadrt file-name`.
 # Also adds the same code to the object list that the whole-machine harness links in (KERF_COMPONENT_OBJECTS).
 function(kerf_component name)

@@ -46,6 +46,10 @@ void set_environment(const Installation& installation, const RunEnvironment& run
   setenv("INI_FILE_NAME", run.ini_path.c_str(), 1);
   setenv("CONFIG_DIR", run.ini_dir.c_str(), 1);
   if (!installation.hallib.empty()) setenv("HALLIB_DIR", installation.hallib.front().c_str(), 1);
+  std::string hal_path;
+  for (const auto* dirs : {&run.hal_path, &installation.hallib})
+    for (const std::string& dir : *dirs) hal_path += (hal_path.empty() ? "" : ":") + dir;
+  setenv("HALLIB_PATH", hal_path.c_str(), 1);
   prepend_variable("PATH", installation.bin, ':');
   prepend_variable("PYTHONPATH", installation.python, ':');
   prepend_variable("TCLLIBPATH", installation.tcl, ' ');

@@ -30,6 +30,7 @@ struct RunEnvironment {
   std::string rt_cpus;
   std::string function_timing;
   int supervisor_fd{-1};
+  std::vector<std::string> hal_path{};  ///< HAL files are looked for here before the library
 };
 
 /// Sets it all in this process, for every child to inherit.

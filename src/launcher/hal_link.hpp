@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,8 @@ class HalLink {
   void set_keep_going(bool on);
   /// A file or one command; its errors have been printed with file and line.
   bool run(const HalStep& step);
+  /// The HAL files of `steps` together ([HAL]TWOPASS); likewise.
+  bool run_two_pass(std::span<const HalStep> steps, const std::string& options);
   /// Commands of the launcher's own.
   rtapi::Status command(const std::vector<std::string>& words);
   /// True when the component is there and says that it is ready.
@@ -35,6 +38,7 @@ class HalLink {
 
  private:
   HalLink() = default;
+  bool run_haltcl(const std::vector<std::string>& words, const ini::Position& at);
   struct Parts;  ///< hides the HAL headers
   std::unique_ptr<Parts> parts_;
 };

@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <system_error>
 
+#include "ini/convert.hpp"
 #include "ini/reader.hpp"
+
 #include "rtapi/base/suggest.hpp"
 
 namespace kerf::launcher {
@@ -76,10 +78,7 @@ class Planner {
   }
 
   /// Path of a HAL file as the manual says it is searched; "" after a complaint.
-  std::string find_hal_file(const ini::Entry& entry) {
-    const std::vector<std::string> words = split_words(entry.value);
-    if (words.empty()) return {};
-    std::string name = words.front();
+  std::string find_hal_file(const ini::Entry& entry, std::string name) {
     std::vector<std::string> dirs;
     if (name.rfind("LIB:", 0) == 0) {
       name = name.substr(4);
@@ -89,11 +88,6 @@ class Planner {
       dirs.push_back(plan_.ini_dir);
       dirs.insert(dirs.end(), search_.library.begin(), search_.library.end());
     }
-    if (ends_with(name, ".tcl")) {
-      complain(entry.at, "[HAL]" + entry.key + " = " + entry.value +
-                             ": HAL files in Tcl are not supported yet; use a .hal file");
-      return {};
-    }
     name = ini::expand_tilde(name);
     if (!name.empty() && name.front() == '/') dirs = {""};
     for (const std::string& dir : dirs) {
@@ -102,8 +96,11 @@ class Planner {
     }
     std::vector<std::string> known;
     for (const std::string& dir : dirs) {
-      const auto more = names_in(dir.empty() ? fs::path(name).parent_path().string() : dir, ".hal");
-      known.insert(known.end(), more.begin(), more.end());
+      for (const char* ending : {".hal", ".tcl"}) {
+        const auto more =
+            names_in(dir.empty() ? fs::path(name).parent_path().string() : dir, ending);
+        known.insert(known.end(), more.begin(), more.end());
+      }
     }
     std::string where;
     for (const std::string& dir : dirs)
@@ -115,8 +112,19 @@ class Planner {
 
   void add_files(const char* key, std::vector<HalStep>& steps) {
     for (const ini::Entry* entry : file_.find_all("HAL", key)) {
-      const std::string path = find_hal_file(*entry);
-      if (!path.empty()) steps.push_back({true, path, entry->at});
+      std::vector<std::string> words = split_words(entry->value);
+      if (words.empty()) continue;
+      HalStep step{true, find_hal_file(*entry, words.front()), entry->at};
+      if (step.text.empty()) continue;
+      words.erase(words.begin());
+      step.arguments = std::move(words);
+      if (!step.is_tcl() && !step.arguments.empty()) {
+        complain(entry->at,
+                 "[HAL]" + entry->key + " = " + entry->value +
+                     ": only Tcl files take arguments; they are ignored",
+                 false);
+      }
+      steps.push_back(std::move(step));
     }
   }
 
@@ -136,9 +144,15 @@ class Planner {
     add_commands("POSTGUI_HALCMD", plan_.postgui);
     add_files("SHUTDOWN", plan_.shutdown);
     plan_.halui = reader_.string("HAL", "HALUI", "");
-    if (const ini::Entry* entry = file_.find("HAL", "TWOPASS");
-        entry != nullptr && !entry->value.empty())
-      complain(entry->at, "[HAL]TWOPASS is not supported yet: files are read once", false);
+    plan_.two_pass = reader_.string("HAL", "TWOPASS", "");
+    for (const char* off : {"off", "no", "false", "0"}) {
+      if (ini::equal_ignoring_case(plan_.two_pass, off)) {
+        reader_.complain(
+            "HAL", "TWOPASS",
+            "'" + plan_.two_pass + "' turns two passes on, as any text does; leave the value empty",
+            false);
+      }
+    }
   }
 
   void read_programs() {
@@ -161,6 +175,8 @@ class Planner {
 };
 
 }  // namespace
+
+bool HalStep::is_tcl() const { return is_file && ends_with(text, ".tcl"); }
 
 std::string resolve_from(const std::string& dir, const std::string& path) {
   const fs::path expanded = ini::expand_tilde(path);

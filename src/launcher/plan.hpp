@@ -14,6 +14,8 @@ struct HalStep {
   bool is_file{true};
   std::string text;  ///< absolute path, or the command
   ini::Position at;
+  std::vector<std::string> arguments{};  ///< $argv of a Tcl file
+  [[nodiscard]] bool is_tcl() const;     ///< for haltcl
 };
 
 struct LaunchPlan {
@@ -25,6 +27,7 @@ struct LaunchPlan {
   std::string rt_cpus;           ///< [KERF]RT_CPUS, "" any
   std::string function_timing;   ///< [KERF]FUNCTION_TIMING: every, sampled or off
   std::vector<HalStep> hal;      ///< [HAL]HALFILE in order, then [HAL]HALCMD in order
+  std::string two_pass;          ///< [HAL]TWOPASS, "" off: how the HALFILEs of `hal` are done
   std::vector<HalStep> postgui;  ///< POSTGUI_HALFILE, then POSTGUI_HALCMD
   std::vector<HalStep> shutdown;
   std::string task_program{"milltask"};                ///< [TASK]TASK
@@ -42,7 +45,7 @@ struct HalSearch {
   std::vector<std::string> library;  ///< for LIB:name, and last for all others
 };
 
-/// Reads the sections that the launcher owns. Missing files, Tcl files and bad values become diagnostics with file and line.
+/// Reads the sections that the launcher owns. Missing files and bad values become diagnostics with file and line.
 [[nodiscard]] LaunchPlan make_plan(const ini::IniFile& file, const HalSearch& search);
 
 /// "~/x", "x" and "/x" as seen from `dir`.

@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -116,7 +117,7 @@ Status Session::start() {
   KERF_CHECK(make_instance());
   KERF_CHECK(start_realtime());
   KERF_CHECK(start_task());
-  KERF_CHECK(run_hal_steps(plan_.hal));
+  KERF_CHECK(run_start_steps());
   if (!options_.program.empty() || !options_.log_joints.empty()) KERF_CHECK(start_recorder());
   start_applications();
   KERF_CHECK(start_threads());
@@ -145,8 +146,10 @@ Status Session::make_instance() {
   (void)fcntl(supervisor_end_, F_SETFD, FD_CLOEXEC);
   (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
   const int signal_fd = catch_stop_signals();
+  std::vector<std::string> hal_path = options_.hal_dirs;
+  hal_path.push_back(plan_.ini_dir);
   set_environment(installation_, {instance_, run_id_, plan_.ini_path, plan_.ini_dir, plan_.rt_cpus,
-                                  plan_.function_timing, children_end_});
+                                  plan_.function_timing, children_end_, std::move(hal_path)});
   KERF_TRY(auto clock, rtapi::join_clock(*segment_, rtapi::Role::launcher, "kerf"));
   clock_ = std::make_unique<SupervisedClock>(*segment_, std::move(clock), signal_fd);
   console_.detail("instance " + instance_ + (plan_.virtual_time ? ", virtual time" : ""));
@@ -193,6 +196,21 @@ Status Session::start_task() {
       return died(*clock_, plan_.halui);
   }
   return {};
+}
+
+Status Session::run_start_steps() {
+  const auto commands = std::find_if(plan_.hal.begin(), plan_.hal.end(),
+                                     [](const HalStep& step) { return !step.is_file; });
+  const std::vector<HalStep> files(plan_.hal.begin(), commands);
+  if (plan_.two_pass.empty() || files.empty()) return run_hal_steps(plan_.hal);
+  console_.detail("HAL files in two passes, the first is " + files.front().text);
+  const bool good = hal_->run_two_pass(files, plan_.two_pass);
+  if (clock_->stopped()) return died(*clock_, "HAL");
+  if (!good && !options_.ignore_hal_errors) {
+    return rtapi::fail(Errc::bad_argument,
+                       files.front().at.text() + ": the HAL files failed ([HAL]TWOPASS)");
+  }
+  return run_hal_steps({commands, plan_.hal.end()});
 }
 
 Status Session::run_hal_steps(const std::vector<HalStep>& steps) {

@@ -43,6 +43,7 @@ class Session {
   rtapi::Status make_instance();
   rtapi::Status start_realtime();
   rtapi::Status start_task();
+  rtapi::Status run_start_steps();
   rtapi::Status run_hal_steps(const std::vector<HalStep>& steps);
   rtapi::Status start_recorder();
   rtapi::Status start_threads();

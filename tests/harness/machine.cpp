@@ -19,6 +19,8 @@
 #include "hal/loader/host.hpp"
 #include "hal/loader/module_source.hpp"
 #include "hal/loader/realtime_host.hpp"
+#include "hal/tcl/script.hpp"
+#include "hal/tcl/tcl_hal.hpp"
 #include "ini/ini_file.hpp"
 #include "launcher/plan.hpp"
 #include "rtapi/clock/local_scheduler.hpp"
@@ -128,6 +130,29 @@ struct Machine::Parts {
   }
 };
 
+/// What the launcher does with HAL files, in this process; Tcl files cannot start programs here.
+bool Machine::run_hal_steps(Parts& p, const std::vector<launcher::HalStep>& steps,
+                            const std::string& two_pass) {
+  hal::tcl::TclHal words([&p]() -> rtapi::Result<hal::tcl::Attachment> {
+    return hal::tcl::Attachment{p.session.get(), nullptr};
+  });
+  hal::tcl::ScriptRunner scripts(words, &p.ini, &p.sink);
+  scripts.set_exit_forbidden(true);
+  std::vector<hal::tcl::HalFile> files;
+  for (const auto& step : steps)
+    if (step.is_file) files.push_back({step.text, step.arguments});
+  if (!two_pass.empty() && !scripts.run_two_pass(files, hal::tcl::TwoPassOptions::parse(two_pass)))
+    return false;
+  for (const auto& step : steps) {
+    if (step.is_file && !two_pass.empty()) continue;
+    const bool done = step.is_tcl()  ? scripts.run_file({step.text, step.arguments})
+                      : step.is_file ? p.halcmd->run_file(step.text)
+                                     : p.halcmd->run_line(step.text, "INI", step.at.line);
+    if (!done) return false;
+  }
+  return true;
+}
+
 Machine::Machine() : parts_(std::make_unique<Parts>()) {}
 Machine::~Machine() = default;
 
@@ -189,11 +214,7 @@ std::unique_ptr<Machine> Machine::start(const MachineOptions& options) {
   for (const auto& d : plan.diagnostics) complain(d.message());
   auto steps = plan.hal;
   for (const auto& line : options.hal) steps.push_back({false, line, {}});
-  for (const auto& step : steps) {
-    const bool done = step.is_file ? p.halcmd->run_file(step.text)
-                                   : p.halcmd->run_line(step.text, "INI", step.at.line);
-    if (!done) return machine;
-  }
+  if (!run_hal_steps(p, steps, plan.two_pass)) return machine;
   if (const auto connected = p.task->connect(); !connected.ok()) {
     complain(connected.error().message());
     return machine;

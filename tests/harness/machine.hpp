@@ -20,6 +20,10 @@
 #include "task/api/protocol.hpp"
 #include "task/api/status.hpp"
 
+namespace kerf::launcher {
+struct HalStep;
+}
+
 namespace kerf::harness {
 
 struct MachineOptions {
@@ -98,6 +102,8 @@ class Machine {
 
  private:
   struct Parts;
+  static bool run_hal_steps(Parts& parts, const std::vector<launcher::HalStep>& steps,
+                            const std::string& two_pass);
   Machine();
   std::unique_ptr<Parts> parts_;
 };

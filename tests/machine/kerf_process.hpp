@@ -30,19 +30,25 @@ inline void replace(std::string& text, const std::string& from, const std::strin
     text.replace(at, from.size(), to);
 }
 
-/// The sample mill in a new folder, so that what it writes does not meet other tests.
+/// A sample machine in a new folder, so that what it writes does not meet other tests.
 class Mill {
  public:
-  explicit Mill(const std::string& name)
-      : dir_(testing::TempDir() + "kerf_" + name + "_" + std::to_string(getpid())) {
+  explicit Mill(const std::string& name, const std::string& config = "mill",
+                std::string ini = "mill.ini")
+      : dir_(testing::TempDir() + "kerf_" + name + "_" + std::to_string(getpid())),
+        ini_name_(std::move(ini)) {
     fs::remove_all(dir_);
     fs::create_directories(dir_);
     for (const auto& entry :
-         fs::directory_iterator(std::string(KERF_SOURCE_DIR) + "/configs/sim/mill"))
-      if (entry.path().extension() != ".var") fs::copy(entry.path(), dir_);
-    ini_ = read_file(dir_ + "/mill.ini");
-    replace(ini_, "../../../nc_files", std::string(KERF_SOURCE_DIR) + "/nc_files");
-    change("", "");
+         fs::directory_iterator(std::string(KERF_SOURCE_DIR) + "/configs/sim/" + config)) {
+      const std::string extension = entry.path().extension().string();
+      if (extension == ".var") continue;
+      std::string text = read_file(entry.path().string());
+      if (extension == ".ini" || extension == ".inc")
+        replace(text, "../../../nc_files", std::string(KERF_SOURCE_DIR) + "/nc_files");
+      write(entry.path().filename().string(), text);
+    }
+    ini_ = read_file(this->ini());
   }
   ~Mill() { fs::remove_all(dir_); }
   Mill(const Mill&) = delete;
@@ -54,14 +60,14 @@ class Mill {
       EXPECT_NE(ini_.find(from), std::string::npos) << from;
       replace(ini_, from, to);
     }
-    write("mill.ini", ini_);
+    write(ini_name_, ini_);
   }
   std::string write(const std::string& name, const std::string& text) {
     std::ofstream(dir_ + "/" + name) << text;
     return dir_ + "/" + name;
   }
   [[nodiscard]] std::string path(const std::string& name) const { return dir_ + "/" + name; }
-  [[nodiscard]] std::string ini() const { return dir_ + "/mill.ini"; }
+  [[nodiscard]] std::string ini() const { return dir_ + "/" + ini_name_; }
   /// Line of the INI file that begins with this text.
   [[nodiscard]] int line_of(const std::string& begin) const {
     int line = 1;
@@ -75,6 +81,7 @@ class Mill {
 
  private:
   std::string dir_;
+  std::string ini_name_;
   std::string ini_;
 };
 

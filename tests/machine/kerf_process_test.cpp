@@ -117,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(BadFile{"HALFILE = spindle.hal", "HALFILE = spindel.hal", "",
                             "HALFILE = spindel.hal", "did you mean 'spindle.hal'?"},
                     BadFile{"HALFILE = spindle.hal", "HALFILE = spindle.tcl", "",
-                            "HALFILE = spindle.tcl", "not supported yet"},
+                            "HALFILE = spindle.tcl", "no file 'spindle.tcl'"},
                     BadFile{"CLOCK = real", "CLOCK = rael", "", "CLOCK = rael", "real"},
                     BadFile{"HALFILE = panel.hal", "HALFILE = bad.hal",
                             "\nnet x motion.in-positon\n", "HALFILE = bad.hal",

@@ -27,5 +27,23 @@ TEST(Machine, CutsTheFirstPart) {
   EXPECT_GT(m->now(), 30 * rtapi::kSecond);
 }
 
+TEST(Machine, StartsFromTclFilesInTwoPasses) {
+  auto m = Machine::start({.ini = KERF_SOURCE_DIR "/configs/sim/tcl-mill/two-pass.ini"});
+  ASSERT_TRUE(m->ready()) << m->errors();
+  ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+  EXPECT_TRUE(m->mdi("G0 X10")) << m->errors();
+  EXPECT_NEAR(m->joint(0), 10, 1e-9);
+  EXPECT_EQ(m->pin_kind("acc-2.out"), "float OUT");
+  EXPECT_EQ(m->pin_kind("spindle-acc.out"), "float OUT");
+}
+
+TEST(Machine, AWrongTclFileIsNamed) {
+  auto m = Machine::start({.ini = KERF_SOURCE_DIR "/configs/sim/tcl-mill/tcl-mill.ini",
+                           .replace = {{"spindle-motor 100", "spindle-motor fast"}}});
+  EXPECT_FALSE(m->ready());
+  EXPECT_NE(m->errors().find("spindle.tcl:7: invalid bareword \"fast\""), std::string::npos)
+      << m->errors();
+}
+
 }  // namespace
 }  // namespace kerf::harness

@@ -97,6 +97,9 @@ class RealtimeProcess {
     return {};
   }
 
+  /// Readable when it has died.
+  [[nodiscard]] int fd() const { return fd_; }
+
   /// The end of the socket makes it take everything down.
   void stop() {
     if (fd_ >= 0) ::close(fd_);
@@ -182,8 +185,10 @@ struct Wish {
   }
 };
 
-/// haltcl with the terminal, as a child in this process group; gives its exit status. A stop of the clock ends it.
-int run_haltcl(const Wish& wish, const std::string& file, rtapi::WaitClock& clock) {
+/// haltcl with the terminal, as a child in this process group; gives its exit status. A stop of the clock ends it, and
+/// so does the end of the realtime host, which shows at `realtime_fd`.
+int run_haltcl(const Wish& wish, const std::string& file, rtapi::WaitClock& clock,
+               int realtime_fd) {
   if (clock.stopped()) return 1;
   std::vector<std::string> words{program_folder() + "/haltcl"};
   if (!wish.options.ini_path.empty()) words.insert(words.end(), {"-i", wish.options.ini_path});
@@ -203,7 +208,12 @@ int run_haltcl(const Wish& wish, const std::string& file, rtapi::WaitClock& cloc
   const int pidfd = rtapi::open_pidfd(pid);
   int status = -1;
   while ((status = hal::child_status(pid)) < 0 && !clock.stopped()) {
+    if (rtapi::is_readable(realtime_fd)) {
+      rtapi::log_message(rtapi::Level::error, "the realtime host died");
+      break;
+    }
     rtapi::WaitSpec spec;
+    spec.watch_fd(realtime_fd);
     if (pidfd >= 0)
       spec.watch_fd(pidfd);
     else
@@ -216,12 +226,14 @@ int run_haltcl(const Wish& wish, const std::string& file, rtapi::WaitClock& cloc
     if (!dies_within(pid, 0, kPatienceMs)) ::kill(pid, SIGKILL);
     (void)dies_within(pid, 0, kPatienceMs);
     status = hal::child_status(pid);
+    if (status == 0) status = 1;
   }
   return status;
 }
 
 /// Gives halrun's exit status.
-int run_commands(rtapi::Segment& segment, const Wish& wish, rtapi::WaitClock& clock) {
+int run_commands(rtapi::Segment& segment, const Wish& wish, rtapi::WaitClock& clock,
+                 int realtime_fd) {
   auto session = hal::SocketSession::connect(segment);
   if (!session.ok()) {
     rtapi::log_error(session.error());
@@ -236,12 +248,12 @@ int run_commands(rtapi::Segment& segment, const Wish& wish, rtapi::WaitClock& cl
     commander.set_clock(&clock);
     wish.options.apply(commander);
     if (wish.tcl_file())
-      status = run_haltcl(wish, wish.file, clock);
+      status = run_haltcl(wish, wish.file, clock, realtime_fd);
     else if (!wish.file.empty())
       status = commander.run_file(wish.file) ? 0 : 1;
     // What a person types fails before their eyes; only the file's status counts.
     if (wish.interactive && !clock.stopped()) (void)hal::run_interactive(commander);
-    if (wish.interactive_tcl && !clock.stopped()) (void)run_haltcl(wish, "", clock);
+    if (wish.interactive_tcl && !clock.stopped()) (void)run_haltcl(wish, "", clock, realtime_fd);
     (*session)->use_clock(&clock);
     hal::Commander last(**session);
     last.set_level(hal::Commander::Level::silent);
@@ -327,7 +339,7 @@ int main(int argc, char** argv) {
   if (auto segment = rtapi::Segment::attach(instance); segment.ok()) {
     run_id = std::string((*segment)->header().run_id.view());
     if (!run_id.empty()) ::setenv("KERF_RUN_ID", run_id.c_str(), 1);
-    exit_status = run_commands(**segment, wish, *clock);
+    exit_status = run_commands(**segment, wish, *clock, realtime.fd());
   } else {
     rtapi::log_error(segment.error());
   }

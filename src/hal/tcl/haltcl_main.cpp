@@ -125,6 +125,7 @@ int main(int argc, char** argv) {
 
   hal::tcl::Connection own_connection(!interactive);
   hal::tcl::TclHal words([&] { return own_connection.attach(); });
+  words.set_after_on_clock(!interactive);
   connection = &own_connection;
   hal_words = &words;
   struct sigaction action {};

@@ -1,7 +1,11 @@
 #include "hal/tcl/tcl_hal.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <map>
 #include <utility>
 
@@ -117,7 +121,7 @@ class TclHal::Sink final : public CommandSink {
 /// What a Tcl command of ours is.
 struct TclHal::Command {
   TclHal* self;
-  enum class Kind { hal, word, expression, source, unload, parse_ini } kind;
+  enum class Kind { hal, word, expression, source, unload, after, parse_ini } kind;
   std::string word;
   Tcl_ObjCmdProc* before{nullptr};  ///< Tcl's own command of that name
   void* before_data{nullptr};
@@ -146,6 +150,7 @@ void TclHal::install(Tcl_Interp* interpreter) {
   }
   add(kShared[0], Kind::source);
   add(kShared[1], Kind::unload);
+  if (after_on_clock_) add("after", Kind::after);
 }
 
 int TclHal::call(void* data, Tcl_Interp* interpreter, int count, Tcl_Obj* const words[]) {
@@ -198,6 +203,15 @@ int TclHal::call_word(Tcl_Interp* interpreter, const Command& command, int count
           ends_with(texts[1], ".so") || texts[1].front() == '-')
         return command.before(command.before_data, interpreter, count, words);
       break;
+    case Kind::after: {
+      long milliseconds = 0;
+      const bool plain =
+          count == 2 && Tcl_GetLongFromObj(nullptr, words[1], &milliseconds) == TCL_OK;
+      const auto attached = plain ? attachment() : Result<Attachment>(Attachment{});
+      if (!attached.ok() || attached->clock == nullptr || !attached->clock->is_virtual())
+        return command.before(command.before_data, interpreter, count, words);
+      return wait_ms(interpreter, *attached->clock, milliseconds);
+    }
     case Kind::parse_ini: {
       if (count != 2) {
         Tcl_WrongNumArgs(interpreter, 1, words, "filename");
@@ -214,6 +228,19 @@ int TclHal::call_word(Tcl_Interp* interpreter, const Command& command, int count
   return finish(interpreter, skip_or_run(std::move(texts), place(interpreter), false));
 }
 
+int TclHal::wait_ms(Tcl_Interp* interpreter, rtapi::WaitClock& clock, long milliseconds) {
+  const rtapi::Nanos until = clock.now() + milliseconds * rtapi::kMillisecond;
+  busy_ = true;
+  while (clock.now() < until && !clock.stopped()) {
+    rtapi::WaitSpec spec;
+    spec.wake_at(until);
+    clock.wait(spec);
+  }
+  busy_ = false;
+  if (!clock.stopped()) return TCL_OK;
+  return finish(interpreter, {false, "after: stopped", ""});
+}
+
 int TclHal::finish(Tcl_Interp* interpreter, const Outcome& outcome) {
   print(TCL_STDOUT, outcome.printed);
   print(TCL_STDERR, outcome.warnings);
@@ -225,7 +252,7 @@ int TclHal::finish(Tcl_Interp* interpreter, const Outcome& outcome) {
 
 TclHal::Outcome TclHal::skip_or_run(std::vector<std::string> words, const Place& at,
                                     bool prefixed) {
-  const std::string& word = words[0];
+  const std::string word = words[0];
   const bool loads = word == "loadrt" || word == "loadusr";
   if (word == "source" && words.size() == 2 && pass_ != Pass::single && read_hal_file_) {
     if (const Status done = read_hal_file_(words[1]); !done.ok())
@@ -266,6 +293,8 @@ TclHal::Outcome TclHal::run(const std::vector<std::string>& words, const Place& 
 }
 
 TclHal::Outcome TclHal::source(const std::string& path) {
+  if (::access(path.c_str(), R_OK) != 0)
+    return {false, "cannot read HAL file '" + path + "': " + std::strerror(errno), ""};
   sink_->begin(true, true);
   commander_->set_level(Commander::Level::errors);
   commander_->set_ini(ini_);
@@ -321,10 +350,12 @@ Place script_place(Tcl_Interp* interpreter) {
   // The state is kept: asking must not change errorInfo or the result of the script.
   Tcl_InterpState state = Tcl_SaveInterpState(interpreter, TCL_OK);
   Place place;
+  // Tcl makes the names of files absolute; users know the ones they wrote.
   static constexpr const char* kAsk =
       "apply {{} {for {set i [info frame]} {$i > 0} {incr i -1} {set f [info frame $i]; "
-      "if {[dict get $f type] eq {source}} {return [list [dict get $f file] [dict get $f "
-      "line]]}}}}";
+      "if {[dict get $f type] ne {source}} continue; set file [dict get $f file]; "
+      "if {$file eq [file normalize [info script]]} {set file [info script]}; "
+      "return [list $file [dict get $f line]]}}}";
   if (Tcl_EvalEx(interpreter, kAsk, -1, TCL_EVAL_GLOBAL) == TCL_OK) {
     int size = 0;
     Tcl_Obj** parts = nullptr;

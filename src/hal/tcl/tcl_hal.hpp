@@ -50,6 +50,8 @@ class TclHal {
 
   /// Adds the commands to an interpreter, which must not outlive this object.
   void install(Tcl_Interp* interpreter);
+  /// `after MS` waits on the clock of the attachment, so that virtual time passes. Before install(); for programs that join the clock.
+  void set_after_on_clock(bool on) { after_on_clock_ = on; }
   /// A global array for each section, each element the list of the key's values.
   static int set_ini_arrays(Tcl_Interp* interpreter, const ini::IniFile& file);
   /// Values for [SECTION]KEY in .hal files that scripts source.
@@ -91,6 +93,7 @@ class TclHal {
   int finish(Tcl_Interp* interpreter, const Outcome& outcome);
   Outcome skip_or_run(std::vector<std::string> words, const Place& at, bool prefixed);
   Outcome source(const std::string& path);
+  int wait_ms(Tcl_Interp* interpreter, rtapi::WaitClock& clock, long milliseconds);
   Place place(Tcl_Interp* interpreter) const;
 
   Attach attach_;
@@ -101,6 +104,7 @@ class TclHal {
   Pass pass_{Pass::single};
   LoadrtMerge loads_;
   std::function<rtapi::Status(const std::string&)> read_hal_file_;
+  bool after_on_clock_{false};
   bool busy_{false};
 };
 

@@ -86,11 +86,35 @@ TEST_F(PlanTest, AMissingFileIsNamedWithPlaceAndNearestName) {
   EXPECT_NE(messages(p).find("did you mean 'two.hal'?"), std::string::npos);
 }
 
-TEST_F(PlanTest, TclFilesAreRefusedClearly) {
+TEST_F(PlanTest, TclFilesHaveArguments) {
+  std::ofstream(dir_ + "/machine/one.tcl") << "puts 1\n";
+  const LaunchPlan p =
+      plan("[HAL]\nTWOPASS = on, verbose\nHALFILE = one.tcl -a \"b c\"\nHALFILE = one.hal x\n");
+  EXPECT_TRUE(p.ok) << messages(p);
+  ASSERT_EQ(p.hal.size(), 2U);
+  EXPECT_TRUE(p.hal[0].is_tcl());
+  EXPECT_EQ(p.hal[0].arguments, (std::vector<std::string>{"-a", "b c"}));
+  EXPECT_FALSE(p.hal[1].is_tcl());
+  EXPECT_EQ(p.two_pass, "on, verbose");
+  EXPECT_NE(
+      messages(p).find("m.ini:4: warning: [HAL]HALFILE = one.hal x: only Tcl files take arguments"),
+      std::string::npos)
+      << messages(p);
+}
+
+TEST_F(PlanTest, AMissingTclFileIsAnError) {
   const LaunchPlan p = plan("[HAL]\nHALFILE = LIB:basic_sim.tcl -no_make_ddts\n");
   EXPECT_FALSE(p.ok);
-  EXPECT_NE(messages(p).find(
-                "m.ini:2: error: [HAL]HALFILE = LIB:basic_sim.tcl -no_make_ddts: HAL files in Tcl"),
+  EXPECT_NE(messages(p).find("m.ini:2: error: [HAL]HALFILE: no file 'basic_sim.tcl' in "),
+            std::string::npos)
+      << messages(p);
+}
+
+TEST_F(PlanTest, AnyTextTurnsTwoPassesOn) {
+  EXPECT_EQ(plan("[HAL]\nTWOPASS =\nHALFILE = one.hal\n").two_pass, "");
+  const LaunchPlan p = plan("[HAL]\nTWOPASS = Off\nHALFILE = one.hal\n");
+  EXPECT_EQ(p.two_pass, "Off");
+  EXPECT_NE(messages(p).find("m.ini:2: warning: [HAL]TWOPASS: 'Off' turns two passes on"),
             std::string::npos)
       << messages(p);
 }

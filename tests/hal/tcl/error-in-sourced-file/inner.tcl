@@ -1,0 +1,2 @@
+puts "in inner"
+setp nosuch 1

@@ -1,0 +1,2 @@
+source inner.tcl
+puts after

@@ -1,0 +1,3 @@
+loadrt and2
+puts [getp and2.0.in0]
+exit 7

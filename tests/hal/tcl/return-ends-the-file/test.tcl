@@ -1,0 +1,3 @@
+puts one
+return 5
+puts two

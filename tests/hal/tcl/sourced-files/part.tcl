@@ -1,0 +1,1 @@
+set made 5; newsig tclsig bit; return 7

@@ -1,0 +1,3 @@
+
+
+loadrt and2 names=b,a

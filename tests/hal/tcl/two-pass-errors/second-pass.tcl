@@ -1,0 +1,2 @@
+loadrt or2 names=b
+setp nosuch 1

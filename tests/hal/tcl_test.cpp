@@ -1,0 +1,101 @@
+// Each folder of tests/hal/tcl with a test.tcl is a case: halrun runs it (with test.ini, if there is one), and its two outputs and
+// its exit status are compared with the file `expected`. KERF_GOLDEN_UPDATE=1 writes it anew; look at the difference before you
+// commit it.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <vector>
+
+namespace kerf::hal::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kFolder = fs::path(KERF_SOURCE_DIR) / "tests/hal/tcl";
+
+std::string read_file(const fs::path& path) {
+  std::ifstream in(path);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+std::vector<std::string> cases() {
+  std::vector<std::string> out;
+  for (const auto& entry : fs::directory_iterator(kFolder))
+    if (fs::exists(entry.path() / "test.tcl")) out.push_back(entry.path().filename().string());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// What depends on the machine: the warning about its kernel, process numbers, and where the tree lies.
+std::string normalised(const std::string& text) {
+  std::istringstream in(text);
+  std::string out;
+  for (std::string line; std::getline(in, line);)
+    if (line.rfind("rtapi_app: ", 0) != 0) out += line + "\n";
+  out = std::regex_replace(out, std::regex("halcmd[0-9]+ +[0-9]+ "), "halcmdPID PID ");
+  for (const std::string& root : {std::string(KERF_BUILD_DIR), std::string(KERF_SOURCE_DIR)})
+    for (auto at = out.find(root); at != std::string::npos; at = out.find(root, at))
+      out.replace(at, root.size(), "ROOT");
+  return out;
+}
+
+class TclCase : public testing::TestWithParam<std::string> {};
+
+TEST_P(TclCase, PrintsWhatIsExpected) {
+  const fs::path folder = kFolder / GetParam();
+  const fs::path scratch =
+      fs::temp_directory_path() / ("kerf-tcl-" + std::to_string(::getpid()) + "-" + GetParam());
+  fs::create_directories(scratch);
+  const pid_t pid = ::fork();
+  if (pid == 0) {
+    ::setenv("KERF_INSTANCE", ("tcl-" + std::to_string(::getpid())).c_str(), 1);
+    ::setenv("SCRATCH", scratch.c_str(), 1);
+    ::unsetenv("KERF_RUN_ID");
+    const int flags = O_CREAT | O_WRONLY | O_TRUNC;
+    ::dup2(::open("/dev/null", O_RDONLY), 0);
+    ::dup2(::open((scratch / "out").c_str(), flags, 0600), 1);
+    ::dup2(::open((scratch / "err").c_str(), flags, 0600), 2);
+    if (::chdir(folder.c_str()) != 0) ::_exit(126);
+    const std::string halrun = std::string(KERF_BUILD_DIR) + "/bin/halrun";
+    ::alarm(60);  // halrun takes all down at SIGALRM's default end, too
+    if (fs::exists(folder / "test.ini"))
+      ::execl(halrun.c_str(), "halrun", "-i", "test.ini", "test.tcl", nullptr);
+    else
+      ::execl(halrun.c_str(), "halrun", "test.tcl", nullptr);
+    ::_exit(127);
+  }
+  int status = -1;
+  ASSERT_EQ(::waitpid(pid, &status, 0), pid);
+  std::string text = normalised(read_file(scratch / "out"));
+  if (const auto errors = normalised(read_file(scratch / "err")); !errors.empty())
+    text += "--- stderr\n" + errors;
+  text += "--- exit status " +
+          std::to_string(WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status)) + "\n";
+  fs::remove_all(scratch);
+  if (std::getenv("KERF_GOLDEN_UPDATE") != nullptr) {
+    std::ofstream(folder / "expected") << text;
+    return;
+  }
+  EXPECT_EQ(text, read_file(folder / "expected"));
+}
+
+std::string case_name(const testing::TestParamInfo<std::string>& test) {
+  std::string name = test.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Tcl, TclCase, testing::ValuesIn(cases()), case_name);
+
+}  // namespace
+}  // namespace kerf::hal::test
