@@ -147,8 +147,8 @@ struct ThreadRecord : Record {
   Word<std::uint32_t> ticking{0};
   /// Breadcrumb: the FunctionRecord that runs now, 0 between functions.
   Word<Offset> running{0};
-  TimingRecord timing;              ///< of whole cycles
-  TimingRecord wake_up;             ///< from the planned to the real start of a cycle
+  ThreadTimingRecord timing;        ///< of whole cycles
+  ThreadTimingRecord wake_up;       ///< from the planned to the real start of a cycle
   rtapi::SeqCell<Overrun> overrun;  ///< the last one
 };
 

@@ -20,7 +20,8 @@ std::optional<TimingMode> timing_mode_of(std::string_view name) noexcept {
   return std::nullopt;
 }
 
-FunctionStats TimingRecord::stats(std::uint32_t now_epoch) const noexcept {
+template <unsigned kSubBits, unsigned kSkipped>
+FunctionStats BasicTimingRecord<kSubBits, kSkipped>::stats(std::uint32_t now_epoch) const noexcept {
   FunctionStats out;
   if (epoch.get() != now_epoch) return out;
   std::uint32_t copy[kBins];
@@ -59,5 +60,8 @@ FunctionStats TimingRecord::stats(std::uint32_t now_epoch) const noexcept {
   out.p999_ns = percentile(0.999);
   return out;
 }
+
+template struct BasicTimingRecord<2, 7>;
+template struct BasicTimingRecord<5, 0>;
 
 }  // namespace kerf::hal

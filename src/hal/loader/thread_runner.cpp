@@ -14,6 +14,22 @@ std::uint64_t moved(std::uint64_t mean16, std::uint64_t value) noexcept {
   return mean16 + value - (mean16 >> 4U);
 }
 
+/// After a pause other programs' data stands in the caches. Objects of functions that lie in a row the processor fetches by itself; what
+/// is reached by pointers it is told of so many functions ahead.
+constexpr std::size_t kAhead = 8;
+
+/// Calls the functions from `e` to `end`.
+inline void call_all(Word<Offset>& running, const RunEntry* e, const RunEntry* end,
+                     const Period& period) noexcept {
+  if (e == end) return;
+  const RunEntry* const last = end - 1;
+  for (; e != end; ++e) {
+    __builtin_prefetch(std::min(e + kAhead, last)->object);
+    running.set(e->record_offset);
+    e->thunk(e->object, period);
+  }
+}
+
 inline void call(Word<Offset>& running, const RunEntry& entry, const Period& period) noexcept {
   running.set(entry.record_offset);
   entry.thunk(entry.object, period);
@@ -45,8 +61,7 @@ void ThreadRunner::run_cycle(rtapi::Nanos scheduled, rtapi::Nanos actual) noexce
 }
 
 void ThreadRunner::run_plain(const RunList& list, const Period& period) noexcept {
-  const RunEntry* const end = list.entries + list.count;
-  for (const RunEntry* e = list.entries; e != end; ++e) call(record_.running, *e, period);
+  call_all(record_.running, list.entries, list.entries + list.count, period);
 }
 
 void ThreadRunner::run_timed(const RunList& list, const Period& period, TimingMode mode,
@@ -126,6 +141,9 @@ void ThreadRunner::time_each(Timed& timed, std::size_t first, std::size_t end) n
   std::uint64_t took = now - last;
   last = now;
   for (std::size_t i = first + 1; i < end; ++i) {
+    const std::size_t ahead = std::min(i + kAhead, end - 1);
+    __builtin_prefetch(entries[ahead].object);
+    __builtin_prefetch(&timers[ahead].record->timing, 1);
     call(record_.running, entries[i], timed.period);
     now = counter.ticks();
     book(i - 1, took);
@@ -138,9 +156,8 @@ void ThreadRunner::time_each(Timed& timed, std::size_t first, std::size_t end) n
 
 void ThreadRunner::time_together(Timed& timed, std::size_t first, std::size_t end,
                                  std::uint64_t& usual16) noexcept {
-  const RunEntry* const stop = timed.list.entries + end;
-  for (const RunEntry* e = timed.list.entries + first; e != stop; ++e)
-    call(record_.running, *e, timed.period);
+  const RunEntry* const entries = timed.list.entries;
+  call_all(record_.running, entries + first, entries + end, timed.period);
   const std::uint64_t now = counter_.ticks();
   const std::uint64_t took = now - timed.last;
   timed.last = now;

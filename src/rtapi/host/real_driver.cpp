@@ -87,8 +87,10 @@ rtapi::Status RealDriver::thread_added(ThreadRunner& thread) {
   auto cyclic = std::make_unique<rtapi::CyclicThread>(config);
   thread.record().ticking.publish(1);
   const rtapi::NoSignalsInThreads no_signals;
-  // Whole multiples of the period, so that the cycles of several threads keep their places.
-  const auto status = cyclic->start(clock_.now() / thread.period_ns() * thread.period_ns());
+  // Whole multiples of the period, so that the cycles of several threads keep their places, and apart from the kernel's own tick.
+  const auto period = thread.period_ns();
+  const auto status =
+      cyclic->start((clock_.now() - rtapi::kCyclePhase) / period * period + rtapi::kCyclePhase);
   if (!status.ok()) {
     thread.record().ticking.publish(0);
     return status;

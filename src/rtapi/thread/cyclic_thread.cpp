@@ -1,5 +1,6 @@
 #include "rtapi/thread/cyclic_thread.hpp"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -32,6 +33,19 @@ void sleep_until(Nanos t) noexcept {
   const timespec ts{static_cast<time_t>(t / kSecond), static_cast<long>(t % kSecond)};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &ts, nullptr) == EINTR) {
   }
+}
+
+/// Processors that sleep deeply take up to some 100 us to wake. The wish holds while the file is open, that is until the process ends.
+bool forbid_deep_sleep() noexcept {
+  static const int fd = [] {
+    const int opened = ::open("/dev/cpu_dma_latency", O_RDWR | O_CLOEXEC);
+    const std::int32_t allowed_us = 0;
+    if (opened >= 0 && ::write(opened, &allowed_us, sizeof allowed_us) == sizeof allowed_us)
+      return opened;
+    if (opened >= 0) ::close(opened);
+    return -1;
+  }();
+  return fd >= 0;
 }
 
 [[gnu::noinline]] void touch_stack() noexcept {
@@ -74,6 +88,7 @@ RightsReport acquire_realtime_rights() {
         "SCHED_FIFO is not allowed (any program may delay a cycle): raise 'rtprio' in "
         "/etc/security/limits.d. ";
   }
+  report.no_deep_sleep = forbid_deep_sleep();
   std::ifstream flag("/sys/kernel/realtime");
   int value = 0;
   report.preempt_rt = static_cast<bool>(flag >> value) && value == 1;

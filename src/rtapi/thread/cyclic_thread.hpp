@@ -38,6 +38,7 @@ struct RightsReport {
   bool scheduler{false};      ///< SCHED_FIFO may be set (RLIMIT_RTPRIO or CAP_SYS_NICE)
   bool locked_memory{false};  ///< mlockall succeeded (RLIMIT_MEMLOCK or CAP_IPC_LOCK)
   bool preempt_rt{false};     ///< /sys/kernel/realtime says 1
+  bool no_deep_sleep{false};  ///< /dev/cpu_dma_latency was had: idle processors wake at once
   FixedString<400>
       text;  ///< what is missing, what it costs and how to get it; empty when nothing is
 };
@@ -48,6 +49,10 @@ RightsReport acquire_realtime_rights();
 /// Runs the calling thread before all ordinary programs (SCHED_FIFO, lowest priority), if the right is there; its children run as
 /// ordinary ones. For threads that never compute long: a busy computer must not delay an operator's stop. False: no right.
 bool prefer_this_thread() noexcept;
+
+/// Where cycles lie on CLOCK_MONOTONIC, counted from a whole multiple of their period. The kernel's tick comes at whole multiples of 1, 4
+/// or 10 ms, and a cycle that is due together with it starts some 15 us later.
+inline constexpr Nanos kCyclePhase = 387'500;
 
 class CyclicThread {
  public:

@@ -71,14 +71,20 @@ class TimingTest : public testing::Test {
   rtapi::Nanos now_{0};
 };
 
-TEST(TimingRecord, EveryTimeHasItsBin) {
-  for (std::size_t bin = 0; bin + 1 < TimingRecord::kBins; ++bin) {
-    const auto begin = TimingRecord::bin_begin(bin);
-    const auto next = TimingRecord::bin_begin(bin + 1);
-    ASSERT_LT(begin, next);
-    EXPECT_EQ(TimingRecord::bin_of(begin), bin);
-    EXPECT_EQ(TimingRecord::bin_of(next - 1), bin);
+template <class Record>
+void every_time_has_its_bin() {
+  for (std::size_t bin = 0; bin + 1 < Record::kBins; ++bin) {
+    const auto begin = Record::bin_begin(bin);
+    const auto next = Record::bin_begin(bin + 1);
+    ASSERT_LT(begin, next) << bin;
+    EXPECT_EQ(Record::bin_of(begin), bin);
+    EXPECT_EQ(Record::bin_of(next - 1), bin);
   }
+}
+
+TEST(TimingRecord, EveryTimeHasItsBin) {
+  every_time_has_its_bin<TimingRecord>();
+  every_time_has_its_bin<ThreadTimingRecord>();
 }
 
 TEST(TimingRecord, PercentilesAreCloseToTheTruth) {
@@ -256,7 +262,7 @@ TEST_F(TimingTest, ALateWakeUpIsNoFunctionsFault) {
   EXPECT_EQ(last->function, "");
   EXPECT_EQ(last->woken_late_ns, kPeriodNs + 5000);
   EXPECT_EQ(timing().wake_up.max_ns, kPeriodNs + 5000);
-  EXPECT_EQ(timing().wake_up.p50_ns, 4);  // the middle of the first bin
+  EXPECT_LE(timing().wake_up.p50_ns, 1);
 }
 
 TEST_F(TimingTest, VirtualTimeHasNoCounter) {
