@@ -151,6 +151,86 @@ TEST_F(ProgramsTest, HalrunRunsAScriptAndTakesAllDown) {
   EXPECT_TRUE(nothing_left());
 }
 
+/// A script as those of user M-codes: halcmd with words of the shell's own, its exit status the shell's.
+TEST_F(ProgramsTest, AShellScriptSetsPinsByHalcmd) {
+  const auto on = file("M101", "#!/bin/sh\nhalcmd setp and2.0.in0 True\nexit 0\n");
+  const auto off = file("M102", "#!/bin/sh\nhalcmd setp and2.0.in0 False\nexit 0\n");
+  const auto both =
+      file("M100", "#!/bin/sh\nhalcmd setp sum2.0.in0 $1 && halcmd setp sum2.0.in1 $2\n");
+  const auto wired = file("M103", "#!/bin/sh\nhalcmd setp and2.0.in1 1\n");
+  for (const auto& path : {on, off, both, wired})
+    std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+  const auto script = file(
+      "m.hal", "loadrt and2\nloadrt sum2\nnet a and2.0.in1\nloadusr -w " + on +
+                   "\ngetp and2.0.in0\nloadusr -w " + off + "\ngetp and2.0.in0\nloadusr -w " +
+                   both + " 12.5 -3\ngetp sum2.0.in0\ngetp sum2.0.in1\nloadusr -w " + wired + "\n");
+  EXPECT_EQ(halrun(script), 1);
+  EXPECT_THAT(log(), HasSubstr("TRUE\nFALSE\n12.5\n-3\n"));
+  EXPECT_THAT(log(), HasSubstr("<commandline>:0: pin 'and2.0.in1' is connected to a signal"));
+  EXPECT_THAT(log(), HasSubstr("M103' failed, returned 1"));
+}
+
+/// The statuses that the peer's halcmd ends with.
+TEST_F(ProgramsTest, HalcmdEndsWithTheStatusOfItsCommands) {
+  std::string text = "loadrt and2 count=1000\n";
+  for (int i = 0; i < 999; ++i) {
+    const std::string n = std::to_string(i);
+    text += "net s" + n + " and2." + n + ".out => and2." + std::to_string(i + 1) + ".in0\nnet s" +
+            n + " and2." + std::to_string(i + 1) + ".in1\n";
+  }
+  const auto many = file("many.hal", text);
+  const auto bad = file("bad.hal", "newsig x bit\nnewsig x bit\nnewsig y bit\n");
+  const auto ini = file("a.ini", "[A]\nB = fromini\n");
+  const auto named = file("named.hal", "newsig [A]B bit\n");
+  const auto halcmd = bin_folder + "halcmd";
+  const std::pair<std::string, int> commands[] = {
+      {"-f " + many, 0},
+      {"-f " + bad, 1},
+      {"gets x", 0},
+      {"gets y", 1},
+      {"-k -f " + bad, 1},
+      {"gets y", 0},
+      {"-i " + ini + " -f " + named, 0},
+      {"gets fromini", 0},
+      {"-i " + ini + " gets x", 1},
+      {"nonsense", 1},
+      {"-Q nonsense", 1},
+      {"setp and2.0.in0", 1},
+      {"setp and2.999.in0 1", 1},
+      {"show pin and2.[01].in0", 0},
+      {"-f /no/such/file", 255},
+      {"-i /no/such/file -f " + named, 255},
+      {"-z", 255},
+      {"-R", 0},
+      {"-h net", 0},
+      {"debug 6", 1},
+      {"debug 1", 0},
+      {"source " + bad, 1},
+      {"loadusr -w false", 1},
+      {"loadusr -wi false", 0},
+  };
+  std::string script;
+  for (const auto& [words, status] : commands)
+    script += "'" + halcmd + "' " + words + " || echo \"status $?\"; echo '# " + words + "'\n";
+  const auto shell = file("all.sh", script);
+  EXPECT_EQ(halrun(file("run.hal", "loadusr -w sh " + shell + "\n")), 0) << log();
+  std::string seen = log();
+  std::size_t from = 0;
+  for (const auto& [words, status] : commands) {
+    const std::size_t end = seen.find("# " + words + "\n", from);
+    ASSERT_NE(end, std::string::npos) << words << "\n" << seen;
+    const std::string part = seen.substr(from, end - from);
+    const std::string said = "status " + std::to_string(status) + "\n";
+    if (status == 0)
+      EXPECT_THAT(part, testing::Not(HasSubstr("status "))) << words;
+    else
+      EXPECT_THAT(part, HasSubstr(said)) << words;
+    from = end + 1;
+  }
+  EXPECT_THAT(seen, HasSubstr("bad.hal:2: newsig failed: duplicate signal 'x'"));
+  EXPECT_THAT(seen, HasSubstr("and2.1.in0 <== s0"));
+}
+
 TEST_F(ProgramsTest, AFailedScriptNamesItsLineAndLeavesNothing) {
   const auto script = file("bad.hal", "loadrt and2\nloadusr -Wn probe " + probe_program +
                                           " probe\n\nnet a and2.0.owt\n");
