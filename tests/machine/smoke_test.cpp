@@ -28,7 +28,9 @@ TEST(Machine, CutsTheFirstPart) {
 }
 
 TEST(Machine, StartsFromTclFilesInTwoPasses) {
-  auto m = Machine::start({.ini = KERF_SOURCE_DIR "/configs/sim/tcl-mill/two-pass.ini"});
+  MachineOptions options;
+  options.ini = KERF_SOURCE_DIR "/configs/sim/tcl-mill/two-pass.ini";
+  auto m = Machine::start(options);
   ASSERT_TRUE(m->ready()) << m->errors();
   ASSERT_TRUE(m->power_on_and_home()) << m->errors();
   EXPECT_TRUE(m->mdi("G0 X10")) << m->errors();
@@ -38,8 +40,10 @@ TEST(Machine, StartsFromTclFilesInTwoPasses) {
 }
 
 TEST(Machine, AWrongTclFileIsNamed) {
-  auto m = Machine::start({.ini = KERF_SOURCE_DIR "/configs/sim/tcl-mill/tcl-mill.ini",
-                           .replace = {{"spindle-motor 100", "spindle-motor fast"}}});
+  MachineOptions options;
+  options.ini = KERF_SOURCE_DIR "/configs/sim/tcl-mill/tcl-mill.ini";
+  options.replace = {{"spindle-motor 100", "spindle-motor fast"}};
+  auto m = Machine::start(options);
   EXPECT_FALSE(m->ready());
   EXPECT_NE(m->errors().find("spindle.tcl:7: invalid bareword \"fast\""), std::string::npos)
       << m->errors();

@@ -70,6 +70,13 @@ void print(int which, const std::string& text) {
   Tcl_Flush(channel);
 }
 
+/// A copy of what an array's element holds: a second INI file adds its values.
+Tcl_Obj* values_so_far(Tcl_Interp* interpreter, const std::string& section,
+                       const std::string& key) {
+  Tcl_Obj* old = Tcl_GetVar2Ex(interpreter, section.c_str(), key.c_str(), TCL_GLOBAL_ONLY);
+  return old != nullptr ? Tcl_DuplicateObj(old) : Tcl_NewListObj(0, nullptr);
+}
+
 /// loadrt's words as halcmd would have them: the list `$::KINS(KINEMATICS)` is "{trivkins coordinates=xyz}" when the value has
 /// a blank, and no module's name has one; quotes around values go.
 std::vector<std::string> loadrt_words(const std::vector<std::string>& words) {
@@ -334,7 +341,7 @@ int TclHal::set_ini_arrays(Tcl_Interp* interpreter, const ini::IniFile& file) {
     std::map<std::string, std::size_t> known;
     for (const ini::Entry* entry : file.variables(section)) {
       const auto [at, is_new] = known.try_emplace(entry->key, lists.size());
-      if (is_new) lists.emplace_back(entry->key, Tcl_NewListObj(0, nullptr));
+      if (is_new) lists.emplace_back(entry->key, values_so_far(interpreter, section, entry->key));
       Tcl_ListObjAppendElement(nullptr, lists[at->second].second, object_of(entry->value));
     }
     for (auto& [key, list] : lists) {

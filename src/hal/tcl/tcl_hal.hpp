@@ -52,7 +52,7 @@ class TclHal {
   void install(Tcl_Interp* interpreter);
   /// `after MS` waits on the clock of the attachment, so that virtual time passes. Before install(); for programs that join the clock.
   void set_after_on_clock(bool on) { after_on_clock_ = on; }
-  /// A global array for each section, each element the list of the key's values.
+  /// A global array for each section, each element the list of the key's values; those of an earlier file stay first.
   static int set_ini_arrays(Tcl_Interp* interpreter, const ini::IniFile& file);
   /// Values for [SECTION]KEY in .hal files that scripts source.
   void set_ini(IniLookup ini) { ini_ = std::move(ini); }

@@ -16,13 +16,14 @@ proc inside {} {
 puts [inside]
 puts [catch {set ::JOINT_0(NOSUCH)} m]:$m
 puts [catch {set ::JOINT_1(X)} m]:$m
+# A second file adds its values.
 parse_ini other.ini
 puts "$::MORE(A) $::JOINT_0(MAX_VELOCITY) $::JOINT_0(TYPE)"
 puts [catch {parse_ini nosuch.ini} m]:$m
 puts [catch {parse_ini} m]:$m
 # Values go to HAL, also from files in halcmd's language.
 newsig vel float
-sets vel $::JOINT_0(MAX_VELOCITY)/2
+sets vel "[lindex $::JOINT_0(MAX_VELOCITY) 0] * 0.5"
 source level.hal
 puts "[hal gets vel] [hal gets level]"
 puts [catch {source wrong.hal} m]:$m
