@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
+#include <thread>
 
 #include "hal/core/port.hpp"
 #include "hal/core/registry.hpp"
@@ -135,6 +137,41 @@ TEST_F(MemoryTest, APortCarriesBytesOnceItHasAQueue) {
   EXPECT_TRUE(registry_->unlink("c.w").ok());
   EXPECT_EQ(port("c.w").size(), 0U);
   EXPECT_EQ(this->text("c.w"), "0");
+}
+
+TEST_F(MemoryTest, OneMayWriteWhileTheOtherReads) {
+  pin("c.w", Type::port, Dir::out);
+  pin("c.r", Type::port, Dir::in);
+  EXPECT_EQ(net("p", {"c.w", "c.r"}), "");
+  EXPECT_EQ(said(registry_->set_signal("p", "61")), "");
+  constexpr unsigned kBytes = 200'000;
+  std::thread writer([port = port("c.w")]() mutable {
+    unsigned sent = 0;
+    while (sent < kBytes) {
+      char data[16];
+      const unsigned n = std::min(1 + sent % 16, kBytes - sent);
+      for (unsigned i = 0; i < n; ++i) data[i] = static_cast<char>((sent + i) % 251);
+      if (port.write(data, n))
+        sent += n;
+      else
+        std::this_thread::yield();
+    }
+  });
+  Port in = port("c.r");
+  unsigned wrong = 0;
+  for (unsigned got = 0; got < kBytes;) {
+    char data[16];
+    const unsigned n = std::min(in.readable(), 16U);
+    if (n == 0 || !in.read(data, n)) {
+      std::this_thread::yield();
+      continue;
+    }
+    for (unsigned i = 0; i < n; ++i)
+      if (data[i] != static_cast<char>((got + i) % 251)) ++wrong;
+    got += n;
+  }
+  writer.join();
+  EXPECT_EQ(wrong, 0U);
 }
 
 TEST_F(MemoryTest, SizesOfPortsAreChecked) {

@@ -45,7 +45,7 @@ TEST_F(ViewTest, ALongListIsWholeThoughTheWriterNeverRests) {
   }
   const View view(*segment_, 8);
   const auto& generation = registry->root().generation;
-  for (int look = 0; look < 40; ++look) {
+  for (int look = 0; look < 20; ++look) {
     // The child has its turn before each look.
     for (const auto before = generation.get(); generation.get() < before + 200;) ::sched_yield();
     int found = 0;
