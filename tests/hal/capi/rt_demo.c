@@ -24,6 +24,8 @@ static int gains[MOST] = {1, 1, 1, 1, 1, 1, 1, 1};
 RTAPI_MP_ARRAY_INT(gains, MOST, "gain of each instance");
 static char* mood = "calm";
 RTAPI_MP_STRING(mood, "said at start");
+static int share = 1;
+RTAPI_MP_INT(share, "0: without shared memory, which other processes may go on using");
 static int fail = 0;
 RTAPI_MP_INT(fail, "error number that rtapi_app_main gives after it made everything");
 
@@ -125,8 +127,8 @@ int rtapi_app_main(void) {
   }
   if ((r = hal_pin_port_new("rt_demo.text", HAL_IN, port, comp_id)) != 0) goto failed;
   if ((r = hal_export_funct("rt_demo.chatter", chatter, NULL, 1, 0, comp_id)) != 0) goto failed;
-  shm_id = rtapi_shmem_new(SHM_KEY, comp_id, sizeof(struct shared));
-  if (shm_id < 0 || rtapi_shmem_getptr(shm_id, (void**)&shared) != 0) goto failed;
+  if (share) shm_id = rtapi_shmem_new(SHM_KEY, comp_id, sizeof(struct shared));
+  if (share && (shm_id < 0 || rtapi_shmem_getptr(shm_id, (void**)&shared) != 0)) goto failed;
   if (fail) {
     /* Without hal_exit: the loader takes everything back. */
     return -fail;
@@ -139,6 +141,6 @@ failed:
 }
 
 void rtapi_app_exit(void) {
-  rtapi_shmem_delete(shm_id, comp_id);
+  if (share) rtapi_shmem_delete(shm_id, comp_id);
   hal_exit(comp_id);
 }

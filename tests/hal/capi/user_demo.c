@@ -123,10 +123,10 @@ int main(int argc, char** argv) {
   q.pp.type = HAL_S32;
   printf("get_p of another type %d\n", hal_get_p(&q, NULL, NULL));
   memset(&q, 0, sizeof q);
-  q.name = "rt_demo.0.scale";
-  q.pp.value.r = 8.0;
+  q.name = "rt_demo.0.biggest";
+  q.pp.value.s = 1LL << 40;
   printf("set_p %d", hal_set_p(&q, NULL, NULL));
-  printf(" -> %g, through its reference %g\n", q.pp.value.r, hal_get_real(q.pp.ref.r));
+  printf(" -> %lld, through its reference %lld\n", (long long)q.pp.value.s, (long long)hal_get_sint(q.pp.ref.s));
   memset(&q, 0, sizeof q);
   q.name = "rt_demo.0.out";
   printf("set_p of an output %d\n", hal_set_p(&q, NULL, NULL));
