@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -229,6 +230,50 @@ TEST_F(ProgramsTest, HalcmdEndsWithTheStatusOfItsCommands) {
   }
   EXPECT_THAT(seen, HasSubstr("bad.hal:2: newsig failed: duplicate signal 'x'"));
   EXPECT_THAT(seen, HasSubstr("and2.1.in0 <== s0"));
+}
+
+/// Tab completes names, and what was typed is there in the next session.
+TEST_F(ProgramsTest, ASessionCompletesNamesAndKeepsItsHistory) {
+  const auto script = file("wait.hal", "loadrt and2\nloadusr -Wn probe " + probe_program +
+                                           " probe\nloadusr -w sleep 100\n");
+  start({bin_folder + "halrun", script});
+  ASSERT_TRUE(component_ready("probe"));
+  int terminal = -1;
+  const pid_t pid = ::forkpty(&terminal, nullptr, nullptr, nullptr);
+  ASSERT_GE(pid, 0);
+  const std::string program = bin_folder + "halcmd";
+  if (pid == 0) {
+    ::setenv("HOME", folder_.c_str(), 1);
+    ::setenv("TERM", "xterm", 1);
+    ::execl(program.c_str(), program.c_str(), nullptr);
+    ::_exit(127);
+  }
+  children_.push_back(pid);
+  ::fcntl(terminal, F_SETFL, O_NONBLOCK);
+  std::string seen;
+  const auto says = [&](const char* text) {
+    return eventually(
+        [&] {
+          char bytes[512];
+          const ssize_t n = ::read(terminal, bytes, sizeof bytes);
+          if (n > 0) seen.append(bytes, static_cast<std::size_t>(n));
+          return seen.find(text) != std::string::npos;
+        },
+        20);
+  };
+  const auto type = [&](const std::string& text) {
+    seen.clear();
+    EXPECT_EQ(::write(terminal, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  };
+  EXPECT_TRUE(says("halcmd: ")) << seen;
+  type("getp and2.0.o\t\n");
+  EXPECT_TRUE(says("FALSE")) << seen;
+  type("unlinkp and2.9\n");
+  EXPECT_TRUE(says("<stdin>:2: unlink failed: pin 'and2.9' not found")) << seen;
+  type("quit\n");
+  EXPECT_EQ(wait_for(pid, 20), 0) << seen;
+  ::close(terminal);
+  EXPECT_THAT(read((folder_ / ".halcmd_history").string()), HasSubstr("and2.0.out"));
 }
 
 TEST_F(ProgramsTest, AFailedScriptNamesItsLineAndLeavesNothing) {
