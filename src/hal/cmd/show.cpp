@@ -274,9 +274,8 @@ Result<std::string> status_text(const View& view, std::string_view item) {
         counts.bytes_total);
     std::uint32_t aliases = 0;
     for (const auto& items : {view.pins(), view.params()}) {
-      aliases += static_cast<std::uint32_t>(
-          std::count_if(items.begin(), items.end(),
-                        [](const ItemInfo& i) { return !i.original_name.empty(); }));
+      aliases += static_cast<std::uint32_t>(std::count_if(
+          items.begin(), items.end(), [](const ItemInfo& i) { return !i.original_name.empty(); }));
     }
     const std::pair<const char*, Kind> rows[] = {
         {"components:", Kind::component}, {"pins:", Kind::pin},

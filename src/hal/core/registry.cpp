@@ -521,7 +521,8 @@ Status Registry::check_lock(std::uint32_t bits) const {
                      : (locked & lock_config) != 0 ? "linking and addf"
                      : (locked & lock_params) != 0 ? "setting of values"
                                                    : "starting and stopping";
-  return fail(Errc::busy, std::string("HAL is locked, ") + what + " is not permitted; 'unlock all' first");
+  return fail(Errc::busy,
+              std::string("HAL is locked, ") + what + " is not permitted; 'unlock all' first");
 }
 
 }  // namespace kerf::hal

@@ -282,6 +282,7 @@ Status CModules::add_function(ComponentRecord& owner, const std::string& name,
   l->record = &owner;
   LiveBuilder builder(host_, *l, {});
   builder.add_function(name, &run_c_function, &function, {});
+  builder.show_times();
   l->record = before;
   if (builder.failed()) return fail(Errc::bad_argument, builder.error());
   // For `show funct`: the module's code, not the thunk that calls it.

@@ -156,12 +156,11 @@ Status Host::wait_for_grace() {
 
 Status Host::drop_functions(const Loaded& loaded) {
   // Those of a C module may belong to several components, or only some of them are meant.
-  const auto own = [&, owner = loaded.record == nullptr ? Offset{0}
-                                                       : segment().offset_of(loaded.record)](
-                       const FunctionRecord* f) {
+  const auto own = [&, owner = loaded.record == nullptr
+                                   ? Offset{0}
+                                   : segment().offset_of(loaded.record)](const FunctionRecord* f) {
     if (owner != 0) return f->owner == owner;
-    return std::find(loaded.functions.begin(), loaded.functions.end(), f) !=
-           loaded.functions.end();
+    return std::find(loaded.functions.begin(), loaded.functions.end(), f) != loaded.functions.end();
   };
   for (const auto& t : threads_) {
     auto rest = t->functions;

@@ -170,6 +170,7 @@ Reply Host::load(Words argv) {
     l.instances.push_back({storage});
     if (builder.failed()) break;
   }
+  builder.show_times();
   if (!builder.failed()) {
     if (auto unknown = builder.unknown_arg(); !unknown.empty()) builder.fail(unknown);
   }

@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <new>
+#include <utility>
 
 #include "rtapi/base/suggest.hpp"
 
@@ -47,16 +48,25 @@ void LiveBuilder::add_function(std::string_view name, FunctionThunk thunk, void*
                                     reinterpret_cast<std::uintptr_t>(object));
   if (!made.ok()) return fail(made.error().message());
   loaded_.functions.push_back(*made);
-  const std::string base(name);
   RunFunction function;
   function.entry = {thunk, object, registry.segment().offset_of(*made)};
-  RunTimer& timer = function.timer;
-  timer.record = *made;
+  function.timer.record = *made;
+  host_.functions_.emplace(*made, function);
+  without_times_.push_back(*made);
+}
+
+void LiveBuilder::show_times() noexcept {
+  for (FunctionRecord* record : std::exchange(without_times_, {})) make_times(*record);
+}
+
+void LiveBuilder::make_times(FunctionRecord& record) noexcept {
+  if (failed()) return;
+  RunTimer& timer = host_.functions_.at(&record).timer;
+  const std::string base(record.name.view());
   timer.time = make_pin<Out<std::int32_t>>(*this, base + ".time", "Time of the last run [ns]");
   timer.tmax = make_param<Param<std::int32_t>>(*this, base + ".tmax", "Longest time of a run [ns]");
   timer.tmax_increased =
       make_param<RoParam<bool>>(*this, base + ".tmax-increased", "The last run raised tmax");
-  host_.functions_.emplace(*made, function);
 }
 
 std::string_view LiveBuilder::arg(std::string_view name, std::string_view default_text,
