@@ -14,6 +14,7 @@ struct Package {
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-identifier-naming): Tcl calls it by this name
 extern "C" __attribute__((visibility("default"))) int Hal_Init(Tcl_Interp* interpreter) {
   if (Tcl_PkgRequire(interpreter, "Tcl", "8.6", 0) == nullptr) return TCL_ERROR;
   ::signal(SIGPIPE, SIG_IGN);

@@ -169,6 +169,7 @@ int TclHal::call_word(Tcl_Interp* interpreter, const Command& command, int count
                       Tcl_Obj* const* words) {
   using Kind = Command::Kind;
   std::vector<std::string> texts;
+  texts.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) texts.push_back(text_of(words[i]));
   texts[0] = command.word;  // it may have been called by another name, such as ::net
   switch (command.kind) {
@@ -206,8 +207,8 @@ int TclHal::call_word(Tcl_Interp* interpreter, const Command& command, int count
       break;
     case Kind::unload:
       // A library has a path or an ending; a component has neither.
-      if (count != 2 || texts[1].find_first_of("/") != std::string::npos ||
-          ends_with(texts[1], ".so") || texts[1].front() == '-')
+      if (count != 2 || texts[1].find('/') != std::string::npos || ends_with(texts[1], ".so") ||
+          texts[1].front() == '-')
         return command.before(command.before_data, interpreter, count, words);
       break;
     case Kind::after: {
