@@ -126,7 +126,7 @@ Json stats_json(const FunctionStats& stats) {
   return out;
 }
 
-Json overrun_json(const ThreadTiming::LastOverrun& o) {
+Json overrun_json(const LastOverrun& o) {
   Json out;
   out["cycle"] = o.cycle;
   out["took_ns"] = o.took_ns;

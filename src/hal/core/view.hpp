@@ -86,19 +86,20 @@ struct FunctionTiming {
   FunctionStats stats;
 };
 
+/// The last cycle of a thread that did not end in time.
+struct LastOverrun {
+  std::uint64_t cycle{0};
+  std::int64_t took_ns{0};
+  std::int64_t woken_late_ns{0};
+  std::string function;       ///< to blame; empty: the thread was woken too late
+  std::string last_function;  ///< other than `function`: one of those from there to here
+  std::int64_t function_ns{0};
+  std::int64_t function_usual_ns{0};
+  FunctionStats function_stats;
+};
+
 /// What a thread and its functions cost, since start or since `timing reset`.
 struct ThreadTiming {
-  /// The last cycle that did not end in time.
-  struct LastOverrun {
-    std::uint64_t cycle{0};
-    std::int64_t took_ns{0};
-    std::int64_t woken_late_ns{0};
-    std::string function;       ///< to blame; empty: the thread was woken too late
-    std::string last_function;  ///< other than `function`: one of those from there to here
-    std::int64_t function_ns{0};
-    std::int64_t function_usual_ns{0};
-    FunctionStats function_stats;
-  };
   std::string name;
   std::int64_t period_ns{0};
   FunctionStats stats;                    ///< of whole cycles
