@@ -1,8 +1,11 @@
 // What functions and threads cost, on a counter that the functions themselves move.
 #include "hal/core/timing.hpp"
 
+#include <algorithm>
+#include <nlohmann/json.hpp>
 #include <random>
 
+#include "hal/cmd/timing_table.hpp"
 #include "rtapi/clock/cycle_counter.hpp"
 #include "unit/hal/fixture.hpp"
 
@@ -263,6 +266,30 @@ TEST_F(TimingTest, ALateWakeUpIsNoFunctionsFault) {
   EXPECT_EQ(last->woken_late_ns, kPeriodNs + 5000);
   EXPECT_EQ(timing().wake_up.max_ns, kPeriodNs + 5000);
   EXPECT_LE(timing().wake_up.p50_ns, 1);
+}
+
+TEST_F(TimingTest, TheTableHasARowEachAndTheLastOverrun) {
+  load(3);
+  ok({"timing", "every"});
+  for (int i = 0; i < 100; ++i) cycle();
+  ok({"setp", "worker.1.cost", "3000000"});
+  cycle();
+  const std::string text = *timing_text(view_, {}, false);
+  EXPECT_THAT(text, HasSubstr("Timing is every"));
+  EXPECT_THAT(text, HasSubstr("t               (cycle)"));
+  EXPECT_THAT(text, HasSubstr("t               (wake-up)"));
+  EXPECT_THAT(text, HasSubstr("t               worker.2"));
+  EXPECT_THAT(text, HasSubstr("thread t overran its period of 1000000 ns in cycle 101, which took "
+                              "3000200 ns: function worker.1 took 3000000 ns, usually 100 ns (p99 "));
+  const std::vector<std::string> patterns{"worker.2"};
+  const std::string rows = *timing_text(view_, patterns, true);
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1);
+  EXPECT_THAT(rows, HasSubstr("worker.2"));
+  const auto json = nlohmann::json::parse(*timing_json(view_, {}));
+  EXPECT_EQ(json["mode"], "every");
+  EXPECT_EQ(json["threads"][0]["last_overrun"]["function"], "worker.1");
+  EXPECT_EQ(json["functions"].size(), 3U);
+  EXPECT_EQ(json["functions"][1]["overruns"], 1);
 }
 
 TEST_F(TimingTest, VirtualTimeHasNoCounter) {
