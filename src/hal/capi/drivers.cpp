@@ -52,7 +52,7 @@ using kerf::hal::capi::say;
 
 namespace {
 
-const std::string kPciDevices = "/sys/bus/pci/devices/";
+const std::string pci_devices = "/sys/bus/pci/devices/";
 
 /// The first line of a file of /sys or /proc; empty when it cannot be read.
 std::string first_line(const std::string& path) {
@@ -77,7 +77,7 @@ bool fits(rtapi_u32 wanted, rtapi_u32 is) { return wanted == RTAPI_PCI_ANY_ID ||
 rtapi_pci_dev read_board(const std::string& name) {
   rtapi_pci_dev dev{};
   std::snprintf(dev.dev_name, sizeof dev.dev_name, "%s", name.c_str());
-  const std::string folder = kPciDevices + name + "/";
+  const std::string folder = pci_devices + name + "/";
   dev.vendor = static_cast<rtapi_u16>(number_in(folder + "vendor"));
   dev.device = static_cast<rtapi_u16>(number_in(folder + "device"));
   dev.subsystem_vendor = static_cast<rtapi_u16>(number_in(folder + "subsystem_vendor"));
@@ -184,20 +184,20 @@ void rtapi_release_firmware(const struct rtapi_firmware* fw) {
 // ---- PCI -----------------------------------------------------------------------------------------
 
 int rtapi_pci_enable_device(struct rtapi_pci_dev* dev) {
-  std::ofstream enable(kPciDevices + dev->dev_name + "/enable");
+  std::ofstream enable(pci_devices + dev->dev_name + "/enable");
   enable << "1" << std::flush;
   return enable ? 0 : -EPERM;
 }
 
 int rtapi_pci_disable_device(struct rtapi_pci_dev* dev) {
-  std::ofstream enable(kPciDevices + dev->dev_name + "/enable");
+  std::ofstream enable(pci_devices + dev->dev_name + "/enable");
   enable << "0" << std::flush;
   return enable ? 0 : -EPERM;
 }
 
 void* rtapi_pci_ioremap_bar(struct rtapi_pci_dev* dev, int bar) {
   if (bar < 0 || bar >= RTAPI_PCI_NUM_RESOURCES) return nullptr;
-  const std::string path = kPciDevices + dev->dev_name + "/resource" + std::to_string(bar);
+  const std::string path = pci_devices + dev->dev_name + "/resource" + std::to_string(bar);
   const int fd = ::open(path.c_str(), O_RDWR | O_SYNC | O_CLOEXEC);
   struct stat info {};
   if (fd < 0 || ::fstat(fd, &info) != 0 || info.st_size <= 0) {
@@ -226,7 +226,7 @@ void rtapi_iounmap(volatile void* addr) {
 int rtapi_pci_register_driver(struct rtapi_pci_driver* driver) {
   std::error_code error;
   std::vector<std::string> names;
-  for (std::filesystem::directory_iterator it(kPciDevices, error), end; !error && it != end;
+  for (std::filesystem::directory_iterator it(pci_devices, error), end; !error && it != end;
        it.increment(error)) {
     names.push_back(it->path().filename().string());
   }

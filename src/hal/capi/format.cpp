@@ -344,7 +344,7 @@ int format_text(char* buffer, std::size_t size, const char* fmt, std::va_list ar
         else
           v = va_arg(ap, int);
         if (length == -1) v = static_cast<short>(v);
-        if (length <= -2) v = static_cast<signed char>(v);
+        if (length <= -2) v = ((v & 0xff) ^ 0x80) - 0x80;  // the low byte with its sign
         const std::uint64_t magnitude =
             v < 0 ? 0 - static_cast<std::uint64_t>(v) : static_cast<std::uint64_t>(v);
         put_integer(out, spec, magnitude, v < 0, true, 10, false, false);

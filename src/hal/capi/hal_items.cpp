@@ -159,7 +159,7 @@ int hal_param_new(const char* name, hal_type_t type, hal_pdir_t dir, void* data_
 }
 
 // NOLINTBEGIN(bugprone-macro-parentheses): T pastes names together
-#define HAL_PIN_NEW_DEFINE_(T, TYPE)                                                            \
+#define KERF_PIN_NEW(T, TYPE)                                                                   \
   int hal_pin_##T##_new(const char* name, hal_pdir_t dir, hal_##T##_t** data_ptr_addr,          \
                         int comp_id) {                                                          \
     return hal_pin_new(name, TYPE, dir, static_cast<void**>(static_cast<void*>(data_ptr_addr)), \
@@ -173,15 +173,15 @@ int hal_param_new(const char* name, hal_type_t type, hal_pdir_t dir, void* data_
     va_end(args);                                                                               \
     return hal_pin_##T##_new(name.c_str(), dir, data_ptr_addr, comp_id);                        \
   }
-HAL_PIN_NEW_DEFINE_(bit, HAL_BIT)
-HAL_PIN_NEW_DEFINE_(float, HAL_FLOAT)
-HAL_PIN_NEW_DEFINE_(u32, HAL_U32)
-HAL_PIN_NEW_DEFINE_(s32, HAL_S32)
-HAL_PIN_NEW_DEFINE_(u64, HAL_U64)
-HAL_PIN_NEW_DEFINE_(s64, HAL_S64)
-HAL_PIN_NEW_DEFINE_(port, HAL_PORT)
+KERF_PIN_NEW(bit, HAL_BIT)
+KERF_PIN_NEW(float, HAL_FLOAT)
+KERF_PIN_NEW(u32, HAL_U32)
+KERF_PIN_NEW(s32, HAL_S32)
+KERF_PIN_NEW(u64, HAL_U64)
+KERF_PIN_NEW(s64, HAL_S64)
+KERF_PIN_NEW(port, HAL_PORT)
 
-#define HAL_PARAM_NEW_DEFINE_(T, TYPE)                                                             \
+#define KERF_PARAM_NEW(T, TYPE)                                                                    \
   int hal_param_##T##_new(const char* name, hal_pdir_t dir, hal_##T##_t* data_addr, int comp_id) { \
     return hal_param_new(name, TYPE, dir,                                                          \
                          const_cast<void*>(static_cast<const volatile void*>(data_addr)),          \
@@ -195,14 +195,14 @@ HAL_PIN_NEW_DEFINE_(port, HAL_PORT)
     va_end(args);                                                                                  \
     return hal_param_##T##_new(name.c_str(), dir, data_addr, comp_id);                             \
   }
-HAL_PARAM_NEW_DEFINE_(bit, HAL_BIT)
-HAL_PARAM_NEW_DEFINE_(float, HAL_FLOAT)
-HAL_PARAM_NEW_DEFINE_(u32, HAL_U32)
-HAL_PARAM_NEW_DEFINE_(s32, HAL_S32)
-HAL_PARAM_NEW_DEFINE_(u64, HAL_U64)
-HAL_PARAM_NEW_DEFINE_(s64, HAL_S64)
+KERF_PARAM_NEW(bit, HAL_BIT)
+KERF_PARAM_NEW(float, HAL_FLOAT)
+KERF_PARAM_NEW(u32, HAL_U32)
+KERF_PARAM_NEW(s32, HAL_S32)
+KERF_PARAM_NEW(u64, HAL_U64)
+KERF_PARAM_NEW(s64, HAL_S64)
 
-#define HAL_ITEM_NEW_DEFINE_(N, R, V, TYPE)                                                    \
+#define KERF_ITEM_NEW(N, R, V, TYPE)                                                           \
   int hal_pin_new_##N(int comp_id, hal_pdir_t dir, hal_##R##_t* ref, V def, const char* fmt,   \
                       ...) {                                                                   \
     std::va_list args;                                                                         \
@@ -219,12 +219,12 @@ HAL_PARAM_NEW_DEFINE_(s64, HAL_S64)
     va_end(args);                                                                              \
     return add_reference("param", comp_id, TYPE, dir, ref, hal::to_raw<V>(def), name);         \
   }
-HAL_ITEM_NEW_DEFINE_(bool, bool, rtapi_bool, HAL_BIT)
-HAL_ITEM_NEW_DEFINE_(si32, sint, rtapi_s32, HAL_S32)
-HAL_ITEM_NEW_DEFINE_(ui32, uint, rtapi_u32, HAL_U32)
-HAL_ITEM_NEW_DEFINE_(sint, sint, rtapi_sint, HAL_S64)
-HAL_ITEM_NEW_DEFINE_(uint, uint, rtapi_uint, HAL_U64)
-HAL_ITEM_NEW_DEFINE_(real, real, rtapi_real, HAL_FLOAT)
+KERF_ITEM_NEW(bool, bool, rtapi_bool, HAL_BIT)
+KERF_ITEM_NEW(si32, sint, rtapi_s32, HAL_S32)
+KERF_ITEM_NEW(ui32, uint, rtapi_u32, HAL_U32)
+KERF_ITEM_NEW(sint, sint, rtapi_sint, HAL_S64)
+KERF_ITEM_NEW(uint, uint, rtapi_uint, HAL_U64)
+KERF_ITEM_NEW(real, real, rtapi_real, HAL_FLOAT)
 // NOLINTEND(bugprone-macro-parentheses)
 
 int hal_pin_new_port(int comp_id, hal_pdir_t dir, hal_sint_t* ref, const char* fmt, ...) {

@@ -77,8 +77,13 @@ Status set(const Parameter& p, const std::string& word, const std::string& text,
                   "`" + word + "' has more than " + std::to_string(p.count) + " values");
     }
     const std::string one = text.substr(begin, end - begin);
-    if (!store(p, index, one, texts))
-      return fail(Errc::bad_argument, "`" + one + "' invalid for parameter `" + word + "'");
+    if (!store(p, index, one, texts)) {
+      return fail(Errc::bad_argument, std::string("`")
+                                          .append(one)
+                                          .append("' invalid for parameter `")
+                                          .append(word)
+                                          .append("'"));
+    }
     begin = end + 1;
   }
   return {};
