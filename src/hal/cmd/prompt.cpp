@@ -49,50 +49,50 @@ struct Place {
   std::vector<Kind> rest;
   std::vector<std::string> words;
 };
-const std::vector<Kind> kNone;
-const std::vector<Kind> kItems{Kind::pin, Kind::param};
-const std::vector<Kind> kEverything{Kind::pin,      Kind::param,  Kind::signal,
-                                    Kind::function, Kind::thread, Kind::component};
+const std::vector<Kind> no_kind;
+const std::vector<Kind> items{Kind::pin, Kind::param};
+const std::vector<Kind> everything{Kind::pin,      Kind::param,  Kind::signal,
+                                   Kind::function, Kind::thread, Kind::component};
 
 const std::vector<Place>& places() {
-  static const std::vector<Place> kPlaces{
+  static const std::vector<Place> all_places{
       {"net", {Kind::signal}, {Kind::pin}, {}},
       {"linkps", {Kind::pin}, {Kind::signal}, {}},
       {"linksp", {Kind::signal}, {Kind::pin}, {}},
       {"linkpp", {Kind::pin}, {Kind::pin}, {}},
-      {"unlinkp", {Kind::pin}, kNone, {}},
-      {"getp", kItems, kNone, {}},
-      {"setp", kItems, kNone, {}},
-      {"ptype", kItems, kNone, {}},
-      {"gets", {Kind::signal}, kNone, {}},
-      {"sets", {Kind::signal}, kNone, {}},
-      {"stype", {Kind::signal}, kNone, {}},
-      {"delsig", {Kind::signal}, kNone, {"all"}},
-      {"newsig", kNone, kNone, {}},
+      {"unlinkp", {Kind::pin}, no_kind, {}},
+      {"getp", items, no_kind, {}},
+      {"setp", items, no_kind, {}},
+      {"ptype", items, no_kind, {}},
+      {"gets", {Kind::signal}, no_kind, {}},
+      {"sets", {Kind::signal}, no_kind, {}},
+      {"stype", {Kind::signal}, no_kind, {}},
+      {"delsig", {Kind::signal}, no_kind, {"all"}},
+      {"newsig", no_kind, no_kind, {}},
       {"addf", {Kind::function}, {Kind::thread}, {}},
       {"delf", {Kind::function}, {Kind::thread}, {}},
-      {"unload", {Kind::component}, kNone, {"all"}},
-      {"unloadrt", {Kind::component}, kNone, {"all"}},
-      {"unloadusr", {Kind::component}, kNone, {"all"}},
-      {"waitusr", {Kind::component}, kNone, {}},
-      {"alias", kNone, kItems, {"pin", "param"}},
-      {"unalias", kNone, kItems, {"pin", "param"}},
-      {"lock", kNone, kNone, {"none", "tune", "all"}},
-      {"unlock", kNone, kNone, {"tune", "all"}},
-      {"status", kNone, kNone, {"lock", "mem", "all"}},
-      {"timing", kNone, kEverything, {"every", "sampled", "off", "reset"}},
-      {"list", kNone, kEverything, {"comp", "pin", "sig", "param", "funct", "thread"}},
+      {"unload", {Kind::component}, no_kind, {"all"}},
+      {"unloadrt", {Kind::component}, no_kind, {"all"}},
+      {"unloadusr", {Kind::component}, no_kind, {"all"}},
+      {"waitusr", {Kind::component}, no_kind, {}},
+      {"alias", no_kind, items, {"pin", "param"}},
+      {"unalias", no_kind, items, {"pin", "param"}},
+      {"lock", no_kind, no_kind, {"none", "tune", "all"}},
+      {"unlock", no_kind, no_kind, {"tune", "all"}},
+      {"status", no_kind, no_kind, {"lock", "mem", "all"}},
+      {"timing", no_kind, everything, {"every", "sampled", "off", "reset"}},
+      {"list", no_kind, everything, {"comp", "pin", "sig", "param", "funct", "thread"}},
       {"show",
-       kNone,
-       kEverything,
+       no_kind,
+       everything,
        {"all", "alias", "comp", "pin", "pinexact", "sig", "param", "funct", "thread"}},
       {"save",
-       kNone,
-       kNone,
+       no_kind,
+       no_kind,
        {"all", "allu", "comp", "alias", "sig", "sigu", "link", "linka", "net", "neta", "netl",
         "netla", "param", "unconnectedinpins", "thread"}},
   };
-  return kPlaces;
+  return all_places;
 }
 
 void add_names(const std::vector<Kind>& kinds) {
@@ -118,7 +118,7 @@ char** complete(const char* text, int start, int /*end*/) {
     if (command == "help") {
       candidates = Commander::command_names();
     } else if (place == all.end()) {
-      add_names(kEverything);
+      add_names(everything);
     } else {
       add_names(first ? place->first : place->rest);
       if (first) candidates.insert(candidates.end(), place->words.begin(), place->words.end());

@@ -82,8 +82,10 @@ Result<std::string> substitute(std::string_view text, const IniLookup& ini) {
       KERF_TRY(const std::string name, take_name(text, i));
       const auto value = ini ? ini(section, name) : std::nullopt;
       if (!value) {
-        return fail(Errc::not_found, "Ini variable '[" + section + "]" + name + "' not found." +
-                                         (ini ? "" : " No INI file was given: option -i"));
+        std::string reason = "Ini variable '[";
+        reason.append(section).append("]").append(name).append("' not found.");
+        if (!ini) reason += " No INI file was given: option -i";
+        return fail(Errc::not_found, reason);
       }
       out += *value;
     } else {
