@@ -21,9 +21,11 @@ namespace {
 
 std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
 
-std::string base_name(const std::string& path) {
-  const auto slash = path.rfind('/');
-  return slash == std::string::npos ? path : path.substr(slash + 1);
+/// The component that a program is expected to make: "passthrough" of "./passthrough.py".
+std::string component_of(const std::string& path) {
+  const std::string name = path.substr(path.rfind('/') + 1);
+  const auto dot = name.rfind('.');
+  return dot == std::string::npos || dot == 0 ? name : name.substr(0, dot);
 }
 
 struct LoadUsrOptions {
@@ -67,7 +69,7 @@ rtapi::Result<LoadUsrOptions> parse_options(std::span<const std::string> w) {
     return fail(Errc::bad_argument, "execv(): No such file or directory; loadusr needs a program");
   }
   o.program = i;
-  if (o.component.empty()) o.component = base_name(w[i]);
+  if (o.component.empty()) o.component = component_of(w[i]);
   return o;
 }
 
