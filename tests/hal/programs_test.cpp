@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pty.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -45,6 +46,7 @@ class ProgramsTest : public testing::Test {
       ::waitpid(pid, nullptr, 0);
     }
     (void)rtapi::end_processes_of_run(run_id_, 0);
+    (void)rtapi::end_processes_of_instance(instance_, 0);
     (void)rtapi::Segment::remove(instance_);
     std::filesystem::remove_all(folder_);
   }
@@ -123,6 +125,23 @@ class ProgramsTest : public testing::Test {
   /// No segment and no process of the instance is left.
   [[nodiscard]] bool nothing_left() const {
     return !rtapi::Segment::attach(instance_).ok() && rtapi::processes_of_run(run_id_).empty();
+  }
+  /// The same for all runs of the instance.
+  [[nodiscard]] bool nothing_of_the_instance() const {
+    return ::access(("/dev/shm" + rtapi::segment_name(instance_)).c_str(), F_OK) != 0 &&
+           rtapi::processes_of_instance(instance_).empty();
+  }
+  static void pause_ms(int ms) {
+    const auto clock = rtapi::make_real_clock();
+    rtapi::WaitSpec spec;
+    spec.wake_at(clock->now() + ms * rtapi::kMillisecond);
+    clock->wait(spec);
+  }
+  /// Notes the run of the instance.
+  bool note_run() {
+    auto segment = rtapi::Segment::attach(instance_);
+    if (segment.ok()) run_id_ = std::string((*segment)->header().run_id.view());
+    return segment.ok();
   }
   std::int64_t owner_pid() {
     auto segment = rtapi::Segment::attach(instance_);
@@ -349,7 +368,7 @@ TEST_F(ProgramsTest, VirtualTimeIsExactAndFast) {
                " probe\nnet a sum2.0.out => probe.in\n"
                "setp sum2.0.in0 2\nstart\nsleep 20\ngetp servo.threadbeat\ngetp slow.threadbeat\n"
                "getp probe.out\nstop\nunloadusr probe\nwaitusr probe\n");
-  ASSERT_TRUE(eventually([&] { return halcmd({"-Q", "status"}) == 0; }, 10)) << log();
+  ASSERT_TRUE(eventually([&] { return halcmd({"-Q", "unlock"}) == 0; }, 10)) << log();
   EXPECT_EQ(halcmd({"-f", script}), 0) << log();
   EXPECT_THAT(log(), HasSubstr("20000\n2000\n2\n"));
   ::kill(app, SIGTERM);
@@ -365,7 +384,7 @@ TEST_F(ProgramsTest, AnUnmodifiedProgramSleepsInVirtualTime) {
   const auto script = file("sleeper.hal",
                            "loadrt threads name1=servo period1=1000000\nstart\n"
                            "loadusr -w sh -c \"sleep 100\"\ngetp servo.threadbeat\n");
-  ASSERT_TRUE(eventually([&] { return halcmd({"-Q", "status"}) == 0; }, 10)) << log();
+  ASSERT_TRUE(eventually([&] { return halcmd({"-Q", "unlock"}) == 0; }, 10)) << log();
   EXPECT_EQ(halcmd({"-f", script}), 0) << log();
   // 100 s of the machine, and no more than the shell and its child took to start.
   EXPECT_THAT(log(), HasSubstr("\n100000\n"));
@@ -393,6 +412,121 @@ TEST_F(ProgramsTest, TwoInstancesLiveSideBySide) {
   EXPECT_EQ(wait_for(second, 10), 0);
   EXPECT_FALSE(rtapi::Segment::attach(instance_ + "a").ok());
   EXPECT_FALSE(rtapi::Segment::attach(instance_ + "b").ok());
+}
+
+TEST_F(ProgramsTest, WaitusrEndsWhenTheHostDies) {
+  const pid_t app = start({bin_folder + "rtapi_app"});
+  ASSERT_TRUE(eventually([&] { return halcmd({"-Q", "unlock"}) == 0; }, 10)) << log();
+  (void)start({probe_program, "probe"});
+  ASSERT_TRUE(component_ready("probe"));
+  const pid_t waiting = start({bin_folder + "halcmd", "waitusr", "probe"});
+  ASSERT_TRUE(component_ready("halcmd" + std::to_string(waiting))) << log();
+  ::kill(app, SIGKILL);
+  EXPECT_EQ(wait_for(waiting, 20), 1);
+  EXPECT_THAT(log(), HasSubstr("the realtime host died while component 'probe' was waited for"));
+}
+
+/// A signal at any moment of the start ends halrun, and nothing stays.
+TEST_F(ProgramsTest, ASignalAtTheStartIsNotLost) {
+  const auto script = file("long.hal", "loadusr -w sleep 100\n");
+  for (const int delay_ms : {0, 1, 2, 4, 8, 16, 32, 64}) {
+    const pid_t pid = start({bin_folder + "halrun", script});
+    pause_ms(delay_ms);
+    ::kill(pid, delay_ms % 3 == 0 ? SIGTERM : SIGINT);
+    EXPECT_NE(wait_for(pid, 30), -1) << delay_ms << " ms: " << log();
+    EXPECT_TRUE(eventually([&] { return nothing_of_the_instance(); }, 10)) << delay_ms;
+  }
+}
+
+TEST_F(ProgramsTest, AStartWaitsForTheEndOfTheRunBeforeIt) {
+  const auto script =
+      file("long.hal", "loadusr -Wn probe " + probe_program + " probe\nloadusr -w sleep 100\n");
+  for (const int signal : {SIGKILL, SIGTERM, SIGKILL}) {
+    const pid_t pid = start({bin_folder + "halrun", script});
+    ASSERT_TRUE(component_ready("probe")) << log();
+    ::kill(pid, signal);
+    EXPECT_EQ(halrun(file("next.hal", "loadrt and2\n")), 0) << log();
+    EXPECT_NE(wait_for(pid, 20), -1);
+    EXPECT_TRUE(eventually([&] { return nothing_of_the_instance(); }, 10));
+  }
+}
+
+TEST_F(ProgramsTest, HalrunUEndsWhateverIsLeft) {
+  const auto end_all = [&](const char* what) {
+    EXPECT_EQ(wait_for(start({bin_folder + "halrun", "-U"}), 60), 0) << what << log();
+    EXPECT_TRUE(nothing_of_the_instance()) << what;
+  };
+  end_all("nothing at all");
+  // Everything stopped, as by Ctrl-Z.
+  pid_t app = start({bin_folder + "rtapi_app"});
+  ASSERT_TRUE(eventually([&] { return halcmd({"-Q", "unlock"}) == 0; }, 10)) << log();
+  ASSERT_TRUE(note_run());
+  ::setenv("KERF_RUN_ID", run_id_.c_str(), 1);
+  const pid_t probe = start({probe_program, "probe"});
+  ::unsetenv("KERF_RUN_ID");
+  ASSERT_TRUE(component_ready("probe"));
+  ::kill(probe, SIGSTOP);
+  ::kill(app, SIGSTOP);
+  end_all("stopped processes");
+  EXPECT_NE(wait_for(app, 5), -1);
+  EXPECT_NE(wait_for(probe, 5), -1);
+  // A maker that died half-way, and a program of a run long ago.
+  std::ofstream("/dev/shm" + rtapi::segment_name(instance_)) << std::string(100'000, '\0');
+  ::setenv("KERF_RUN_ID", "long-ago", 1);
+  const pid_t old = start({"/bin/sh", "-c", "trap '' TERM; sleep 100"});
+  ::unsetenv("KERF_RUN_ID");
+  ASSERT_TRUE(eventually([&] { return !rtapi::processes_of_instance(instance_).empty(); }, 10));
+  end_all("a half-made segment and an old program");
+  EXPECT_EQ(wait_for(old, 5), 128 + SIGKILL);
+  EXPECT_EQ(halrun(file("again.hal", "loadrt and2\n")), 0) << log();
+}
+
+TEST_F(ProgramsTest, AHungFunctionIsNamedAndHoldsNothingUp) {
+  ::setenv(
+      "KERF_COMPONENTS",
+      (std::string(KERF_BUILD_DIR) + "/components:" + KERF_BUILD_DIR + "/tests/components").c_str(),
+      1);
+  const pid_t app = start({bin_folder + "rtapi_app"});
+  ::unsetenv("KERF_COMPONENTS");
+  ASSERT_TRUE(eventually([&] { return halcmd({"-Q", "unlock"}) == 0; }, 10)) << log();
+  EXPECT_EQ(halcmd({"loadrt", "threads", "name1=t", "period1=1000000"}), 0);
+  EXPECT_EQ(halcmd({"loadrt", "hang"}), 0) << log();
+  EXPECT_EQ(halcmd({"addf", "hang.0", "t"}), 0);
+  EXPECT_EQ(halcmd({"start"}), 0);
+  ::kill(app, SIGTERM);
+  EXPECT_EQ(wait_for(app, 30), 1);
+  EXPECT_THAT(log(), HasSubstr("thread 't' does not end its cycle; it is in function 'hang.0'"));
+  EXPECT_TRUE(nothing_of_the_instance());
+}
+
+TEST_F(ProgramsTest, ThreadsGetTheirCpusInOrder) {
+  EXPECT_EQ(wait_for(start({bin_folder + "rtapi_app", "--cpu", "0-x"}), 20), 1);
+  EXPECT_THAT(log(), HasSubstr("processors '0-x': no number in '0-x'"));
+  cpu_set_t allowed;
+  ASSERT_EQ(::sched_getaffinity(0, sizeof allowed, &allowed), 0);
+  if (CPU_ISSET(0, &allowed) == 0 || CPU_ISSET(1, &allowed) == 0)
+    GTEST_SKIP() << "processors 0 and 1 are not both there";
+  const pid_t app = start({bin_folder + "rtapi_app", "--cpu=1,0"});
+  ASSERT_TRUE(eventually([&] { return halcmd({"-Q", "unlock"}) == 0; }, 10)) << log();
+  EXPECT_EQ(halcmd({"loadrt", "threads", "name1=first", "period1=1000000", "name2=second",
+                    "period2=2000000", "name3=third", "period3=3000000"}),
+            0);
+  const auto cpu_of = [&](const std::string& thread) -> std::string {
+    for (const auto& task :
+         std::filesystem::directory_iterator("/proc/" + std::to_string(app) + "/task")) {
+      if (read((task.path() / "comm").string()) != thread + "\n") continue;
+      std::istringstream status(read((task.path() / "status").string()));
+      for (std::string line; std::getline(status, line);) {
+        if (line.rfind("Cpus_allowed_list:", 0) == 0) return line.substr(19);
+      }
+    }
+    return "?";
+  };
+  EXPECT_TRUE(eventually([&] { return cpu_of("first") == "1"; }, 5)) << cpu_of("first");
+  EXPECT_TRUE(eventually([&] { return cpu_of("second") == "0"; }, 5)) << cpu_of("second");
+  EXPECT_TRUE(eventually([&] { return cpu_of("third") == "0"; }, 5)) << cpu_of("third");
+  ::kill(app, SIGTERM);
+  EXPECT_EQ(wait_for(app, 20), 0);
 }
 
 TEST_F(ProgramsTest, HalcmdWithoutAMachineSaysSo) {

@@ -275,6 +275,8 @@ End run(const Options& o, Supervisor& supervisor, rtapi::Segment& segment, bool 
   supervisor.say_ready();
   rtapi::run_participant(**clock, participant);
   const End end{0, participant.orphaned()};
+  // A new run of the instance may wait for the end of this one.
+  if (made || end.orphaned) segment.header().owner_pid.set(0);
   if (auto unloaded = (*host)->unload_all(); !unloaded.ok()) {
     // The thread that hangs cannot be joined, nor anything be destroyed that it uses: the process ends as it is.
     rtapi::log_error(unloaded.error());

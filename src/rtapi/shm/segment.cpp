@@ -14,6 +14,7 @@
 #include <random>
 
 #include "rtapi/base/suggest.hpp"
+#include "rtapi/clock/join_clock.hpp"
 #include "rtapi/shm/leftovers.hpp"
 #include "rtapi/shm/process.hpp"
 
@@ -28,6 +29,8 @@ constexpr std::uint64_t kHeaderAbi = sizeof(SegmentHeader) * 1000 + 2;
 constexpr std::uint64_t kBackingStep = 1U << 20U;
 /// How long a new run waits for those who take down the last one.
 constexpr int kTakeDownMs = 5000;
+/// How long an owner that lives may take to say that it is ending: it may just have been told so.
+constexpr int kNoticeMs = 200;
 /// How long processes of the last run may take to end by themselves.
 constexpr int kLeftoversMs = 500;
 
@@ -75,6 +78,24 @@ Left inspect(const std::string& name, std::int64_t& owner, std::string* run_id =
   return left;
 }
 
+/// The owner's lock, also after a run that is about to end.
+Result<OwnerLock> take_over(const std::string& instance) {
+  const auto clock = make_real_clock();
+  const Nanos begin = clock->now();
+  for (;;) {
+    auto lock = OwnerLock::take(instance, kTakeDownMs);
+    if (lock.ok() || lock.error().code != Errc::busy) return lock;
+    std::int64_t owner = 0;
+    // An owner that is ending has taken its number out of the header, then the name away.
+    const bool ending = inspect(segment_name(instance), owner) != Left::alive;
+    const Nanos patience = (ending ? kTakeDownMs : kNoticeMs) * kMillisecond;
+    if (owner == getpid() || clock->now() - begin > patience) return lock;
+    WaitSpec spec;
+    spec.wake_at(clock->now() + 5 * kMillisecond);
+    clock->wait(spec);
+  }
+}
+
 }  // namespace
 
 struct Segment::Mapping {
@@ -99,7 +120,7 @@ Result<std::unique_ptr<Segment>> Segment::create(const std::string& instance, st
                                         std::to_string(kMostBytes >> 20U));
   const std::string name = segment_name(instance);
   // From here on nobody else makes or removes a segment of this name. What stands there is dead, however far its maker came.
-  KERF_TRY(OwnerLock lock, OwnerLock::take(instance, kTakeDownMs));
+  KERF_TRY(OwnerLock lock, take_over(instance));
   std::int64_t owner = 0;
   std::string old_run;
   const Left left = inspect(name, owner, &old_run);
@@ -185,6 +206,10 @@ Result<std::unique_ptr<Segment>> Segment::attach(const std::string& instance, Ac
   segment->base_ = static_cast<std::byte*>(segment->mapping_->region.get_address());
   segment->instance_ = instance;
   const SegmentHeader& header = segment->header();
+  if (header.magic == 0)
+    return fail(Errc::not_found, "instance '" + instance +
+                                     "' is not ready yet; if it stays so, its start has failed and "
+                                     "'halrun -U' cleans up");
   if (header.magic != SegmentHeader::kMagic || header.abi != kHeaderAbi)
     return fail(Errc::protocol, "shared memory " + name +
                                     " was made by another build of Kerf; stop that instance first");
