@@ -239,6 +239,7 @@ Status Host::unload_one(Loaded& loaded) {
 
 Status Host::unload_thread(Thread& thread) {
   KERF_CHECK(publish_list(thread, {}));
+  KERF_CHECK(wait_for_grace());  // one that hangs cannot be joined
   remove_thread(thread);
   return {};
 }

@@ -17,6 +17,7 @@
 
 #include "hal/capi/messages.hpp"
 #include "hal/capi/realtime_backend.hpp"
+#include "hal/core/view.hpp"
 #include "hal/loader/host.hpp"
 #include "hal/loader/module_source.hpp"
 #include "hal/loader/realtime_host.hpp"
@@ -212,11 +213,19 @@ void raise_descriptor_limit() {
 }
 
 rtapi::Result<std::unique_ptr<rtapi::Segment>> open_segment(const Options& o, bool& made) {
-  auto found = rtapi::Segment::attach(o.instance, rtapi::Access::whole);
-  if (found.ok()) {
+  // One that has a realtime host already may be that of a run which is ending and has not said so yet.
+  constexpr rtapi::Nanos kNotice = 200 * rtapi::kMillisecond;
+  const auto clock = rtapi::make_real_clock();
+  for (const rtapi::Nanos begin = clock->now();;) {
+    auto found = rtapi::Segment::attach(o.instance, rtapi::Access::whole);
+    if (!found.ok()) break;
     const auto& header = (*found)->header();
     // A segment whose maker is dead is a leftover: create() below removes it.
-    if (rtapi::process_lives(header.owner_pid.get(), header.owner_start)) return found;
+    if (!rtapi::process_lives(header.owner_pid.get(), header.owner_start)) break;
+    if (!hal::View(**found).attached() || clock->now() - begin > kNotice) return found;
+    rtapi::WaitSpec spec;
+    spec.wake_at(clock->now() + 5 * rtapi::kMillisecond);
+    clock->wait(spec);
   }
   KERF_TRY(auto segment, rtapi::Segment::create(o.instance, o.segment_bytes));
   made = true;

@@ -194,17 +194,19 @@ class HungDriver final : public HostDriver {
 
 TEST_F(ThreadTest, AHungFunctionIsNamedAndNothingIsTakenFromUnderIt) {
   HungDriver driver;
+  ok({"unloadrt", "test-threads"});
   host_->set_driver(&driver);
   ok({"addf", "a", "fast"});
   auto& record = host_->threads().at(0)->record();
   record.ticking.publish(1);
   record.running.set(segment_->offset_of(host_->registry().find_function("a")));
-  for (const char* what : {"adder", "all"}) {
+  for (const char* what : {"adder", "__fast", "all"}) {
     EXPECT_EQ(refused({"unloadrt", what}),
               "thread 'fast' does not end its cycle; it is in function 'a'");
     EXPECT_TRUE(view_->find_component("adder").has_value());
     EXPECT_FALSE(view_->functions().empty());
   }
+  EXPECT_TRUE(view_->find_thread("fast").has_value());
   record.ticking.publish(0);
   ok({"unloadrt", "all"});
   host_->set_driver(nullptr);
