@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "hal/capi/realtime_backend.hpp"
 #include "hal/client/session.hpp"
 #include "hal/loader/host.hpp"
 #include "rtapi/base/suggest.hpp"
@@ -118,14 +119,18 @@ class ScriptCheck::NoDevices final : public ModuleSource {
   rtapi::Result<const Module*> open(std::string_view name) override {
     allow();
     auto module = source_.open(name);
+    in_c_ = module.ok() && (*module)->c_library != nullptr;
     if (forbidden_) forbid();
     return module;
   }
+  /// True when the last one opened is a module of the C API, which cannot ask declares_only().
+  [[nodiscard]] bool in_c() const { return in_c_; }
   void close(const Module* module) override { source_.close(module); }
   [[nodiscard]] std::vector<std::string> names() const override { return source_.names(); }
 
   /// From now on until `end`.
   void begin() {
+    in_c_ = false;
     forbidden_ = true;
     forbid();
   }
@@ -143,6 +148,7 @@ class ScriptCheck::NoDevices final : public ModuleSource {
   ModuleSource& source_;
   rlimit old_{};
   bool forbidden_{false};
+  bool in_c_{false};
 };
 
 /// Takes the errors of commands; all else that they print is not wanted.
@@ -170,7 +176,14 @@ struct ScriptCheck::Machine {
         sink(check),
         commander(session, ini != nullptr ? ini_lookup(*ini) : IniLookup{}, &sink) {
     commander.set_keep_going(true);
+    capi::use_host(*host);
   }
+  ~Machine() {
+    (void)host->unload_all();
+    capi::forget_host();
+  }
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
   std::unique_ptr<rtapi::Segment> segment = rtapi::Segment::in_memory();
   StillClock clock;
   DeclaringDriver driver;
@@ -442,7 +455,12 @@ ScriptCheck::Done ScriptCheck::load_realtime(Words w, const ScriptPlace& at) {
       rest.remove_prefix(std::min(end + 1, rest.size()));
     }
   }
-  return done;
+  if (!machine_->modules.in_c()) return done;
+  strangers_ = true;  // its pins may have any names
+  add(Finding::Level::warning, "device", at,
+      done.error().message() +
+          "; a component in C may need its device for this: what it exports is not checked");
+  return Status{};
 }
 
 ScriptCheck::Done ScriptCheck::load_user(Words w, const ScriptPlace& at) {

@@ -158,6 +158,12 @@ Describer::~Describer() {
 Result<std::unique_ptr<Describer::Recorder>> Describer::declare(const std::string& name) {
   for (bool again = true;; again = false) {
     KERF_TRY(const Module* module, modules_.open(name));
+    if (module->c_library != nullptr) {
+      modules_.close(module);
+      return fail(Errc::bad_argument, "'" + name +
+                                          "' is written in C, and such components do not describe "
+                                          "themselves; load it and ask halcmd show pin");
+    }
     auto recorder = std::make_unique<Recorder>(*this, *module, name);
     recorder->create();
     const std::string missing = recorder->missing();

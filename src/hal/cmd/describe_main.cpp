@@ -48,8 +48,13 @@ Status write_pages(const std::vector<std::string>& names, const Form& form,
   }
   Describer describer(modules);
   for (const auto& name : names.empty() ? modules.names() : names) {
-    KERF_TRY(const Declaration declaration, describer.describe(name));
-    const std::string text = form.text(declaration);
+    const auto declaration = describer.describe(name);
+    if (!declaration.ok() && names.empty()) {
+      rtapi::log_error(declaration.error());
+      continue;
+    }
+    if (!declaration.ok()) return rtapi::Failure{declaration.error()};
+    const std::string text = form.text(*declaration);
     if (folder.empty())
       std::fputs(text.c_str(), stdout);
     else

@@ -7,13 +7,13 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "hal/client/request_all.hpp"
 #include "hal/cmd/commander.hpp"
-#include "hal/cmd/front_doors.hpp"
 #include "hal/cmd/options.hpp"
 #include "hal/cmd/prompt.hpp"
 #include "rtapi/clock/join_clock.hpp"
@@ -159,6 +159,21 @@ int connect_and_run(hal::HalcmdOptions& options, const std::vector<std::string>&
   return good ? 0 : 1;
 }
 
+/// What loads components into a HAL of its own is another program, beside this one.
+int become_hal(std::vector<std::string>& words) {
+  std::error_code ignored;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  const std::string program = (self.parent_path() / "hal").string();
+  words.insert(words.begin(), "hal");
+  std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
+  for (auto& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  ::execv(program.c_str(), argv.data());
+  std::fprintf(stderr, "halcmd: %s: %s\n", program.c_str(), std::strerror(errno));
+  return 1;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -188,7 +203,7 @@ int main(int argc, char** argv) {
   if (!options.from_file && !words.empty() && (words[0] == "check" || words[0] == "graph")) {
     if (!options.ini_path.empty()) words.insert(words.end(), {"-i", options.ini_path});
     if (options.json) words.emplace_back("--json");
-    return words[0] == "check" ? hal::check_main(words) : hal::graph_main(words);
+    return become_hal(words);
   }
   if (options.release) {
     std::puts("halcmd: HAL has no mutex that a dead program could hold; nothing to release");
