@@ -50,18 +50,19 @@ struct Period {
 
 using FunctionThunk = void (*)(void* object, const Period& period) noexcept;
 
-/// Where a pin's value stands at present: `link` holds the offset from `base` of the slot, which is the pin's own or its
-/// signal's; the registry's writer changes it when the pin is linked or unlinked.
+/// Where a pin's value stands at present: `link` holds the way from itself to the slot, in bytes; the slot is the pin's own or its
+/// signal's. The registry's writer changes it when the pin is linked or unlinked. The way is the same wherever a process maps the
+/// segment, and a handle is one pointer: a thread's functions read little more than their values.
 struct SlotRef {
-  std::byte* base{nullptr};
   const std::atomic<std::uint64_t>* link{nullptr};
 
   /// @rt. The value itself is relaxed: each stands alone; nothing orders two pins across threads.
   [[nodiscard]] std::atomic<std::uint64_t>& slot() const noexcept {
     // Acquire: pairs with the writer's release store of a new link, so a new signal's first value is there before it is used.
     // Both the old and the new slot exist until every thread has finished a cycle.
-    return *reinterpret_cast<std::atomic<std::uint64_t>*>(base +
-                                                          link->load(std::memory_order_acquire));
+    const std::uint64_t way = link->load(std::memory_order_acquire);
+    return *reinterpret_cast<std::atomic<std::uint64_t>*>(reinterpret_cast<std::uintptr_t>(link) +
+                                                          way);
   }
 };
 

@@ -28,7 +28,7 @@ using kerf::hal::capi::realtime_view;
 /// A reference is the address of the item's link slot.
 template <class Ref>
 SlotRef slot_of(Ref ref) noexcept {
-  return {realtime_view().base, kerf::hal::slot_link(reinterpret_cast<std::uint64_t*>(ref))};
+  return {kerf::hal::slot_link(reinterpret_cast<std::uint64_t*>(ref))};
 }
 template <class T, class Ref>
 T get(Ref ref) noexcept {

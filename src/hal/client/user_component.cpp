@@ -49,7 +49,7 @@ SlotRef UserComponent::add(const char* command, std::string_view suffix, Type ty
     status_ = rtapi::Failure{made.error()};
   }
   dummy_[0] = sizeof(std::uint64_t);
-  return {reinterpret_cast<std::byte*>(dummy_), slot_link(dummy_)};
+  return {slot_link(dummy_)};
 }
 
 rtapi::Status UserComponent::ready() {

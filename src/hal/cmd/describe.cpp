@@ -132,7 +132,7 @@ class Describer::Recorder final : public Builder {
     declaration_.items.push_back({std::string(name), type, dir, initial, std::string(doc)});
     // A slot of its own for each: the link, which says 8, and the value behind it.
     auto& words = slots_.emplace_back(std::array<std::uint64_t, 2>{8, initial});
-    return {reinterpret_cast<std::byte*>(words.data()), slot_link(words.data())};
+    return {slot_link(words.data())};
   }
 
   Describer& owner_;

@@ -62,8 +62,8 @@ struct Record {
 
 /// A pin or a parameter. `name` is the alias when it has one.
 struct ItemRecord : Record {
-  Offset link{
-      0};  ///< of the link slot, which holds the offset of the value in effect: `value` or the signal's
+  /// Of the link slot, which holds the way from itself to the value in effect: `value` or the signal's.
+  Offset link{0};
   Offset value{0};  ///< of the item's own value: a value slot, or with `native` memory of its owner
   Type type{Type::unspecified};
   Dir dir{Dir::unspecified};
@@ -155,7 +155,7 @@ struct ThreadRecord : Record {
 /// The block "hal".
 struct Root {
   static constexpr const char* kBlock = "hal";
-  static constexpr std::uint64_t kAbi = 0x6b68616c'00000002ULL;
+  static constexpr std::uint64_t kAbi = 0x6b68616c'00000003ULL;
   static constexpr std::size_t kBuckets = 32768;
   Word<std::uint64_t> generation{0};  ///< odd: being changed
   std::int64_t writer_pid{0};
@@ -181,7 +181,7 @@ inline const std::atomic<std::uint64_t>* slot_link(std::uint64_t* words) noexcep
 
 /// The handle of an item whose link stands at `link`.
 inline SlotRef slot_at(const rtapi::Segment& segment, Offset link) noexcept {
-  return {segment.base(), segment.at<const std::atomic<std::uint64_t>>(link)};
+  return {segment.at<const std::atomic<std::uint64_t>>(link)};
 }
 
 /// Bucket of a name. FNV-1a; pins and parameters of one name are different objects.

@@ -294,7 +294,8 @@ Status Registry::check_spec(const ComponentRecord& owner, const ItemSpec& spec) 
 
 void Registry::point(ItemRecord& pin, Offset slot) noexcept {
   // Release: pairs with the acquire load of SlotRef, so what stands in the slot is there before the slot is used.
-  segment_.at<std::atomic<std::uint64_t>>(pin.link)->store(slot, std::memory_order_release);
+  segment_.at<std::atomic<std::uint64_t>>(pin.link)->store(slot - pin.link,
+                                                           std::memory_order_release);
   if (pin.cell == 0) return;
   // The same for the owner's pointer; C code reads it as plain memory, which on all our machines is such a load.
   reinterpret_cast<std::atomic<std::uint64_t>*>(pin.cell)->store(pin.owner_base + slot,

@@ -142,8 +142,8 @@ class Registry::Checker {
     }
     const auto* signal = r_.at<SignalRecord>(i.signal.get());
     if (signal != nullptr) --linked_;
-    const Offset in_effect =
-        r_.segment_.at<std::atomic<std::uint64_t>>(i.link)->load(std::memory_order_relaxed);
+    const Offset in_effect = i.link + r_.segment_.at<std::atomic<std::uint64_t>>(i.link)->load(
+                                          std::memory_order_relaxed);
     const Offset want = signal != nullptr ? signal->value : i.value;
     expect(in_effect == want, "a link leads to the wrong value", &i);
     if (i.cell != 0) {

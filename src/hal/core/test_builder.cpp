@@ -29,8 +29,12 @@ bool TestBuilder::create(const Module& module, std::string_view prefix, std::int
   return error_.empty();
 }
 
-SlotRef TestBuilder::slot_ref(std::size_t slot) const noexcept {
-  return {reinterpret_cast<std::byte*>(slots_.get()), &slots_[slot].link};
+SlotRef TestBuilder::slot_ref(std::size_t slot) const noexcept { return {&slots_[slot].link}; }
+
+void TestBuilder::point(std::size_t slot, const std::atomic<std::uint64_t>& value) noexcept {
+  auto& link = slots_[slot].link;
+  link.store(reinterpret_cast<std::uintptr_t>(&value) - reinterpret_cast<std::uintptr_t>(&link),
+             std::memory_order_relaxed);
 }
 
 SlotRef TestBuilder::add_item(std::string_view name, Type type, Dir dir, std::uint64_t initial,
@@ -45,10 +49,7 @@ SlotRef TestBuilder::add_item(std::string_view name, Type type, Dir dir, std::ui
   if (name.size() > kNameLength) fail("name longer than 55 characters: " + std::string(name));
   if (by_name_.count(name) > 0) fail("duplicate name '" + std::string(name) + "'");
   slots_[slot].value.store(initial, std::memory_order_relaxed);
-  slots_[slot].link.store(
-      static_cast<std::uint64_t>(reinterpret_cast<std::byte*>(&slots_[slot].value) -
-                                 reinterpret_cast<std::byte*>(slots_.get())),
-      std::memory_order_relaxed);
+  point(slot, slots_[slot].value);
   by_name_.emplace(std::string(name), items_.size());
   items_.push_back({std::string(name), type, dir, std::string(doc), slot});
   return slot_ref(slot);
@@ -178,11 +179,11 @@ std::vector<std::string> TestBuilder::functions() const {
 void TestBuilder::link(const std::vector<std::string>& pins) {
   if (pins.empty()) return;
   const Item& first = find(pins.front());
-  const std::uint64_t target = slots_[first.slot].link.load(std::memory_order_relaxed);
+  auto* const target = &slot_ref(first.slot).slot();
   for (const auto& name : pins) {
     const Item& item = find(name);
     if (item.type != first.type) throw std::logic_error("'" + name + "' has another type");
-    slots_[item.slot].link.store(target, std::memory_order_relaxed);
+    point(item.slot, *target);
   }
 }
 

@@ -156,6 +156,8 @@ class TestBuilder final : public Builder {
   void set_integer(std::string_view name, std::int64_t value);
   void store(const Item& item, std::uint64_t raw);
   [[nodiscard]] SlotRef slot_ref(std::size_t slot) const noexcept;
+  /// Lets the link of a slot lead to a value.
+  void point(std::size_t slot, const std::atomic<std::uint64_t>& value) noexcept;
   Memory zeroed(std::size_t bytes, std::size_t align);
 
   static constexpr std::size_t kSlots = 8192;

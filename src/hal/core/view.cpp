@@ -209,7 +209,7 @@ ItemInfo View::info(const ItemRecord& r) const {
   out.original_name = name_at(r.original.get());
   // Acquire: see SlotRef.
   if (const auto* link = at<std::atomic<std::uint64_t>>(r.link); link != nullptr)
-    out.raw = value_at(r.type, link->load(std::memory_order_acquire));
+    out.raw = value_at(r.type, r.link + link->load(std::memory_order_acquire));
   if (const auto* owner = at<ComponentRecord>(r.owner); owner != nullptr) {
     out.owner_id = owner->id;
     out.owner = owner->name.view();

@@ -15,9 +15,9 @@ void LiveBuilder::fail(std::string_view what) noexcept {
 }
 
 SlotRef LiveBuilder::harmless() noexcept {
-  // The link is 8, the value at offset 8 of this builder: enough for the reads and writes of a constructor.
+  // The link is 8, the value stands 8 bytes behind it: enough for the reads and writes of a constructor.
   dummy_[0] = sizeof(std::uint64_t);
-  return {reinterpret_cast<std::byte*>(dummy_), slot_link(dummy_)};
+  return {slot_link(dummy_)};
 }
 
 SlotRef LiveBuilder::item(Result<ItemRecord*> made) noexcept {
