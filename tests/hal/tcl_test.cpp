@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <regex>
 #include <sstream>
 #include <vector>
 
@@ -42,7 +41,17 @@ std::string normalised(const std::string& text) {
   std::string out;
   for (std::string line; std::getline(in, line);)
     if (line.rfind("rtapi_app: ", 0) != 0) out += line + "\n";
-  out = std::regex_replace(out, std::regex("halcmd[0-9]+ +[0-9]+ "), "halcmdPID PID ");
+  // "halcmd123   123 ", the command's own component in `show comp`.
+  const char* const digits = "0123456789";
+  for (auto at = out.find("halcmd"); at != std::string::npos; at = out.find("halcmd", at + 1)) {
+    const auto blanks = out.find_first_not_of(digits, at + 6);
+    const auto pid = out.find_first_not_of(' ', blanks);
+    const auto end = out.find_first_not_of(digits, pid);
+    if (end == std::string::npos || out[end] != ' ' || at + 6 == blanks || blanks == pid ||
+        pid == end)
+      continue;
+    out.replace(at, end + 1 - at, "halcmdPID PID ");
+  }
   for (const std::string& root : {std::string(KERF_BUILD_DIR), std::string(KERF_SOURCE_DIR)})
     for (auto at = out.find(root); at != std::string::npos; at = out.find(root, at))
       out.replace(at, root.size(), "ROOT");

@@ -279,8 +279,9 @@ TEST_F(TimingTest, TheTableHasARowEachAndTheLastOverrun) {
   EXPECT_THAT(text, HasSubstr("t               (cycle)"));
   EXPECT_THAT(text, HasSubstr("t               (wake-up)"));
   EXPECT_THAT(text, HasSubstr("t               worker.2"));
-  EXPECT_THAT(text, HasSubstr("thread t overran its period of 1000000 ns in cycle 101, which took "
-                              "3000200 ns: function worker.1 took 3000000 ns, usually 100 ns (p99 "));
+  EXPECT_THAT(text,
+              HasSubstr("thread t overran its period of 1000000 ns in cycle 101, which took "
+                        "3000200 ns: function worker.1 took 3000000 ns, usually 100 ns (p99 "));
   const std::vector<std::string> patterns{"worker.2"};
   const std::string rows = *timing_text(view_, patterns, true);
   EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1);
