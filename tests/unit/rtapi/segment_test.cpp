@@ -60,6 +60,7 @@ TEST(Segment, AClientMayWriteValuesButNotTheStructure) {
   const auto write = [&](const char* block, Access access) {
     const pid_t child = fork();
     if (child == 0) {
+      signal(SIGSEGV, SIG_DFL);  // a sanitizer's handler would exit
       auto own = Segment::attach(instance, access);
       if (!own.ok()) _exit(1);
       (*(*own)->find<Word<int>>(block, 1))->set(5);
