@@ -13,7 +13,9 @@ class Hang final : public Component<Hang> {
 
  private:
   rtapi::StopWord never_;
+  Out<bool> hangs_{pin<Out<bool>>("hangs", "True from when it hangs")};
   void update(const Period&) noexcept {
+    hangs_ = true;
     while (!never_.requested()) ::pause();
   }
   Function update_{function<&Hang::update>("", "Never returns")};

@@ -493,6 +493,15 @@ TEST_F(ProgramsTest, AHungFunctionIsNamedAndHoldsNothingUp) {
   EXPECT_EQ(halcmd({"loadrt", "hang"}), 0) << log();
   EXPECT_EQ(halcmd({"addf", "hang.0", "t"}), 0);
   EXPECT_EQ(halcmd({"start"}), 0);
+  EXPECT_TRUE(eventually(
+      [&] {
+        auto segment = rtapi::Segment::attach(instance_);
+        if (!segment.ok()) return false;
+        auto pin = View(**segment).find_pin("hang.0.hangs");
+        return pin && pin->raw != 0;
+      },
+      10))
+      << log();
   ::kill(app, SIGTERM);
   EXPECT_EQ(wait_for(app, 30), 1);
   EXPECT_THAT(log(), HasSubstr("thread 't' does not end its cycle; it is in function 'hang.0'"));
