@@ -118,12 +118,10 @@ class Sandbox {
     for (const auto& entry : fs::directory_iterator("/proc")) {
       const std::string number = entry.path().filename().string();
       if (number.find_first_not_of("0123456789") != std::string::npos) continue;
-      std::ifstream in(entry.path() / "environ", std::ios::binary);
-      std::ostringstream text;
-      text << in.rdbuf();
-      if (text.str().find("KERF_INSTANCE=" + instance + std::string(1, '\0')) == std::string::npos)
-        continue;
       const std::int64_t other = std::stoll(number);
+      const std::string environment = rtapi::read_process_file(other, "environ");
+      if (environment.find("KERF_INSTANCE=" + instance + std::string(1, '\0')) == std::string::npos)
+        continue;
       const std::string own = rtapi::process_name(static_cast<pid_t>(other));
       if (rtapi::process_lives(other, 0) && (name.empty() || own == name)) out.push_back(number);
     }

@@ -195,8 +195,9 @@ TEST_F(ProgramsTest, HalcmdEndsWithTheStatusOfItsCommands) {
   std::string text = "loadrt and2 count=1000\n";
   for (int i = 0; i < 999; ++i) {
     const std::string n = std::to_string(i);
-    text += "net s" + n + " and2." + n + ".out => and2." + std::to_string(i + 1) + ".in0\nnet s" +
-            n + " and2." + std::to_string(i + 1) + ".in1\n";
+    const std::string next = std::to_string(i + 1);
+    text.append("net s").append(n).append(" and2.").append(n).append(".out => and2.").append(next);
+    text.append(".in0\nnet s").append(n).append(" and2.").append(next).append(".in1\n");
   }
   const auto many = file("many.hal", text);
   const auto bad = file("bad.hal", "newsig x bit\nnewsig x bit\nnewsig y bit\n");
@@ -230,8 +231,11 @@ TEST_F(ProgramsTest, HalcmdEndsWithTheStatusOfItsCommands) {
       {"loadusr -wi false", 0},
   };
   std::string script;
-  for (const auto& [words, status] : commands)
-    script += "'" + halcmd + "' " + words + " || echo \"status $?\"; echo '# " + words + "'\n";
+  for (const auto& [words, status] : commands) {
+    script.append("'").append(halcmd).append("' ").append(words).append(
+        " || echo \"status $?\"; echo '# ");
+    script.append(words).append("'\n");
+  }
   const auto shell = file("all.sh", script);
   EXPECT_EQ(halrun(file("run.hal", "loadusr -w sh " + shell + "\n")), 0) << log();
   std::string seen = log();

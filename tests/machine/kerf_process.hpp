@@ -155,7 +155,7 @@ class Kerf {
       const pid_t pid = std::stoi(number);
       if (!rtapi::process_lives(pid, 0)) continue;
       const std::string environment =
-          std::string(1, '\0') + read_file("/proc/" + number + "/environ");
+          std::string(1, '\0') + rtapi::read_process_file(std::stoll(number), "environ");
       if (environment.find(wanted) == std::string::npos) continue;
       if (name.empty() || rtapi::process_name(pid) == name) out.push_back(pid);
     }

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <iterator>
 
@@ -20,8 +19,8 @@ namespace {
 
 /// Words NAME=VALUE of a process's environment as it was started; empty for other users' processes.
 std::vector<std::string> environment_of(const std::filesystem::path& folder) {
-  std::ifstream file(folder / "environ", std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text =
+      read_process_file(std::strtoll(folder.filename().c_str(), nullptr, 10), "environ");
   std::vector<std::string> words;
   std::string_view rest(text);
   while (!rest.empty()) {

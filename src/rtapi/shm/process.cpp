@@ -1,8 +1,11 @@
 #include "rtapi/shm/process.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <sstream>
 
 namespace kerf::rtapi {
@@ -17,8 +20,7 @@ struct Stat {
 
 /// What /proc/PID/stat says; false when the process is gone.
 bool read_stat(std::int64_t pid, Stat& out) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
-  std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const std::string text = read_process_file(pid, "stat");
   // The name stands in parentheses and may hold anything, so count from the last one.
   const auto close = text.rfind(')');
   if (close == std::string::npos) return false;
@@ -35,6 +37,20 @@ bool read_stat(std::int64_t pid, Stat& out) {
 }
 
 }  // namespace
+
+std::string read_process_file(std::int64_t pid, const char* file) {
+  const std::string path = "/proc/" + std::to_string(pid) + "/" + file;
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return {};
+  std::string text;
+  char piece[4096];
+  ssize_t n = 0;
+  while ((n = ::read(fd, piece, sizeof piece)) > 0 || (n < 0 && errno == EINTR))
+    if (n > 0) text.append(piece, static_cast<std::size_t>(n));
+  ::close(fd);
+  if (n < 0) text.clear();
+  return text;
+}
 
 std::uint64_t process_start_time(std::int64_t pid) {
   Stat stat;
@@ -54,9 +70,8 @@ std::int64_t parent_of(std::int64_t pid) {
 }
 
 std::string process_name(std::int64_t pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/comm");
-  std::string name;
-  return std::getline(file, name) ? name : std::string("gone");
+  const std::string name = read_process_file(pid, "comm");
+  return name.empty() ? std::string("gone") : name.substr(0, name.find('\n'));
 }
 
 }  // namespace kerf::rtapi

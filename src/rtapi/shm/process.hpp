@@ -6,6 +6,9 @@
 
 namespace kerf::rtapi {
 
+/// What the file /proc/PID/`file` says ("stat", "environ"); empty when the process is gone or is another user's. C++ streams throw when
+/// a process ends between the opening and the reading of its file.
+std::string read_process_file(std::int64_t pid, const char* file);
 /// Start time in clock ticks since boot; 0 when there is no such process.
 std::uint64_t process_start_time(std::int64_t pid);
 /// True while that process lives; a zombie is dead. `start` 0: any process with that number.
