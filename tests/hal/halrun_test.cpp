@@ -85,6 +85,7 @@ class Sandbox {
     write("input", input);
     words[0] = std::string(KERF_BUILD_DIR) + "/bin/" + words[0];
     std::vector<char*> argv;
+    argv.reserve(words.size() + 1);
     for (auto& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
     pid = ::fork();
