@@ -32,6 +32,14 @@ bool tool_word(char letter, double value, double unit_mm, Tool& t) {
 
 }  // namespace
 
+Settings bench_settings() {
+  Settings s;
+  s.machine_unit_mm = 25.4;
+  s.start_units = Units::mm;
+  s.axis_mask = 0x3F;
+  return s;
+}
+
 rtapi::Status BenchEnvironment::load_tools(const std::string& path, double unit_mm) {
   std::FILE* file = std::fopen(path.c_str(), "re");
   if (file == nullptr)

@@ -10,6 +10,9 @@
 
 namespace kerf::interp {
 
+/// What rs274 starts with when there is no INI file: a machine XYZABC that counts in inches, programs in mm.
+[[nodiscard]] Settings bench_settings();
+
 /// Subs are searched as NAME.ngc (as written, then NAME without suffix) in the given directories; there are no
 /// M-code programs and no HAL.
 class BenchEnvironment final : public Environment {

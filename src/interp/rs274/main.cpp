@@ -80,14 +80,14 @@ std::optional<Options> read_options(int argc, char** argv) {
 class Session {
  public:
   Session(const Options& options, std::FILE* out)
-      : options_(options), out_(out), canon_(out), interp_(env_, canon_, settings()) {}
+      : options_(options), out_(out), canon_(out), interp_(env_, canon_, bench_settings()) {}
 
   int run() {
     env_.add_directory("");
     const std::size_t slash = options_.input.rfind('/');
     if (slash != std::string::npos) env_.add_directory(options_.input.substr(0, slash));
     if (!options_.tools.empty()) {
-      if (const auto s = env_.load_tools(options_.tools, kInch); !s.ok())
+      if (const auto s = env_.load_tools(options_.tools, bench_settings().machine_unit_mm); !s.ok())
         return problem(s.error().message());
     }
     if (!options_.parameters.empty()) {
@@ -106,17 +106,6 @@ class Session {
   }
 
  private:
-  static constexpr double kInch = 25.4;
-
-  // Without an INI the machine counts in inches and programs start in mm, as the peer's does.
-  static Settings settings() {
-    Settings s;
-    s.machine_unit_mm = kInch;
-    s.start_units = Units::mm;
-    s.axis_mask = 0x3F;  // XYZABC: what a line of the output has
-    return s;
-  }
-
   static int problem(const std::string& text) {
     std::fprintf(stderr, "%s\n", text.c_str());
     return 1;

@@ -1,7 +1,14 @@
-// Golden canon output: each directory beside this file is one case (test.ngc, expected, README, perhaps tools.tbl).
+// Golden canon output. A case is a directory FAMILY/NAME beside this file:
+//   test.ngc        the program; run as `rs274 -g` does
+//   expected        the canonical calls, and the error that ends it, if any
+//   README          one line: what the case shows
+//   tools.tbl, parameters.var, NAME.ngc   optional: tool table, parameters at the start, subs in files
+// KERF_GOLDEN_WRITE=1 writes `expected` anew: read the difference before keeping it. compare_with_peer runs the same
+// programs with LinuxCNC.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -9,6 +16,7 @@
 #include <sstream>
 
 #include "interp/interpreter.hpp"
+#include "interp/parameters.hpp"
 #include "interp/rs274/bench_environment.hpp"
 #include "interp/text_canon.hpp"
 
@@ -30,17 +38,17 @@ std::string interpret(const fs::path& dir) {
   std::size_t size = 0;
   std::FILE* out = open_memstream(&text, &size);
   {
-    constexpr double kInch = 25.4;  // as rs274 without an INI file
-    Settings settings;
-    settings.machine_unit_mm = kInch;
-    settings.start_units = Units::mm;
+    const Settings settings = bench_settings();
     BenchEnvironment world;
     world.add_directory(dir.string());
     if (fs::exists(dir / "tools.tbl")) {
-      EXPECT_TRUE(world.load_tools((dir / "tools.tbl").string(), kInch).ok());
+      EXPECT_TRUE(world.load_tools((dir / "tools.tbl").string(), settings.machine_unit_mm).ok());
     }
     TextCanon canon(out);
     Interpreter interp(world, canon, settings);
+    if (fs::exists(dir / "parameters.var")) {
+      EXPECT_TRUE(ParameterFile((dir / "parameters.var").string()).load(interp.parameters()).ok());
+    }
     interp.init();
     EXPECT_TRUE(interp.open((dir / "test.ngc").string()).ok());
     for (int i = 0; i < 100000; ++i) {
@@ -68,8 +76,9 @@ std::string interpret(const fs::path& dir) {
 
 std::vector<std::string> cases() {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(kCases)) {
-    if (entry.is_directory()) names.push_back(entry.path().filename().string());
+  for (const auto& entry : fs::recursive_directory_iterator(kCases)) {
+    if (entry.path().filename() == "test.ngc")
+      names.push_back(fs::relative(entry.path().parent_path(), kCases).string());
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -87,7 +96,8 @@ TEST_P(Golden, PrintsWhatWasReviewed) {
 
 INSTANTIATE_TEST_SUITE_P(Interp, Golden, ::testing::ValuesIn(cases()), [](const auto& row) {
   std::string name = row.param;
-  std::replace(name.begin(), name.end(), '-', '_');
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
   return name;
 });
 
