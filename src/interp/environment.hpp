@@ -10,6 +10,9 @@
 
 namespace kerf::interp {
 
+/// Whose manual rules where the manuals of LinuxCNC differ ([RS274NGC]COMPAT = 2.7, 2.8).
+enum class Compat : std::uint8_t { v2_7, v2_8, newest };
+
 /// Fixed for the life of an interpreter. Keys: [RS274NGC], [TRAJ], [EMCIO] of the INI (integrator manual).
 struct Settings {
   double machine_unit_mm{
@@ -29,6 +32,16 @@ struct Settings {
   double g64_default_naivecam_mm{0};
   double g73_clearance_mm{0};  ///< 0 = the documented default (1 mm, .050 in)
   double g83_clearance_mm{0};
+  bool ini_vars{true};      ///< INI_VARS: #<_ini[section]key> may be read
+  bool hal_pin_vars{true};  ///< HAL_PIN_VARS: #<_hal[name]> may be read
+  bool oword_nargs{false};  ///< OWORD_NARGS: a called sub has #<n_args>
+  bool no_downcase_oword{false};        ///< NO_DOWNCASE_OWORD: names in comments keep their case
+  bool oword_warnonly{false};           ///< OWORD_WARNONLY: errors around O-words only warn
+  bool disable_fanuc_style_sub{false};  ///< DISABLE_FANUC_STYLE_SUB: no M98, M99 and O-numbers
+  Compat compat{Compat::newest};        ///< COMPAT
+  std::string dialect{"linuxcnc"};      ///< DIALECT
+  int log_level{-1};                    ///< LOG_LEVEL
+  std::string log_file;                 ///< LOG_FILE; "": standard error
 };
 
 /// Outcome of a look-up of a user M-code.
