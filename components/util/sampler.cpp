@@ -6,49 +6,30 @@
 
 namespace kerf::components {
 
-class SamplerChannel {
+class SamplerChannel : public hal::StreamChannelBase<hal::In<std::uint64_t>> {
  public:
-  SamplerChannel(hal::Builder& b, std::size_t index, const hal::StreamChannel* configs) noexcept {
-    const hal::StreamChannel& config = configs[index];
-    const hal::Name prefix = hal::numbered("sampler.#", index);
-    stream_ =
-        hal::make_channel_stream(b, hal::kSamplerKey + static_cast<std::uint32_t>(index), config);
+  SamplerChannel(hal::Builder& b, std::size_t index, const hal::StreamChannel* configs) noexcept
+      : StreamChannelBase(b, "sampler.#", hal::kSamplerKey, index, configs, hal::Dir::in) {
     if (!stream_.valid()) return;
-
-    for (std::size_t i = 0; i < stream_.columns(); ++i) {
-      columns_.add(hal::In<std::uint64_t>(
-          b.add_pin(name(prefix, hal::numbered("pin.#", i)), stream_.type(i), hal::Dir::in, 0,
-                    "Value of this column; its type is the letter in cfg=")));
-    }
-    curr_depth_ = hal::make_pin<hal::Out<std::int32_t>>(b, name(prefix, "curr-depth"),
+    curr_depth_ = hal::make_pin<hal::Out<std::int32_t>>(b, named("curr-depth"),
                                                         "Samples that wait in the FIFO");
-    full_ = hal::make_pin<hal::Out<bool>>(b, name(prefix, "full"),
+    full_ = hal::make_pin<hal::Out<bool>>(b, named("full"),
                                           "True while the FIFO has no room for a sample");
-    enable_ = hal::make_pin<hal::In<bool>>(b, name(prefix, "enable"),
-                                           "True takes a sample at each call", true);
+    enable_ =
+        hal::make_pin<hal::In<bool>>(b, named("enable"), "True takes a sample at each call", true);
     overruns_ = hal::make_pin<hal::Io<std::int32_t>>(
-        b, name(prefix, "overruns"), "Samples lost for want of room; may be set back");
+        b, named("overruns"), "Samples lost for want of room; may be set back");
     sample_num_ = hal::make_pin<hal::Io<std::int32_t>>(
-        b, name(prefix, "sample-num"), "Number that the next sample gets; may be set back");
+        b, named("sample-num"), "Number that the next sample gets; may be set back");
     b.add_function(
-        prefix,
+        prefix(),
         [](void* object, const hal::Period&) noexcept {
           static_cast<SamplerChannel*>(object)->sample();
         },
         this, "Takes one sample of all pins of this channel");
   }
 
-  void close() noexcept {
-    if (stream_.valid()) stream_.close();
-  }
-
  private:
-  static hal::Name name(hal::Name prefix, std::string_view suffix) noexcept {
-    prefix.append(".");
-    prefix.append(suffix);
-    return prefix;
-  }
-
   void sample() noexcept {
     if (enable_) {
       const std::int32_t number = sample_num_;
@@ -59,21 +40,14 @@ class SamplerChannel {
         // Rows of a stream are numbered from 1, samples from 0.
         stream_.commit(static_cast<std::uint64_t>(std::int64_t{number} + 1));
       } else {
-        overruns_ = next(overruns_);
+        overruns_ = count_on(overruns_);
       }
-      sample_num_ = next(number);
+      sample_num_ = count_on(number);
     }
     curr_depth_ = static_cast<std::int32_t>(stream_.size());
     full_ = stream_.full();
   }
-  /// Counts through the whole range of s32 and round again.
-  static std::int32_t next(std::int32_t n) noexcept {
-    return static_cast<std::int32_t>(static_cast<std::uint32_t>(n) + 1U);
-  }
 
-  hal::Stream stream_;
-  hal::PinArray<hal::In<std::uint64_t>, hal::kStreamColumns>
-      columns_;  // slots as they are, any type
   hal::Out<std::int32_t> curr_depth_;
   hal::Out<bool> full_;
   hal::In<bool> enable_;
@@ -96,17 +70,10 @@ class Sampler final : public hal::Component<Sampler> {
       .singleton = true,
       .example = "cfg=bfs depth=100"};
 
-  explicit Sampler(hal::Builder& b) noexcept : Component(b) {
-    const hal::StreamChannels configs = hal::read_stream_channels(b);
-    channels_ = hal::make_array<SamplerChannel>(
-        b, configs.size, static_cast<const hal::StreamChannel*>(configs.channel));
-  }
-  ~Sampler() {
-    for (SamplerChannel& channel : channels_) channel.close();
-  }
+  explicit Sampler(hal::Builder& b) noexcept : Component(b), channels_(b) {}
 
  private:
-  hal::Array<SamplerChannel> channels_;
+  hal::StreamChannelSet<SamplerChannel> channels_;
 };
 
 }  // namespace kerf::components

@@ -9,53 +9,34 @@ namespace kerf::components {
 /// When a row is due, as the pin clock-mode says.
 enum ClockMode : std::int32_t { each_call = 0, falling_edge = 1, rising_edge = 2, any_edge = 3 };
 
-class StreamerChannel {
+class StreamerChannel : public hal::StreamChannelBase<hal::Out<std::uint64_t>> {
  public:
-  StreamerChannel(hal::Builder& b, std::size_t index, const hal::StreamChannel* configs) noexcept {
-    const hal::StreamChannel& config = configs[index];
-    const hal::Name prefix = hal::numbered("streamer.#", index);
-    stream_ =
-        hal::make_channel_stream(b, hal::kStreamerKey + static_cast<std::uint32_t>(index), config);
+  StreamerChannel(hal::Builder& b, std::size_t index, const hal::StreamChannel* configs) noexcept
+      : StreamChannelBase(b, "streamer.#", hal::kStreamerKey, index, configs, hal::Dir::out) {
     if (!stream_.valid()) return;
-
-    for (std::size_t i = 0; i < stream_.columns(); ++i) {
-      columns_.add(hal::Out<std::uint64_t>(
-          b.add_pin(name(prefix, hal::numbered("pin.#", i)), stream_.type(i), hal::Dir::out, 0,
-                    "Value of this column; its type is the letter in cfg=")));
-    }
     curr_depth_ = hal::make_pin<hal::Out<std::int32_t>>(
-        b, name(prefix, "curr-depth"), "Rows in the FIFO before this call takes one");
-    empty_ = hal::make_pin<hal::Out<bool>>(b, name(prefix, "empty"),
+        b, named("curr-depth"), "Rows in the FIFO before this call takes one");
+    empty_ = hal::make_pin<hal::Out<bool>>(b, named("empty"),
                                            "True when this call found no row in the FIFO", true);
-    enable_ = hal::make_pin<hal::In<bool>>(b, name(prefix, "enable"),
-                                           "True lets rows through to the pins", true);
+    enable_ = hal::make_pin<hal::In<bool>>(b, named("enable"), "True lets rows through to the pins",
+                                           true);
     underruns_ = hal::make_pin<hal::Io<std::int32_t>>(
-        b, name(prefix, "underruns"), "Rows that were due and not there; may be set back");
-    clock_ = hal::make_pin<hal::In<bool>>(b, name(prefix, "clock"),
+        b, named("underruns"), "Rows that were due and not there; may be set back");
+    clock_ = hal::make_pin<hal::In<bool>>(b, named("clock"),
                                           "Edges on which a row is due, see clock-mode");
     clock_mode_ = hal::make_pin<hal::In<std::int32_t>>(
-        b, name(prefix, "clock-mode"),
+        b, named("clock-mode"),
         "When a row is due: 0 at each call, 1 at the falling edge of clock, 2 at the rising edge, "
         "3 at both");
     b.add_function(
-        prefix,
+        prefix(),
         [](void* object, const hal::Period&) noexcept {
           static_cast<StreamerChannel*>(object)->update();
         },
         this, "Writes the next row to the pins of this channel");
   }
 
-  void close() noexcept {
-    if (stream_.valid()) stream_.close();
-  }
-
  private:
-  static hal::Name name(hal::Name prefix, std::string_view suffix) noexcept {
-    prefix.append(".");
-    prefix.append(suffix);
-    return prefix;
-  }
-
   bool due() noexcept {
     const bool now = clock_;
     const bool rises = now && !last_clock_;
@@ -78,7 +59,7 @@ class StreamerChannel {
     if (!wanted || !enable_) return;
     std::uint64_t row[hal::kStreamColumns];
     if (!stream_.read(row)) {
-      underruns_ = static_cast<std::int32_t>(static_cast<std::uint32_t>(underruns_.get()) + 1U);
+      underruns_ = count_on(underruns_);
       return;
     }
     for (std::size_t i = 0; i < columns_.size(); ++i) {
@@ -86,9 +67,6 @@ class StreamerChannel {
     }
   }
 
-  hal::Stream stream_;
-  hal::PinArray<hal::Out<std::uint64_t>, hal::kStreamColumns>
-      columns_;  // slots as they are, any type
   hal::Out<std::int32_t> curr_depth_;
   hal::Out<bool> empty_;
   hal::In<bool> enable_;
@@ -114,17 +92,10 @@ class Streamer final : public hal::Component<Streamer> {
       .singleton = true,
       .example = "cfg=bfs depth=100"};
 
-  explicit Streamer(hal::Builder& b) noexcept : Component(b) {
-    const hal::StreamChannels configs = hal::read_stream_channels(b);
-    channels_ = hal::make_array<StreamerChannel>(
-        b, configs.size, static_cast<const hal::StreamChannel*>(configs.channel));
-  }
-  ~Streamer() {
-    for (StreamerChannel& channel : channels_) channel.close();
-  }
+  explicit Streamer(hal::Builder& b) noexcept : Component(b), channels_(b) {}
 
  private:
-  hal::Array<StreamerChannel> channels_;
+  hal::StreamChannelSet<StreamerChannel> channels_;
 };
 
 }  // namespace kerf::components

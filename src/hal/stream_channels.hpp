@@ -1,4 +1,4 @@
-// The lists cfg= and depth= of the components that have a stream a channel (sampler, streamer).
+// Components that have a stream a channel (sampler, streamer): the lists cfg= and depth=, and what their channels have in common.
 #pragma once
 
 #include <cstddef>
@@ -100,5 +100,63 @@ inline Stream make_channel_stream(Builder& b, std::uint32_t key,
       stream_memory_name(key), Stream::bytes(channel.depth, channel.types.size()), kStreamAbi);
   return memory == nullptr ? Stream() : Stream::create(memory, channel.depth, channel.types);
 }
+
+/// One channel: its stream, a pin a column ("COMPONENT.N.pin.M", `Pin` an In or Out of raw slots), and the names of its other pins.
+template <class Pin>
+class StreamChannelBase {
+ public:
+  void close() noexcept {
+    if (stream_.valid()) stream_.close();
+  }
+
+ protected:
+  /// `name` with a '#' for the channel's number. Without a stream there are no columns, and the builder has failed.
+  StreamChannelBase(Builder& b, std::string_view name, std::uint32_t first_key, std::size_t index,
+                    const StreamChannel* configs, Dir dir) noexcept
+      : prefix_(numbered(name, index)),
+        stream_(
+            make_channel_stream(b, first_key + static_cast<std::uint32_t>(index), configs[index])) {
+    for (std::size_t i = 0; stream_.valid() && i < stream_.columns(); ++i) {
+      columns_.add(Pin(b.add_pin(named(numbered("pin.#", i)), stream_.type(i), dir, 0,
+                                 "Value of this column; its type is the letter in cfg=")));
+    }
+  }
+
+  [[nodiscard]] const Name& prefix() const noexcept { return prefix_; }
+  [[nodiscard]] Name named(std::string_view suffix) const noexcept {
+    Name out = prefix_;
+    out.append(".");
+    out.append(suffix);
+    return out;
+  }
+  /// The next number of the whole range of s32 and round again.
+  static std::int32_t count_on(std::int32_t n) noexcept {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(n) + 1U);
+  }
+
+  // Realtime state of the derived class, which alone uses them.
+  Name prefix_;                            // NOLINT(*-non-private-member-variables-in-classes)
+  Stream stream_;                          // NOLINT(*-non-private-member-variables-in-classes)
+  PinArray<Pin, kStreamColumns> columns_;  // NOLINT(*-non-private-member-variables-in-classes)
+};
+
+/// All channels that loadrt asked for. Programs at the other ends learn of its end.
+template <class Channel>
+class StreamChannelSet {
+ public:
+  explicit StreamChannelSet(Builder& b) noexcept {
+    const StreamChannels configs = read_stream_channels(b);
+    channels_ =
+        make_array<Channel>(b, configs.size, static_cast<const StreamChannel*>(configs.channel));
+  }
+  ~StreamChannelSet() {
+    for (Channel& channel : channels_) channel.close();
+  }
+  StreamChannelSet(const StreamChannelSet&) = delete;
+  StreamChannelSet& operator=(const StreamChannelSet&) = delete;
+
+ private:
+  Array<Channel> channels_;
+};
 
 }  // namespace kerf::hal

@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "launcher/process.hpp"
+#include "rtapi/shm/leftovers.hpp"
 #include "rtapi/shm/segment.hpp"
 
 namespace kerf::launcher {
@@ -30,7 +30,7 @@ constexpr int kPatienceMs = 400;
     n = read(fd, &word, 1);
   } while (n < 0 && errno == EINTR);
   if (n == 0) {
-    (void)end_processes_of_run(run_id, kPatienceMs);
+    (void)rtapi::end_processes_of_run(run_id, kPatienceMs);
     (void)rtapi::Segment::remove(instance);
   }
   _exit(0);

@@ -1,41 +1,23 @@
 #include "launcher/process.hpp"
 
-#include <dirent.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <iterator>
 #include <utility>
 
-#include "rtapi/clock/real_clock.hpp"
-#include "rtapi/shm/process.hpp"
+#include "rtapi/shm/socket.hpp"
 
 namespace kerf::launcher {
 
 using rtapi::Errc;
 
 namespace {
-
-int open_pidfd(pid_t pid) { return static_cast<int>(syscall(SYS_pidfd_open, pid, 0)); }
-
-bool belongs_to_run(const std::string& pid, const std::string& wanted) {
-  const std::string text =
-      rtapi::read_process_file(std::strtoll(pid.c_str(), nullptr, 10), "environ");
-  for (std::size_t at = text.find(wanted); at != std::string::npos;
-       at = text.find(wanted, at + 1)) {
-    const std::size_t end = at + wanted.size();
-    if ((at == 0 || text[at - 1] == '\0') && (end == text.size() || text[end] == '\0')) return true;
-  }
-  return false;
-}
 
 /// In the child, between fork and exec: only calls that are safe there.
 [[noreturn]] void become(char* const* words, bool terminal, int report_fd) {
@@ -51,22 +33,6 @@ bool belongs_to_run(const std::string& pid, const std::string& wanted) {
   const int error = errno;
   [[maybe_unused]] const ssize_t written = write(report_fd, &error, sizeof error);
   _exit(127);
-}
-
-void reap_children() {
-  while (waitpid(-1, nullptr, WNOHANG) > 0) {
-  }
-}
-
-void signal_run(const std::string& run_id, pid_t except, int number) {
-  for (const pid_t pid : processes_of_run(run_id, except)) {
-    // The descriptor pins the process: a number that was used again meanwhile is seen by the second look.
-    const int fd = open_pidfd(pid);
-    if (fd < 0) continue;
-    if (belongs_to_run(std::to_string(pid), "KERF_RUN_ID=" + run_id))
-      (void)syscall(SYS_pidfd_send_signal, fd, number, nullptr, 0);
-    close(fd);
-  }
 }
 
 }  // namespace
@@ -103,8 +69,7 @@ rtapi::Result<Child> Child::start(const std::vector<std::string>& words, bool te
   const std::size_t slash = words.front().rfind('/');
   child.name_ = slash == std::string::npos ? words.front() : words.front().substr(slash + 1);
   child.pid_ = pid;
-  child.pidfd_ = open_pidfd(pid);
-  if (child.pidfd_ >= 0) (void)fcntl(child.pidfd_, F_SETFD, FD_CLOEXEC);
+  child.pidfd_ = rtapi::open_pidfd(pid);
   return child;
 }
 
@@ -138,46 +103,6 @@ void Child::signal(int number) {
   if (pid_ <= 0 || !running()) return;
   // Before the child has made its group there is only the process itself.
   if (kill(-pid_, number) != 0) kill(pid_, number);
-}
-
-std::vector<pid_t> processes_of_run(const std::string& run_id, pid_t except) {
-  std::vector<pid_t> out;
-  const std::string wanted = "KERF_RUN_ID=" + run_id;
-  DIR* dir = opendir("/proc");
-  if (dir == nullptr) return out;
-  while (const dirent* entry = readdir(dir)) {
-    char* end = nullptr;
-    const auto pid = static_cast<pid_t>(std::strtol(entry->d_name, &end, 10));
-    if (pid <= 0 || *end != '\0' || pid == getpid() || pid == except) continue;
-    if (belongs_to_run(entry->d_name, wanted) && rtapi::process_lives(pid, 0)) out.push_back(pid);
-  }
-  closedir(dir);
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
-std::vector<std::string> end_processes_of_run(const std::string& run_id, int patience_ms,
-                                              pid_t except) {
-  std::vector<std::string> killed;
-  const auto gone_within = [&](int ms) {
-    const rtapi::Nanos limit = rtapi::monotonic_now() + ms * rtapi::kMillisecond;
-    for (int step = 1;; step = std::min(step * 2, 16)) {
-      reap_children();
-      if (processes_of_run(run_id, except).empty()) return true;
-      if (rtapi::monotonic_now() > limit) return false;
-      pause_ms(step);
-    }
-  };
-  signal_run(run_id, except, SIGTERM);
-  if (gone_within(patience_ms)) return killed;
-  // Whoever was born meanwhile is caught by the second round.
-  for (int round = 0; round < 3; ++round) {
-    for (const pid_t pid : processes_of_run(run_id, except))
-      killed.push_back(rtapi::process_name(pid));
-    signal_run(run_id, except, SIGKILL);
-    if (gone_within(300)) break;
-  }
-  return killed;
 }
 
 std::string find_program(const std::string& name) {

@@ -1,4 +1,4 @@
-// Child processes of the launcher, and whatever else runs for an instance.
+// Child processes of the launcher. Whatever else runs for an instance: rtapi/shm/leftovers.hpp.
 #pragma once
 
 #include <sys/types.h>
@@ -49,14 +49,6 @@ class Child {
   int pidfd_{-1};
   std::optional<ExitState> exit_;
 };
-
-/// Processes whose environment names this start of the instance (KERF_RUN_ID), without this process and `except`.
-[[nodiscard]] std::vector<pid_t> processes_of_run(const std::string& run_id, pid_t except = -1);
-
-/// Ends them: SIGTERM, then SIGKILL for those that are left after `patience_ms` of real time. Reaps children of this process.
-/// Gives the names of those that had to be killed.
-std::vector<std::string> end_processes_of_run(const std::string& run_id, int patience_ms,
-                                              pid_t except = -1);
 
 /// Full path of a program found by PATH, or by itself when it has a slash; "" when it cannot be executed.
 [[nodiscard]] std::string find_program(const std::string& name);

@@ -5,6 +5,7 @@
 
 #include "launcher/hal_link.hpp"
 #include "launcher/session.hpp"
+#include "rtapi/shm/leftovers.hpp"
 
 namespace kerf::launcher {
 
@@ -73,11 +74,11 @@ void Session::end_processes() {
   for (auto at = children_.rbegin(); at != children_.rend(); ++at)
     if (at->get() != realtime_) end(**at);
   const pid_t host = realtime_ != nullptr && realtime_->running() ? realtime_->pid() : -1;
-  const std::vector<std::string> killed = end_processes_of_run(run_id_, kPatienceMs, host);
+  const std::vector<std::string> killed = rtapi::end_processes_of_run(run_id_, kPatienceMs, host);
   for (const std::string& name : killed)
     console_.say(name + " did not end within a second and was killed");
   if (realtime_ != nullptr) end(*realtime_);
-  (void)end_processes_of_run(run_id_, kPatienceMs);
+  (void)rtapi::end_processes_of_run(run_id_, kPatienceMs);
 }
 
 }  // namespace kerf::launcher

@@ -1,15 +1,14 @@
 // Each folder in check/ is a case of `halcmd check`: its test.hal, or the files that its file `files` names, or else those of its
-// test.ini. What is found is compared with the file `expected`. KERF_GOLDEN_UPDATE=1 writes it anew.
+// test.ini. What is found is compared with the file `expected`.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "hal/cmd/check.hpp"
+#include "hal/golden.hpp"
 #include "ini/ini_file.hpp"
 
 namespace kerf::hal::test {
@@ -17,22 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kFolder = fs::path(KERF_SOURCE_DIR) / "tests/hal/check";
-
-std::string read_file(const fs::path& path) {
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-std::vector<std::string> cases() {
-  std::vector<std::string> out;
-  for (const auto& entry : fs::directory_iterator(kFolder))
-    if (entry.is_directory()) out.push_back(entry.path().filename().string());
-  std::sort(out.begin(), out.end());
-  return out;
-}
+const fs::path kFolder = hal_tests() / "check";
 
 std::string found_in_present_folder() {
   ini::LoadResult ini;
@@ -58,23 +42,12 @@ std::string found_in_present_folder() {
 class HalCheck : public testing::TestWithParam<std::string> {};
 
 TEST_P(HalCheck, FindsWhatIsExpected) {
-  const fs::path folder = kFolder / GetParam();
-  const fs::path old = fs::current_path();
-  fs::current_path(folder);
-  const std::string got = found_in_present_folder();
-  fs::current_path(old);
-  if (std::getenv("KERF_GOLDEN_UPDATE") != nullptr) {
-    std::ofstream(folder / "expected") << got;
-    GTEST_SKIP() << "written anew";
-  }
-  EXPECT_EQ(got, read_file(folder / "expected"));
+  const InFolder folder(kFolder / GetParam());
+  expect_file("expected", found_in_present_folder());
 }
 
-INSTANTIATE_TEST_SUITE_P(Folders, HalCheck, testing::ValuesIn(cases()), [](const auto& tested) {
-  std::string name = tested.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Folders, HalCheck, testing::ValuesIn(folders_of_cases(kFolder)),
+                         case_name);
 
 /// A driver that would open its device in any circumstances.
 class Careless final : public Component<Careless> {

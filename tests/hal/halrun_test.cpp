@@ -14,6 +14,7 @@
 #include <sstream>
 #include <vector>
 
+#include "hal/eventually.hpp"
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/shm/leftovers.hpp"
 #include "rtapi/shm/process.hpp"
@@ -24,20 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-constexpr int kLimitS = 60;
-
-bool eventually(const std::function<bool()>& condition) {
-  const auto clock = rtapi::make_real_clock();
-  const rtapi::Nanos limit = clock->now() + kLimitS * rtapi::kSecond;
-  while (!condition()) {
-    if (clock->now() > limit) return false;
-    rtapi::WaitSpec spec;
-    spec.wake_at(clock->now() + 2 * rtapi::kMillisecond);
-    clock->wait(spec);
-  }
-  return true;
-}
 
 /// A folder with scripts, and programs that run in it for an instance of their own.
 class Sandbox {

@@ -3,14 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "hal/cmd/check.hpp"
 #include "hal/cmd/describe.hpp"
 #include "hal/cmd/graph.hpp"
+#include "hal/golden.hpp"
 
 namespace kerf::hal::test {
 namespace {
@@ -19,22 +17,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
 
-const fs::path kFolder = fs::path(KERF_SOURCE_DIR) / "tests/hal";
-
-std::string read_file(const fs::path& path) {
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-void compare(const fs::path& path, const std::string& got) {
-  if (std::getenv("KERF_GOLDEN_UPDATE") != nullptr) {
-    std::ofstream(path) << got;
-    GTEST_SKIP() << "written anew";
-  }
-  EXPECT_EQ(got, read_file(path)) << path;
-}
+const fs::path kFolder = hal_tests();
 
 std::string graph_of(const std::string& script, const GraphOptions& options = {}) {
   StaticSource modules(static_components());
@@ -50,8 +33,8 @@ class HalGraph : public testing::TestWithParam<const char*> {};
 
 TEST_P(HalGraph, DrawsWhatIsExpected) {
   const fs::path folder = kFolder / "graph";
-  compare(folder / (std::string(GetParam()) + ".dot"),
-          graph_of(read_file(folder / (std::string(GetParam()) + ".hal"))));
+  expect_file(folder / (std::string(GetParam()) + ".dot"),
+              graph_of(read_file(folder / (std::string(GetParam()) + ".hal"))));
 }
 INSTANTIATE_TEST_SUITE_P(Scripts, HalGraph, testing::Values("chain", "feedback", "panel"));
 
@@ -103,9 +86,9 @@ TEST_P(HalDescribe, PagesComeFromTheDeclaration) {
   Describer describer(modules);
   const auto declaration = describer.describe(GetParam());
   ASSERT_TRUE(declaration.ok());
-  compare(kFolder / "describe" / (std::string(GetParam()) + ".txt"),
-          man_page(*declaration) + markdown_page(*declaration) + text_page(*declaration) +
-              declaration_json(*declaration));
+  expect_file(kFolder / "describe" / (std::string(GetParam()) + ".txt"),
+              man_page(*declaration) + markdown_page(*declaration) + text_page(*declaration) +
+                  declaration_json(*declaration));
 }
 INSTANTIATE_TEST_SUITE_P(Components, HalDescribe, testing::Values("and2", "sampler"));
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "hal/core/view.hpp"
+#include "hal/eventually.hpp"
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/shm/leftovers.hpp"
 #include "rtapi/shm/process.hpp"
@@ -90,17 +91,6 @@ class ProgramsTest : public testing::Test {
     if (!ended) return -1;
     std::erase(children_, pid);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  }
-  static bool eventually(const std::function<bool()>& condition, int seconds) {
-    const auto clock = rtapi::make_real_clock();
-    const rtapi::Nanos limit = clock->now() + seconds * rtapi::kSecond;
-    while (!condition()) {
-      if (clock->now() > limit) return false;
-      rtapi::WaitSpec spec;
-      spec.wake_at(clock->now() + 2 * rtapi::kMillisecond);
-      clock->wait(spec);
-    }
-    return true;
   }
   int halrun(const std::string& script) {
     return wait_for(start({bin_folder + "halrun", script}), 60);

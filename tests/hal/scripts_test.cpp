@@ -1,14 +1,11 @@
 // Each folder beside this file with a test.hal is a case: its commands run with "keep going", and what halcmd prints is compared
-// with the file `expected`. KERF_GOLDEN_UPDATE=1 writes it anew; look at the difference before you commit it.
+// with the file `expected`.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "hal/cmd/commander.hpp"
+#include "hal/golden.hpp"
 #include "hal/script_machine.hpp"
 #include "ini/ini_file.hpp"
 
@@ -16,8 +13,6 @@ namespace kerf::hal::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kFolder = fs::path(KERF_SOURCE_DIR) / "tests/hal";
 
 class Both final : public CommandSink {
  public:
@@ -46,28 +41,10 @@ std::string without_addresses(const std::string& text) {
   return out;
 }
 
-std::string read_file(const fs::path& path) {
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-std::vector<std::string> cases() {
-  std::vector<std::string> out;
-  for (const auto& entry : fs::directory_iterator(kFolder)) {
-    if (fs::exists(entry.path() / "test.hal")) out.push_back(entry.path().filename().string());
-  }
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
 class HalScript : public testing::TestWithParam<std::string> {};
 
 TEST_P(HalScript, PrintsWhatIsExpected) {
-  const fs::path folder = kFolder / GetParam();
-  const fs::path old = fs::current_path();
-  fs::current_path(folder);  // scripts name their files relative to themselves
+  const InFolder folder(hal_tests() / GetParam());
   Both sink;
   {
     ScriptMachine machine;
@@ -83,20 +60,11 @@ TEST_P(HalScript, PrintsWhatIsExpected) {
     commander.set_keep_going(true);
     (void)commander.run_file("test.hal");
   }
-  fs::current_path(old);
-  const std::string got = without_addresses(sink.text);
-  if (std::getenv("KERF_GOLDEN_UPDATE") != nullptr) {
-    std::ofstream(folder / "expected") << got;
-    GTEST_SKIP() << "written anew";
-  }
-  EXPECT_EQ(got, read_file(folder / "expected"));
+  expect_file("expected", without_addresses(sink.text));
 }
 
-INSTANTIATE_TEST_SUITE_P(Folders, HalScript, testing::ValuesIn(cases()), [](const auto& tested) {
-  std::string name = tested.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Folders, HalScript,
+                         testing::ValuesIn(folders_of_cases(hal_tests(), "test.hal")), case_name);
 
 }  // namespace
 }  // namespace kerf::hal::test

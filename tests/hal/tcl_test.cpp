@@ -6,34 +6,19 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <vector>
+
+#include "hal/golden.hpp"
 
 namespace kerf::hal::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kFolder = fs::path(KERF_SOURCE_DIR) / "tests/hal/tcl";
-
-std::string read_file(const fs::path& path) {
-  std::ifstream in(path);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-std::vector<std::string> cases() {
-  std::vector<std::string> out;
-  for (const auto& entry : fs::directory_iterator(kFolder))
-    if (fs::exists(entry.path() / "test.tcl")) out.push_back(entry.path().filename().string());
-  std::sort(out.begin(), out.end());
-  return out;
-}
+const fs::path kFolder = hal_tests() / "tcl";
 
 /// What depends on the machine: the warning about its kernel, process numbers, and where the tree lies.
 std::string normalised(const std::string& text) {
@@ -95,20 +80,11 @@ TEST_P(TclCase, PrintsWhatIsExpected) {
   text += "--- exit status " +
           std::to_string(WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status)) + "\n";
   fs::remove_all(scratch);
-  if (std::getenv("KERF_GOLDEN_UPDATE") != nullptr) {
-    std::ofstream(folder / "expected") << text;
-    return;
-  }
-  EXPECT_EQ(text, read_file(folder / "expected"));
+  expect_file(folder / "expected", text);
 }
 
-std::string case_name(const testing::TestParamInfo<std::string>& test) {
-  std::string name = test.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
-
-INSTANTIATE_TEST_SUITE_P(Tcl, TclCase, testing::ValuesIn(cases()), case_name);
+INSTANTIATE_TEST_SUITE_P(Tcl, TclCase, testing::ValuesIn(folders_of_cases(kFolder, "test.tcl")),
+                         case_name);
 
 }  // namespace
 }  // namespace kerf::hal::test

@@ -13,15 +13,16 @@
 #include "hal/capi/hal_lib.hpp"
 #include "hal/capi/messages.hpp"
 #include "hal/capi/realtime_view.hpp"
+#include "hal/shared_memory.hpp"
 #include "rtapi/sync/cell.hpp"
 #include "rtapi/thread/cyclic_thread.hpp"
 
 using namespace kerf::hal::capi;  // NOLINT(google-build-using-namespace): the published names
+using kerf::hal::kSharedMemoryAbi;
 using kerf::hal::View;
 
 namespace {
 
-constexpr std::uint64_t kSharedMemoryAbi = 0x6b73'686d'0000'0001ULL;
 constexpr int kMostBlocks = 64;
 
 /// One block that this process uses. Handles are places in the table, from 1.
@@ -39,9 +40,7 @@ SharedBlock* block_of(int handle) {
 }
 
 std::string block_name(int key) {
-  char text[24];
-  std::snprintf(text, sizeof text, "shmem-%08x", static_cast<unsigned>(key));
-  return text;
+  return kerf::hal::shared_memory_name(static_cast<std::uint32_t>(key));
 }
 
 }  // namespace

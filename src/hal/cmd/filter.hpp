@@ -1,4 +1,4 @@
-// The patterns of show and list.
+// What show, list and status are asked for: kinds of objects, and the patterns of their names.
 #pragma once
 
 #include <fnmatch.h>
@@ -6,8 +6,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "hal/core/value_text.hpp"
+#include "hal/core/view.hpp"
 #include "rtapi/base/result.hpp"
 
 namespace kerf::hal {
@@ -40,5 +42,32 @@ struct Filter {
     return false;
   }
 };
+
+/// The kinds that `show ITEM` tells; "" and "all" are every one but pinexact.
+struct ShownKinds {
+  bool comp{false};
+  bool alias{false};
+  bool pin{false};
+  bool pinexact{false};
+  bool sig{false};
+  bool param{false};
+  bool funct{false};
+  bool thread{false};
+
+  static rtapi::Result<ShownKinds> of(std::string_view item);
+};
+
+/// The parts of `status ITEM`.
+struct ShownStatus {
+  bool all{false};
+  bool lock{false};
+  bool memory{false};
+
+  static rtapi::Result<ShownStatus> of(std::string_view item);
+};
+
+/// The names that `list ITEM` gives.
+rtapi::Result<std::vector<std::string>> listed_names(const View& view, std::string_view item,
+                                                     std::span<const std::string> patterns);
 
 }  // namespace kerf::hal

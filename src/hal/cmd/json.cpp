@@ -6,12 +6,9 @@
 
 #include "hal/cmd/filter.hpp"
 #include "hal/core/value_text.hpp"
-#include "rtapi/base/suggest.hpp"
 
 namespace kerf::hal {
 
-using rtapi::Errc;
-using rtapi::fail;
 using rtapi::Result;
 using Json = nlohmann::ordered_json;
 
@@ -255,70 +252,36 @@ Json threads_json(const View& view, const Filter& filter) {
   return out;
 }
 
-rtapi::Failure<rtapi::Error> unknown(const char* command, std::string_view item,
-                                     std::initializer_list<std::string_view> known) {
-  return fail(Errc::bad_argument, std::string("Unknown '") + command + "' type '" +
-                                      std::string(item) + "'" + rtapi::did_you_mean(item, known));
-}
-
 }  // namespace
 
 Result<std::string> show_json(const View& view, std::string_view item,
                               std::span<const std::string> patterns) {
   KERF_TRY(const Filter f, Filter::make(patterns));
-  const bool all = item.empty() || item == "all";
-  const auto wanted = [&](std::string_view a, std::string_view b = {}) {
-    return all || item == a || (!b.empty() && item == b);
-  };
+  KERF_TRY(const ShownKinds shown, ShownKinds::of(item));
   Json out = Json::object();
-  if (wanted("comp")) out["components"] = components_json(view, f);
-  if (wanted("alias")) out["aliases"] = aliases_json(view, f);
-  if (wanted("pin")) out["pins"] = items_json(view.pins(), f, true);
-  if (item == "pinexact") out["pins"] = items_json(view.pins(), f.exactly(), true);
-  if (wanted("sig", "signal")) out["signals"] = signals_json(view, f);
-  if (wanted("param", "parameter")) out["parameters"] = items_json(view.params(), f, false);
-  if (wanted("funct", "function")) out["functions"] = functions_json(view, f);
-  if (wanted("thread")) out["threads"] = threads_json(view, f);
-  if (out.empty()) {
-    return unknown("show", item,
-                   {"all", "alias", "comp", "pin", "pinexact", "sig", "param", "funct", "thread"});
-  }
+  if (shown.comp) out["components"] = components_json(view, f);
+  if (shown.alias) out["aliases"] = aliases_json(view, f);
+  if (shown.pin) out["pins"] = items_json(view.pins(), f, true);
+  if (shown.pinexact) out["pins"] = items_json(view.pins(), f.exactly(), true);
+  if (shown.sig) out["signals"] = signals_json(view, f);
+  if (shown.param) out["parameters"] = items_json(view.params(), f, false);
+  if (shown.funct) out["functions"] = functions_json(view, f);
+  if (shown.thread) out["threads"] = threads_json(view, f);
   return text_of(out);
 }
 
 Result<std::string> list_json(const View& view, std::string_view item,
                               std::span<const std::string> patterns) {
-  KERF_TRY(const Filter f, Filter::make(patterns));
-  Json out = Json::array();
-  const auto add = [&](const std::string& name, Type type = Type::unspecified) {
-    if (f.takes(name, type)) out.push_back(name);
-  };
-  if (item == "comp") {
-    for (const auto& c : view.components()) add(c.name);
-  } else if (item == "pin") {
-    for (const auto& p : view.pins()) add(p.name, p.type);
-  } else if (item == "sig" || item == "signal") {
-    for (const auto& s : view.signals()) add(s.name, s.type);
-  } else if (item == "param" || item == "parameter") {
-    for (const auto& p : view.params()) add(p.name, p.type);
-  } else if (item == "funct" || item == "function") {
-    for (const auto& fn : view.functions()) add(fn.name);
-  } else if (item == "thread") {
-    for (const auto& t : view.threads()) add(t.name);
-  } else {
-    return unknown("list", item, {"comp", "pin", "sig", "param", "funct", "thread"});
-  }
-  return text_of(out);
+  KERF_TRY(const auto names, listed_names(view, item, patterns));
+  return text_of(Json(names));
 }
 
 Result<std::string> status_json(const View& view, std::string_view item) {
-  const bool all = item.empty() || item == "all";
-  if (!all && item != "lock" && item != "mem")
-    return unknown("status", item, {"all", "lock", "mem"});
+  KERF_TRY(const ShownStatus shown, ShownStatus::of(item));
   Json out = Json::object();
-  if (all) out["running"] = view.running();
-  if (all) out["timing_mode"] = timing_mode_name(view.timing_mode());
-  if (all || item == "lock") {
+  if (shown.all) out["running"] = view.running();
+  if (shown.all) out["timing_mode"] = timing_mode_name(view.timing_mode());
+  if (shown.lock) {
     const std::uint32_t bits = view.lock_bits();
     Json lock;
     lock["bits"] = bits;
@@ -328,7 +291,7 @@ Result<std::string> status_json(const View& view, std::string_view item) {
     lock["run"] = (bits & lock_run) != 0;
     out["lock"] = std::move(lock);
   }
-  if (all || item == "mem") {
+  if (shown.memory) {
     const auto counts = view.counts();
     Json memory;
     memory["used_bytes"] = counts.bytes_used;

@@ -7,12 +7,9 @@
 
 #include "hal/cmd/filter.hpp"
 #include "hal/core/value_text.hpp"
-#include "rtapi/base/suggest.hpp"
 
 namespace kerf::hal {
 
-using rtapi::Errc;
-using rtapi::fail;
 using rtapi::Result;
 
 namespace {
@@ -190,73 +187,37 @@ void show_threads(std::string& out, const View& view, const Filter& filter, bool
   out += '\n';
 }
 
-rtapi::Failure<rtapi::Error> unknown(const char* command, std::string_view item,
-                                     std::initializer_list<std::string_view> known) {
-  return fail(Errc::bad_argument, std::string("Unknown '") + command + "' type '" +
-                                      std::string(item) + "'" + rtapi::did_you_mean(item, known));
-}
-
 }  // namespace
 
 Result<std::string> show_text(const View& view, std::string_view item,
                               std::span<const std::string> patterns, bool script) {
   KERF_TRY(const Filter f, Filter::make(patterns));
+  KERF_TRY(const ShownKinds shown, ShownKinds::of(item));
   std::string out;
-  const bool all = item.empty() || item == "all";
-  const auto wanted = [&](std::string_view a, std::string_view b = {}) {
-    return all || item == a || (!b.empty() && item == b);
-  };
-  bool known = all;
-  if (wanted("comp")) show_components(out, view, f, script), known = true;
-  if (item == "pinexact") {
-    const Filter exact = f.exactly();
-    show_pins(out, view, exact, script), known = true;
-  }
-  if (wanted("pin")) show_pins(out, view, f, script), known = true;
-  if (wanted("alias")) show_aliases(out, "Pin", view.pins(), f, script), known = true;
-  if (wanted("sig", "signal")) show_signals(out, view, f, script), known = true;
-  if (wanted("param", "parameter")) show_params(out, view, f, script), known = true;
-  if (wanted("alias")) show_aliases(out, "Parameter", view.params(), f, script), known = true;
-  if (wanted("funct", "function")) show_functions(out, view, f, script), known = true;
-  if (wanted("thread")) show_threads(out, view, f, script), known = true;
-  if (!known) {
-    return unknown("show", item,
-                   {"all", "alias", "comp", "pin", "pinexact", "sig", "param", "funct", "thread"});
-  }
+  if (shown.comp) show_components(out, view, f, script);
+  if (shown.pinexact) show_pins(out, view, f.exactly(), script);
+  if (shown.pin) show_pins(out, view, f, script);
+  if (shown.alias) show_aliases(out, "Pin", view.pins(), f, script);
+  if (shown.sig) show_signals(out, view, f, script);
+  if (shown.param) show_params(out, view, f, script);
+  if (shown.alias) show_aliases(out, "Parameter", view.params(), f, script);
+  if (shown.funct) show_functions(out, view, f, script);
+  if (shown.thread) show_threads(out, view, f, script);
   return out;
 }
 
 Result<std::string> list_text(const View& view, std::string_view item,
                               std::span<const std::string> patterns) {
-  KERF_TRY(const Filter f, Filter::make(patterns));
+  KERF_TRY(const auto names, listed_names(view, item, patterns));
   std::string out;
-  const auto add = [&](const std::string& name, Type type = Type::unspecified) {
-    if (f.takes(name, type)) out += name + " ";
-  };
-  if (item == "comp") {
-    for (const auto& c : view.components()) add(c.name);
-  } else if (item == "pin") {
-    for (const auto& p : view.pins()) add(p.name, p.type);
-  } else if (item == "sig" || item == "signal") {
-    for (const auto& s : view.signals()) add(s.name, s.type);
-  } else if (item == "param" || item == "parameter") {
-    for (const auto& p : view.params()) add(p.name, p.type);
-  } else if (item == "funct" || item == "function") {
-    for (const auto& fn : view.functions()) add(fn.name);
-  } else if (item == "thread") {
-    for (const auto& t : view.threads()) add(t.name);
-  } else {
-    return unknown("list", item, {"comp", "pin", "sig", "param", "funct", "thread"});
-  }
+  for (const auto& name : names) out += name + " ";
   return out + "\n";
 }
 
 Result<std::string> status_text(const View& view, std::string_view item) {
+  KERF_TRY(const ShownStatus shown, ShownStatus::of(item));
   std::string out;
-  const bool all = item.empty() || item == "all";
-  if (!all && item != "lock" && item != "mem")
-    return unknown("status", item, {"all", "lock", "mem"});
-  if (all || item == "lock") {
+  if (shown.lock) {
     const std::uint32_t bits = view.lock_bits();
     out += "HAL locking status:\n";
     put(out, "  current lock value %" PRIu32 " (%02" PRIx32 ")\n", bits, bits);
@@ -267,7 +228,7 @@ Result<std::string> status_text(const View& view, std::string_view item) {
     if ((bits & lock_params) != 0) out += "  HAL_LOCK_PARAMS  - setting params is locked\n";
     if ((bits & lock_run) != 0) out += "  HAL_LOCK_RUN     - running/stopping HAL is locked\n";
   }
-  if (all || item == "mem") {
+  if (shown.memory) {
     const auto counts = view.counts();
     out += "HAL memory status\n";
     put(out, "  used/total shared memory:   %" PRIu64 "/%" PRIu64 "\n", counts.bytes_used,

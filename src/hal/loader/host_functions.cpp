@@ -15,10 +15,17 @@ using rtapi::Status;
 
 namespace {
 
+std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
+
+Reply error(Errc code, std::string text) { return {static_cast<int>(code), std::move(text)}; }
+
+Reply no_function(const Registry& registry, const std::string& name) {
+  return error(Errc::not_found, "function " + quoted(name) + " not found" +
+                                    rtapi::did_you_mean(name, registry.names(Kind::function)));
+}
+
 constexpr std::int64_t kShortestPeriodNs = 1'000;
 constexpr std::int64_t kLongestPeriodNs = 1'000'000'000;
-
-std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
 
 Reply reply(const Status& status) {
   if (status.ok()) return {};
@@ -171,15 +178,8 @@ Status Host::drop_functions(const Loaded& loaded) {
 }
 
 Reply Host::add_function(Words argv) {
-  const auto error = [](Errc code, std::string text) {
-    return Reply{static_cast<int>(code), std::move(text)};
-  };
   FunctionRecord* function = registry_->find_function(argv[0]);
-  if (function == nullptr) {
-    return error(Errc::not_found,
-                 "function " + quoted(argv[0]) + " not found" +
-                     rtapi::did_you_mean(argv[0], registry_->names(Kind::function)));
-  }
+  if (function == nullptr) return no_function(*registry_, argv[0]);
   if (function->users > 0) {
     return error(Errc::busy, "function " + quoted(argv[0]) + " may only be added to one thread");
   }
@@ -233,15 +233,8 @@ void Host::forget_function(FunctionRecord* function) {
 }
 
 Reply Host::delete_function(Words argv) {
-  const auto error = [](Errc code, std::string text) {
-    return Reply{static_cast<int>(code), std::move(text)};
-  };
   FunctionRecord* function = registry_->find_function(argv[0]);
-  if (function == nullptr) {
-    return error(Errc::not_found,
-                 "function " + quoted(argv[0]) + " not found" +
-                     rtapi::did_you_mean(argv[0], registry_->names(Kind::function)));
-  }
+  if (function == nullptr) return no_function(*registry_, argv[0]);
   if (function->users == 0)
     return error(Errc::bad_argument, "function " + quoted(argv[0]) + " is not in use");
   Thread* thread = find_thread(argv[1]);

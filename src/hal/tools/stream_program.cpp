@@ -1,5 +1,6 @@
 #include "hal/tools/stream_program.hpp"
 
+#include <getopt.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -58,11 +59,34 @@ bool parse_number(std::string_view text, std::int64_t lowest, std::int64_t& out)
   return error == std::errc() && end == text.data() + text.size() && out >= lowest;
 }
 
-std::string bad_option(int result, int option) {
-  if (result == ':') {
-    return std::string("option -") + static_cast<char>(option) + " needs a value";
+std::optional<int> read_stream_options(int argc, char** argv, StreamProgram& program,
+                                       const std::string& more,
+                                       const std::function<std::string(int, const char*)>& take) {
+  const auto fail = [&](const std::string& text) { return complain(program.name, text); };
+  opterr = 0;
+  const std::string letters = ":c:N:h" + more;
+  const option long_options[] = {{"help", no_argument, nullptr, 'h'}, {}};
+  for (int c = 0; (c = getopt_long(argc, argv, letters.c_str(), long_options, nullptr)) != -1;) {
+    switch (c) {
+      case 'c':
+        if (!parse_number(optarg, 0, program.channel)) {
+          return fail("-c takes the number of a FIFO, from 0, not '" + std::string(optarg) + "'");
+        }
+        break;
+      case 'N': program.component_name = optarg; break;
+      case 'h': std::fputs(program.usage, stdout); return 0;
+      case ':': return fail(std::string("option -") + static_cast<char>(optopt) + " needs a value");
+      case '?':
+        (void)fail(std::string("unknown option '") + static_cast<char>(optopt) + "'");
+        std::fputs(program.usage, stderr);
+        return 1;
+      default:
+        if (const std::string wrong = take(c, optarg); !wrong.empty()) return fail(wrong);
+    }
   }
-  return std::string("unknown option '") + static_cast<char>(option) + "'";
+  if (optind < argc) program.file = argv[optind++];
+  if (optind < argc) return fail("one FILENAME only; what is '" + std::string(argv[optind]) + "'?");
+  return std::nullopt;
 }
 
 int run_stream_program(const StreamProgram& program,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "hal/stream.hpp"
@@ -31,9 +32,17 @@ struct StreamProgram {
   const char* name;  ///< in messages, and of the HAL component with the process's number behind it
   const char* component;  ///< realtime component at the other end
   std::uint32_t key;      ///< of its channel 0
+  const char* usage;      ///< what --help prints
   std::int64_t channel{0};
   std::string component_name{};  ///< option -N; empty: name and process number
+  std::string file{};            ///< FILENAME; empty: standard input or output
 };
+
+/// Takes -c, -N, --help and FILENAME from the command line. `more` names the program's own options as getopt wants them; `take` gets
+/// each with its value and says what is wrong with it, or "". Gives the exit code when the program is to end.
+std::optional<int> read_stream_options(
+    int argc, char** argv, StreamProgram& program, const std::string& more = {},
+    const std::function<std::string(int option, const char* value)>& take = {});
 
 /// Once, first of all in main(): SIGINT and SIGTERM end run_stream_program().
 void catch_stream_signals();
@@ -46,7 +55,5 @@ int run_stream_program(const StreamProgram& program,
 int complain(const char* program, const std::string& text);
 /// A whole number of at least `lowest`.
 bool parse_number(std::string_view text, std::int64_t lowest, std::int64_t& out);
-/// What is wrong with the option that getopt_long(":...") did not take.
-std::string bad_option(int result, int option);
 
 }  // namespace kerf::hal

@@ -1,6 +1,7 @@
 #include "rtapi/shm/leftovers.hpp"
 
 #include <signal.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,15 +13,15 @@
 
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/shm/process.hpp"
+#include "rtapi/shm/socket.hpp"
 
 namespace kerf::rtapi {
 
 namespace {
 
 /// Words NAME=VALUE of a process's environment as it was started; empty for other users' processes.
-std::vector<std::string> environment_of(const std::filesystem::path& folder) {
-  const std::string text =
-      read_process_file(std::strtoll(folder.filename().c_str(), nullptr, 10), "environ");
+std::vector<std::string> environment_of(pid_t pid) {
+  const std::string text = read_process_file(pid, "environ");
   std::vector<std::string> words;
   std::string_view rest(text);
   while (!rest.empty()) {
@@ -40,9 +41,10 @@ std::vector<pid_t> own_line() {
 
 using Match = std::function<bool(const std::vector<std::string>& environment)>;
 
-std::vector<pid_t> processes_that(const Match& match) {
+std::vector<pid_t> processes_that(const Match& match, pid_t except) {
   std::vector<pid_t> out;
-  const auto ours = own_line();
+  auto ours = own_line();
+  ours.push_back(except);
   std::error_code error;
   for (std::filesystem::directory_iterator it("/proc", error), end; !error && it != end;
        it.increment(error)) {
@@ -51,7 +53,7 @@ std::vector<pid_t> processes_that(const Match& match) {
     const auto parsed = std::from_chars(name.data(), name.data() + name.size(), pid);
     if (parsed.ptr != name.data() + name.size() || pid <= 1) continue;
     if (std::find(ours.begin(), ours.end(), pid) != ours.end()) continue;
-    if (match(environment_of(it->path())) && process_lives(pid, 0)) out.push_back(pid);
+    if (match(environment_of(pid)) && process_lives(pid, 0)) out.push_back(pid);
   }
   return out;
 }
@@ -75,53 +77,66 @@ Match of_instance(std::string_view instance) {
   };
 }
 
-int end_all(const Match& match, int patience_ms) {
-  constexpr int kStepMs = 5;
+void signal_all(const std::vector<pid_t>& pids, const Match& match,
+                std::initializer_list<int> signals) {
+  for (const pid_t pid : pids) {
+    // The descriptor pins the process: a number that was used again meanwhile is seen by the second look.
+    const int fd = open_pidfd(pid);
+    if (fd < 0) continue;
+    if (match(environment_of(pid))) {
+      for (const int number : signals)
+        (void)::syscall(SYS_pidfd_send_signal, fd, number, nullptr, 0);
+    }
+    close_fd(fd);
+  }
+}
+
+std::vector<std::string> end_all(const Match& match, int patience_ms, pid_t except = -1) {
+  constexpr int kLongestStepMs = 16;
   const auto clock = make_real_clock();
-  const auto pause = [&] {
+  const auto pause = [&](int ms) {
     WaitSpec spec;
-    spec.wake_at(clock->now() + kStepMs * kMillisecond);
+    spec.wake_at(clock->now() + ms * kMillisecond);
     clock->wait(spec);
     // Those that are our children would stay as zombies.
     while (::waitpid(-1, nullptr, WNOHANG) > 0) {
     }
+    return processes_that(match, except);
   };
-  auto left = processes_that(match);
-  for (const pid_t pid : left) {
-    ::kill(pid, SIGTERM);
-    ::kill(pid, SIGCONT);  // a stopped process takes no signal but this and SIGKILL
-  }
-  for (int waited = 0; !left.empty() && waited < patience_ms; waited += kStepMs) {
-    pause();
-    left = processes_that(match);
-  }
-  const int killed = static_cast<int>(left.size());
+  auto left = processes_that(match, except);
+  // A stopped process takes no signal but SIGCONT and SIGKILL.
+  signal_all(left, match, {SIGTERM, SIGCONT});
+  const Nanos limit = clock->now() + patience_ms * kMillisecond;
+  for (int ms = 1; !left.empty() && clock->now() < limit; ms = std::min(2 * ms, kLongestStepMs))
+    left = pause(ms);
+  std::vector<std::string> killed;
+  for (const pid_t pid : left) killed.push_back(process_name(pid));
   // New ones may have been started by those that were asked to end.
   for (int round = 0; !left.empty() && round < 400; ++round) {
-    for (const pid_t pid : left) ::kill(pid, SIGKILL);
-    pause();
-    left = processes_that(match);
+    signal_all(left, match, {SIGKILL});
+    left = pause(5);
   }
   return killed;
 }
 
 }  // namespace
 
-std::vector<pid_t> processes_of_run(std::string_view run_id) {
+std::vector<pid_t> processes_of_run(std::string_view run_id, pid_t except) {
   if (run_id.empty()) return {};
-  return processes_that(of_run(run_id));
+  return processes_that(of_run(run_id), except);
 }
 
 std::vector<pid_t> processes_of_instance(std::string_view instance) {
-  return processes_that(of_instance(instance));
+  return processes_that(of_instance(instance), -1);
 }
 
-int end_processes_of_run(std::string_view run_id, int patience_ms) {
-  if (run_id.empty()) return 0;
-  return end_all(of_run(run_id), patience_ms);
+std::vector<std::string> end_processes_of_run(std::string_view run_id, int patience_ms,
+                                              pid_t except) {
+  if (run_id.empty()) return {};
+  return end_all(of_run(run_id), patience_ms, except);
 }
 
-int end_processes_of_instance(std::string_view instance, int patience_ms) {
+std::vector<std::string> end_processes_of_instance(std::string_view instance, int patience_ms) {
   return end_all(of_instance(instance), patience_ms);
 }
 

@@ -12,14 +12,15 @@
 
 namespace kerf::rtapi {
 
-/// Processes of this user whose environment has KERF_RUN_ID=run_id. Zombies do not count.
-std::vector<pid_t> processes_of_run(std::string_view run_id);
+/// Processes of this user whose environment has KERF_RUN_ID=run_id, without `except`. Zombies do not count.
+std::vector<pid_t> processes_of_run(std::string_view run_id, pid_t except = -1);
 /// Those of any run of the instance.
 std::vector<pid_t> processes_of_instance(std::string_view instance);
 
-/// Asks them to end, stopped ones too, and after `patience_ms` makes them. Returns when all are gone; gives how many had to be
-/// killed.
-int end_processes_of_run(std::string_view run_id, int patience_ms);
-int end_processes_of_instance(std::string_view instance, int patience_ms);
+/// Asks them to end, stopped ones too, and after `patience_ms` of real time makes them. Reaps children of this process. Returns
+/// when all are gone; gives the names of those that had to be killed.
+std::vector<std::string> end_processes_of_run(std::string_view run_id, int patience_ms,
+                                              pid_t except = -1);
+std::vector<std::string> end_processes_of_instance(std::string_view instance, int patience_ms);
 
 }  // namespace kerf::rtapi

@@ -8,11 +8,15 @@
 
 #include "launcher/environment.hpp"
 #include "launcher/guard.hpp"
+#include "rtapi/shm/leftovers.hpp"
 #include "rtapi/shm/process.hpp"
 #include "rtapi/shm/segment.hpp"
 
 namespace kerf::launcher {
 namespace {
+
+using rtapi::end_processes_of_run;
+using rtapi::processes_of_run;
 
 /// Waits up to two seconds.
 template <class F>
