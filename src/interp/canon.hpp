@@ -187,8 +187,6 @@ class Canon {
   virtual void program_end() = 0;
   /// The closing % of a program without M2: modes stay, spindle and coolant too. For listings; needs no action.
   virtual void finish() {}
-  /// After program end and at interpreter start and reset.
-  virtual void on_reset() = 0;
   /// M100-M199: run the user's program `path` (as Environment::find_user_mcode found it) with P and Q as text
   /// ("%f", "-1.000000" for a missing word). The interpreter then needs synchronize().
   virtual void user_mcode(int number, std::string_view path, double p, double q) = 0;

@@ -450,7 +450,6 @@ void Core::init() {
   out.call<&Canon::set_g92_offset>(f.g92());
   out.call<&Canon::set_xy_rotation>(f.rotation_deg());
   out.call<&Canon::set_feed_reference>();
-  out.call<&Canon::on_reset>();
   out.deliver(canon, {});
 }
 

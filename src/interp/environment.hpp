@@ -32,9 +32,9 @@ struct Settings {
   double g64_default_naivecam_mm{0};
   double g73_clearance_mm{0};  ///< 0 = the documented default (1 mm, .050 in)
   double g83_clearance_mm{0};
-  bool ini_vars{true};      ///< INI_VARS: #<_ini[section]key> may be read
-  bool hal_pin_vars{true};  ///< HAL_PIN_VARS: #<_hal[name]> may be read
-  bool oword_nargs{false};  ///< OWORD_NARGS: a called sub has #<n_args>
+  bool ini_vars{true};                  ///< INI_VARS: #<_ini[section]key> may be read
+  bool hal_pin_vars{true};              ///< HAL_PIN_VARS: #<_hal[name]> may be read
+  bool oword_nargs{false};              ///< OWORD_NARGS: a called sub has #<n_args>
   bool no_downcase_oword{false};        ///< NO_DOWNCASE_OWORD: names in comments keep their case
   bool oword_warnonly{false};           ///< OWORD_WARNONLY: errors around O-words only warn
   bool disable_fanuc_style_sub{false};  ///< DISABLE_FANUC_STYLE_SUB: no M98, M99 and O-numbers

@@ -67,7 +67,8 @@ class TextCanon final : public Canon {
   void pallet_shuttle() override;
   void program_end() override;
   void finish() override;
-  void on_reset() override;
+  /// For whoever makes a listing: a program was opened, or is done with.
+  void on_reset();
   void user_mcode(int number, std::string_view path, double p, double q) override;
   void comment(std::string_view text) override;
   void message(std::string_view text) override;

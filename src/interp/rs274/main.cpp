@@ -11,20 +11,13 @@
 #include "interp/interpreter.hpp"
 #include "interp/parameters.hpp"
 #include "interp/rs274/bench_environment.hpp"
+#include "interp/rs274/options.hpp"
 #include "interp/text_canon.hpp"
 
 namespace {
 
 using namespace kerf::
     interp;  // NOLINT(google-build-using-namespace): the whole program is about it
-
-enum class OnError { go_on, mdi, stop };
-
-struct Options {
-  std::string tools, parameters, input, output;
-  OnError on_error{OnError::stop};
-  bool block_delete{false}, stack{false}, batch{false};
-};
 
 constexpr const char* kUsage =
     "Usage: rs274 [-p interp.so] [-t tool.tbl] [-v var-file.var] [-n 0|1|2]\n"
@@ -45,8 +38,8 @@ constexpr const char* kUsage =
     "    -l: specify the log_level (default: -1)\n"
     "    -h, --help: print this and end\n";
 
-std::optional<Options> read_options(int argc, char** argv) {
-  Options o;
+std::optional<Rs274Options> read_options(int argc, char** argv) {
+  Rs274Options o;
   opterr = 0;
   const option long_options[] = {{"help", no_argument, nullptr, 'h'}, {}};
   for (int c = 0;
@@ -79,7 +72,7 @@ std::optional<Options> read_options(int argc, char** argv) {
 
 class Session {
  public:
-  Session(const Options& options, std::FILE* out)
+  Session(const Rs274Options& options, std::FILE* out)
       : options_(options), out_(out), canon_(out), interp_(env_, canon_, bench_settings()) {}
 
   int run() {
@@ -91,8 +84,12 @@ class Session {
         return problem(s.error().message());
     }
     if (!options_.parameters.empty()) {
-      if (const auto s = ParameterFile(options_.parameters).load(interp_.parameters()); !s.ok())
+      const auto s = ParameterFile(options_.parameters).load(interp_.parameters());
+      if (!s.ok() && s.error().code != kerf::rtapi::Errc::not_found)
         return problem(s.error().message());
+      if (!s.ok())
+        std::fprintf(stderr, "%s is not there yet; it is written at the end\n",
+                     options_.parameters.c_str());
     }
     interp_.set_block_delete(options_.block_delete);
     std::fputs("executing\n", stderr);
@@ -102,6 +99,7 @@ class Session {
       std::fflush(out_);
       return problem(std::string(s.error().what.view()));
     }
+    canon_.on_reset();
     return finish(program());
   }
 
@@ -112,7 +110,8 @@ class Session {
   }
 
   int finish(int result) {
-    canon_.on_reset();
+    // As the peer: once for the interpreter's end, and once for the file's.
+    if (!options_.input.empty()) canon_.on_reset();
     canon_.on_reset();
     if (!options_.parameters.empty()) {
       if (const auto s = ParameterFile(options_.parameters).save(interp_.parameters()); !s.ok())
@@ -185,7 +184,7 @@ class Session {
     }
   }
 
-  const Options& options_;
+  const Rs274Options& options_;
   std::FILE* out_;
   BenchEnvironment env_;
   TextCanon canon_;
@@ -195,8 +194,9 @@ class Session {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const auto options = read_options(argc, argv);
+  auto options = read_options(argc, argv);
   if (!options) return 1;
+  if (!options->batch && !run_menu(*options, stdin, stderr)) return 1;
   std::FILE* out = stdout;
   if (!options->output.empty()) {
     out = std::fopen(options->output.c_str(), "we");

@@ -110,7 +110,6 @@ class CanonToPath final : public interp::Canon {
   void optional_program_stop() override { add(ProgramPause{true}); }
   void pallet_shuttle() override {}
   void program_end() override;
-  void on_reset() override {}
   void user_mcode(int number, std::string_view path, double p, double q) override;
   void comment(std::string_view) override {}
   void message(std::string_view text) override {

@@ -59,7 +59,6 @@ class NullCanon : public Canon {
   void optional_program_stop() override {}
   void pallet_shuttle() override {}
   void program_end() override {}
-  void on_reset() override {}
   void user_mcode(int, std::string_view, double, double) override {}
   void comment(std::string_view) override {}
   void message(std::string_view) override {}

@@ -51,6 +51,7 @@ std::string interpret(const fs::path& dir) {
     }
     interp.init();
     EXPECT_TRUE(interp.open((dir / "test.ngc").string()).ok());
+    canon.on_reset();
     for (int i = 0; i < 100000; ++i) {
       const Outcome o = interp.execute_next();
       if (o == Outcome::needs_sync) {

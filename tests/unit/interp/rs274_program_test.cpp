@@ -99,5 +99,32 @@ TEST_F(Rs274, BadUseIsAnError) {
   EXPECT_EQ(status_, 1);
 }
 
+TEST_F(Rs274, AsksWhatToDoWithoutTheBatchOption) {
+  const std::string path = file("a.ngc", "G0 X1\n/G0 X2\nG1 X3\nG0 X4\nM2\n");
+  // Block delete on, go on at errors.
+  const std::string out = run(path, "4\n5\n3\n1\n1\n");
+  EXPECT_EQ(status_, 0);
+  EXPECT_NE(err_.find("4 = turn block delete switch ON\n"), std::string::npos);
+  EXPECT_NE(err_.find("4 = turn block delete switch OFF\n"), std::string::npos);
+  EXPECT_NE(err_.find("3 = mdi on error (do not continue or stop)\nenter choice => "),
+            std::string::npos);
+  EXPECT_NE(out.find("STRAIGHT_TRAVERSE(1.0000"), std::string::npos);
+  EXPECT_EQ(out.find("STRAIGHT_TRAVERSE(2.0000"), std::string::npos);
+  EXPECT_NE(out.find("STRAIGHT_TRAVERSE(4.0000"), std::string::npos);
+
+  (void)run(path, "2\nnowhere.var\n");
+  EXPECT_EQ(status_, 1);
+  EXPECT_NE(err_.find("name of parameter file => Cannot open nowhere.var\n"), std::string::npos);
+}
+
+TEST_F(Rs274, MakesAParameterFileThatIsNotThere) {
+  const std::string variables = (dir_ / "new.var").string();
+  (void)run("-g -v " + variables + " " + file("a.ngc", "G10 L2 P1 X3\nM2\n"));
+  EXPECT_EQ(status_, 0) << err_;
+  std::ostringstream text;
+  text << std::ifstream(variables).rdbuf();
+  EXPECT_NE(text.str().find("5221\t0.118110\n"), std::string::npos) << text.str();
+}
+
 }  // namespace
 }  // namespace kerf::interp
