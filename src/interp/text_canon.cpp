@@ -1,6 +1,8 @@
 #include "interp/text_canon.hpp"
 
 #include <cstdarg>
+#include <cstdlib>
+#include <iterator>
 
 namespace kerf::interp {
 
@@ -8,13 +10,30 @@ namespace {
 const char* on_off(bool on, const char* yes, const char* no) { return on ? yes : no; }
 }  // namespace
 
+// The line goes to the stream in one piece. Nobody else writes to it from another thread, so it needs no lock.
+void TextCanon::end(const char* to) {
+  ::fwrite_unlocked(line_, 1, static_cast<std::size_t>(to - line_), out_);
+}
+
+char* TextCanon::begin(std::string_view name) {
+  char* to = line_;
+  ++counter_;
+  for (std::uint32_t least = 10000; least > counter_; least /= 10) *to++ = ' ';
+  to = write_digits(to, counter_);
+  if (sequence_ < 0) {
+    to = put(to, " N..... ");
+  } else {
+    to = put(to, " N");
+    const char* const first = to;
+    to = write_digits(to, static_cast<std::uint32_t>(sequence_));
+    while (to < first + 5) *to++ = ' ';
+    *to++ = ' ';
+  }
+  return put(to, name);
+}
+
 void TextCanon::line(const char* format, ...) {
-  char prefix[32];
-  if (sequence_ < 0)
-    std::snprintf(prefix, sizeof prefix, "%5u N..... ", ++counter_);
-  else
-    std::snprintf(prefix, sizeof prefix, "%5u N%-5d ", ++counter_, sequence_);
-  std::fputs(prefix, out_);
+  end(begin(""));
   std::va_list args;
   va_start(args, format);
   std::vfprintf(out_, format, args);
@@ -22,13 +41,20 @@ void TextCanon::line(const char* format, ...) {
   std::fputc('\n', out_);
 }
 
-void TextCanon::pose(const char* name, const Pose& p, const char* before) {
-  line("%s(%s%.4f, %.4f, %.4f, %.4f, %.4f, %.4f)", name, before, length(p.x), length(p.y),
-       length(p.z), p.a, p.b, p.c);
+void TextCanon::pose(std::string_view name, const Pose& p, std::string_view before) {
+  char* to = put(put(begin(name), "("), before);
+  const double values[] = {length(p.x), length(p.y), length(p.z), p.a, p.b, p.c};
+  for (std::size_t i = 0; i < std::size(values); ++i) {
+    if (i > 0) to = put(to, ", ");
+    to = put(to, pose_words_[i], values[i]);
+  }
+  end(put(to, ")\n"));
 }
 
-void TextCanon::text(const char* name, std::string_view s) {
-  line("%s(\"%.*s\")", name, static_cast<int>(s.size()), s.data());
+void TextCanon::text(std::string_view name, std::string_view s) {
+  end(put(begin(name), "(\""));
+  ::fwrite_unlocked(s.data(), 1, s.size(), out_);
+  ::fwrite_unlocked("\")\n", 1, 3, out_);
 }
 
 void TextCanon::use_length_units(Units units) {
@@ -79,9 +105,25 @@ void TextCanon::straight_feed(const Pose& end) { pose("STRAIGHT_FEED", end); }
 void TextCanon::arc_feed(const Arc& arc) {
   const std::size_t first = arc.plane == Plane::xy ? 0 : arc.plane == Plane::xz ? 2 : 1;
   const std::size_t second = (first + 1) % 3, normal = (first + 2) % 3;
-  line("ARC_FEED(%.4f, %.4f, %.4f, %.4f, %d, %.4f, %.4f, %.4f, %.4f)", length(arc.end[first]),
-       length(arc.end[second]), length(arc.center[first]), length(arc.center[second]), arc.turns,
-       length(arc.end[normal]), arc.end.a, arc.end.b, arc.end.c);
+  char* to = begin("ARC_FEED(");
+  const double values[] = {length(arc.end[first]),
+                           length(arc.end[second]),
+                           length(arc.center[first]),
+                           length(arc.center[second]),
+                           length(arc.end[normal]),
+                           arc.end.a,
+                           arc.end.b,
+                           arc.end.c};
+  for (std::size_t i = 0; i < std::size(values); ++i) {
+    if (i > 0) to = put(to, ", ");
+    if (i == 4) {
+      if (arc.turns < 0) *to++ = '-';
+      to = put(write_digits(to, static_cast<std::uint64_t>(std::abs(std::int64_t{arc.turns}))),
+               ", ");
+    }
+    to = put(to, arc_words_[i], values[i]);
+  }
+  end(put(to, ")\n"));
 }
 void TextCanon::straight_probe(const Pose& end, ProbeKind) { pose("STRAIGHT_PROBE", end); }
 void TextCanon::turn_probe_on() { line("TURN_PROBE_ON()"); }
@@ -167,7 +209,8 @@ void TextCanon::user_mcode(int number, std::string_view, double p, double q) {
 void TextCanon::comment(std::string_view s) { text("COMMENT", s); }
 void TextCanon::message(std::string_view s) { text("MESSAGE", s); }
 void TextCanon::print(std::string_view s) {
-  std::fprintf(out_, "%.*s\n", static_cast<int>(s.size()), s.data());
+  ::fwrite_unlocked(s.data(), 1, s.size(), out_);
+  ::fwrite_unlocked("\n", 1, 1, out_);
 }
 void TextCanon::log_open(std::string_view path, bool append) {
   text(append ? "LOGAPPEND" : "LOGOPEN", path);

@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <string>
 
 #include "interp/canon.hpp"
+#include "interp/fixed_text.hpp"
 #include "interp/modal.hpp"
 
 namespace kerf::interp {
@@ -78,9 +80,40 @@ class TextCanon final : public Canon {
   void log_close() override;
 
  private:
+  /// A value of the calls that come by the million, with its text: most words of a move are those of the move before.
+  struct Word {
+    double value{0};
+    std::uint32_t length{6};
+    char text[28]{"0.0000"};
+  };
+
+  /// One whole line. For calls that are seldom.
   void line(const char* format, ...) __attribute__((format(printf, 2, 3)));
-  void pose(const char* name, const Pose& p, const char* before = "");
-  void text(const char* name, std::string_view s);
+  void pose(std::string_view name, const Pose& p, std::string_view before = "");
+  void text(std::string_view name, std::string_view s);
+  /// Counter, line number and the beginning of a call, into line_; returns the end.
+  char* begin(std::string_view name);
+  /// "%.4f" of the value; `word` remembers it.
+  static char* put(char* to, Word& word, double value) {
+    // Bits are compared: zero and minus zero are two texts.
+    if (std::memcmp(&word.value, &value, sizeof value) != 0) {
+      char* const end = write_fixed<4>(to, value);
+      const auto length = static_cast<std::size_t>(end - to);
+      if (length <= sizeof word.text) {
+        word.value = value;
+        word.length = static_cast<std::uint32_t>(length);
+        std::memcpy(word.text, to, sizeof word.text);
+      }
+      return end;
+    }
+    std::memcpy(to, word.text, sizeof word.text);
+    return to + word.length;
+  }
+  static char* put(char* to, std::string_view s) {
+    std::memcpy(to, s.data(), s.size());
+    return to + s.size();
+  }
+  void end(const char* to);
   [[nodiscard]] double length(double mm) const { return mm / unit_mm_; }
 
   std::FILE* out_;
@@ -88,6 +121,9 @@ class TextCanon final : public Canon {
   std::int32_t sequence_{-1};
   std::uint32_t counter_{0};
   std::array<bool, kMaxSpindles> css_{};
+  std::array<Word, 6> pose_words_;
+  std::array<Word, 8> arc_words_;
+  char line_[16 * kLongestFixed]{};  ///< the line being made
 };
 
 }  // namespace kerf::interp

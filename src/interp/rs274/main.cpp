@@ -7,6 +7,7 @@
 #include <cstring>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "interp/interpreter.hpp"
 #include "interp/parameters.hpp"
@@ -18,6 +19,9 @@ namespace {
 
 using namespace kerf::
     interp;  // NOLINT(google-build-using-namespace): the whole program is about it
+
+/// Bytes of text that are written at once.
+constexpr std::size_t kOutputBuffer = std::size_t{128} * 1024;
 
 constexpr const char* kUsage =
     "Usage: rs274 [-p interp.so] [-t tool.tbl] [-v var-file.var] [-n 0|1|2]\n"
@@ -205,6 +209,10 @@ int main(int argc, char** argv) {
       return 1;
     }
   }
+  // Calls come by the million; a terminal sees each line, a file or a pipe whole batches. What is written so far goes out before
+  // an error is shown.
+  std::vector<char> buffer(kOutputBuffer);
+  if (isatty(fileno(out)) == 0) std::setvbuf(out, buffer.data(), _IOFBF, buffer.size());
   int result = 0;
   {
     Session session(*options, out);
@@ -212,5 +220,7 @@ int main(int argc, char** argv) {
   }
   if (std::fflush(out) != 0) result = 1;
   if (out != stdout && std::fclose(out) != 0) result = 1;
+  if (out == stdout)
+    std::setvbuf(out, nullptr, _IONBF, 0);  // the buffer ends before the program does
   return result;
 }
