@@ -113,7 +113,7 @@ class Program:
     def cycles(self):
         r = self.rng
         code = r.choice(["G81", "G82", "G85", "G86", "G89", "G81"])  # G73, G83: the newest backs off otherwise
-                 "G73": f" Q{r.uniform(.3, 2):.2f}"}.get(code, "")
+        extra = {"G82": " P0.5", "G86": " P0.1", "G89": " P.2"}.get(code, "")
         self.add(r.choice([
             lambda: f"{code} X{self.number()} Y{self.number()} Z{-r.randint(1, 6)} R{r.randint(1, 4)}{extra}"
                     + (f" L{r.randint(1, 3)}" if r.random() < .3 else ""),
