@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -38,6 +39,22 @@ Settings bench_settings() {
   s.start_units = Units::mm;
   s.axis_mask = 0x3F;
   return s;
+}
+
+ExternalState bench_answer(const Interpreter& interpreter, const Pose& start) {
+  ExternalState state;
+  if (interpreter.sync_reason() != SyncReason::probe) return state;
+  constexpr double kShort_mm = 0.254;
+  const ModalState& modal = interpreter.modal();
+  const Pose end = modal.position, way = end - start;
+  const double length = std::hypot(way.x, way.y, way.z);
+  Pose stop = end;
+  if (length > 0) {
+    for (std::size_t i = 0; i < 3; ++i) stop[i] -= way[i] / length * kShort_mm;
+  }
+  state.probe = ExternalState::Probe{modal.frame.to_machine(end), false};
+  state.machine_position = modal.frame.to_machine(stop);
+  return state;
 }
 
 rtapi::Status BenchEnvironment::load_tools(const std::string& path, double unit_mm) {

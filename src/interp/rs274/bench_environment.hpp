@@ -6,12 +6,17 @@
 #include <vector>
 
 #include "interp/environment.hpp"
+#include "interp/interpreter.hpp"
 #include "rtapi/base/result.hpp"
 
 namespace kerf::interp {
 
 /// What rs274 starts with when there is no INI file: a machine XYZABC that counts in inches, programs in mm.
 [[nodiscard]] Settings bench_settings();
+
+/// What the world did while a block waited, when there is no machine: what was asked for has happened. A probe move from
+/// `start` (program coordinates) touches nothing and stops .01 inch before its end, as the peer's rs274 has it.
+[[nodiscard]] ExternalState bench_answer(const Interpreter& interpreter, const Pose& start);
 
 /// Subs are searched as NAME.ngc (as written, then NAME without suffix) in the given directories; there are no
 /// M-code programs and no HAL.

@@ -136,21 +136,14 @@ class Session {
     if (options_.stack) std::fprintf(stderr, "call level %d\n", e.call_level);
   }
 
-  /// There is no machine: what was asked for has happened, and a probe found nothing.
-  void synchronize() {
-    ExternalState state;
-    if (interp_.sync_reason() == SyncReason::probe) {
-      CanonFrame frame = interp_.modal().frame;
-      state.probe = ExternalState::Probe{frame.to_machine(interp_.modal().position), false};
-    }
-    interp_.synchronize(state);
-  }
+  void synchronize(const Pose& before) { interp_.synchronize(bench_answer(interp_, before)); }
 
   int program() {
     for (;;) {
+      const Pose before = interp_.modal().position;
       switch (interp_.execute_next()) {
         case Outcome::ok: break;
-        case Outcome::needs_sync: synchronize(); break;
+        case Outcome::needs_sync: synchronize(before); break;
         case Outcome::program_end:
         case Outcome::idle: return 0;
         case Outcome::error:
@@ -177,9 +170,11 @@ class Session {
       if (std::fgets(line, sizeof line, stdin) == nullptr) return 0;
       line[std::strcspn(line, "\r\n")] = '\0';
       if (std::strcmp(line, "quit") == 0) return 0;
+      Pose before = interp_.modal().position;
       Outcome o = interp_.execute_mdi(line);
       while (o == Outcome::ok || o == Outcome::needs_sync) {
-        if (o == Outcome::needs_sync) synchronize();
+        if (o == Outcome::needs_sync) synchronize(before);
+        before = interp_.modal().position;
         o = interp_.execute_next();
         if (!interp_.mdi_active()) break;
       }

@@ -53,14 +53,9 @@ std::string interpret(const fs::path& dir) {
     EXPECT_TRUE(interp.open((dir / "test.ngc").string()).ok());
     canon.on_reset();
     for (int i = 0; i < 100000; ++i) {
+      const Pose before = interp.modal().position;
       const Outcome o = interp.execute_next();
-      if (o == Outcome::needs_sync) {
-        ExternalState state;
-        if (interp.sync_reason() == SyncReason::probe)
-          state.probe =
-              ExternalState::Probe{interp.modal().frame.to_machine(interp.modal().position), false};
-        interp.synchronize(state);
-      }
+      if (o == Outcome::needs_sync) interp.synchronize(bench_answer(interp, before));
       if (o == Outcome::error) {
         const InterpError& e = interp.error();
         std::fprintf(out, "error in line %d, column %d: %s\nhelp: %s\n", e.line, e.column,
