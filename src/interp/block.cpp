@@ -85,7 +85,8 @@ bool Core::add_code(Block& b, char letter, double value) {
                   value < 0 ? "Negative g code used" : "G-code out of range");
   } else {
     if (value < 0) return fail(0, "", "Negative m code used");
-    if (rounded > dialect.last_m_code)
+    if (rounded > dialect.last_m_code &&
+        (rounded > 999 || row(letter, static_cast<int>(rounded)) == nullptr))
       return fail(0, "M-codes go from 0 to 199", "M-code greater than %d: M%d", dialect.last_m_code,
                   static_cast<int>(std::min(rounded, 1e9)));
     if (!whole) return fail(0, "", "Non integer value for integer");
@@ -159,8 +160,12 @@ bool Core::choose_motion(Block& b) {
 
 bool Core::check_letters(const Block& b) {
   LetterMask used = letters("fstn") | kAxisMask;
-  for (int i = 0; i < b.row_count; ++i) used |= b.rows[static_cast<std::size_t>(i)]->words;
-  if (b.motion != nullptr) used |= b.motion->words;
+  const auto words_of = [this](const CodeRow& r) {
+    // The body of a remapped code may use any word.
+    return r.remap != nullptr && body_of(*r.remap) == nullptr ? ~LetterMask{0} : r.words;
+  };
+  for (int i = 0; i < b.row_count; ++i) used |= words_of(*b.rows[static_cast<std::size_t>(i)]);
+  if (b.motion != nullptr) used |= words_of(*b.motion);
   if (b.has('s')) used |= letters("$");
   const LetterMask left = b.mask & ~used;
   if (left != 0) {

@@ -23,6 +23,7 @@ Core::Core(Environment& environment, Canon& sink, const Settings& config, const 
   }
   for (const LetterRow& r : dialect.letters)
     unused_[static_cast<std::size_t>(letter_index(r.letter))] = r.unused;
+  add_remaps();
   flows.programs.emplace_back();
   flows.programs[0].source = make_text_source("");
 }
@@ -99,6 +100,7 @@ void Core::undo_block() {
 
 Outcome Core::execute_next() {
   if (repeats.left > 0) return next_repeat();
+  if (flows.resume != nullptr) return resume_block();
   if (flows.skip.active) return continue_skip();
   if (flows.frames.empty()) return Outcome::idle;
   ParsedBlock* b = nullptr;
@@ -222,18 +224,12 @@ Outcome Core::next_repeat() {
 // --- execution ---
 
 bool Core::run_rows(const Block& b) {
-  struct Step {
-    std::int16_t order;
-    std::int16_t code;
-    const CodeRow* row;  // null: the word of `code`
-  };
-  std::array<Step, kRowSlots + 4> steps;  // NOLINT(*-member-init): filled below
-  int n = 0;
+  Steps steps;  // NOLINT(*-member-init): filled below
   const auto add = [&](std::int16_t order, int code, const CodeRow* r) {
-    int at = n++;
-    for (; at > 0 && steps[static_cast<std::size_t>(at - 1)].order > order; --at)
-      steps[static_cast<std::size_t>(at)] = steps[static_cast<std::size_t>(at - 1)];
-    steps[static_cast<std::size_t>(at)] = {order, static_cast<std::int16_t>(code), r};
+    int at = steps.count++;
+    for (; at > 0 && steps.list[static_cast<std::size_t>(at - 1)].order > order; --at)
+      steps.list[static_cast<std::size_t>(at)] = steps.list[static_cast<std::size_t>(at - 1)];
+    steps.list[static_cast<std::size_t>(at)] = {order, static_cast<std::int16_t>(code), r};
   };
   if (b.has('f')) add(kOrderFeed, 'f', nullptr);
   if (b.has('s')) add(kOrderSpeed, 's', nullptr);
@@ -243,8 +239,31 @@ bool Core::run_rows(const Block& b) {
     if (r->run != nullptr) add(r->order, b.codes[static_cast<std::size_t>(i)], r);
   }
   if (b.motion != nullptr && b.motion_is_modal) add(kOrderMotion, b.motion_code, b.motion);
-  for (int i = 0; i < n; ++i) {
-    const Step& s = steps[static_cast<std::size_t>(i)];
+  return run_steps(b, steps, nullptr);
+}
+
+bool Core::run_steps(const Block& b, Steps& first, std::shared_ptr<RemapCall> call) {
+  Steps* steps = call != nullptr ? &call->steps : &first;
+  while (steps->next < steps->count) {
+    const Step& s = steps->list[static_cast<std::size_t>(steps->next)];
+    if (const Remap* r = remap_of(s); r != nullptr) {
+      RemapCall* body = body_of(*r);
+      if (body != nullptr && has_builtin(s)) {
+        body->builtin_used = true;
+      } else {
+        if (call == nullptr) call = keep_block(b, *steps);
+        steps = &call->steps;
+        if (sync != SyncReason::none || repeats.left > 0) {
+          flows.resume = std::move(call);  // what was asked before comes first
+          return true;
+        }
+        const std::size_t level = flows.frames.size();
+        if (!begin_remap(*r, call)) return false;
+        if (flows.frames.size() > level) return true;
+        continue;  // its body was a built-in function
+      }
+    }
+    ++steps->next;
     const bool ok = s.row != nullptr ? s.row->run(*this, b, s.code)
                     : s.code == 'f'  ? feed_word(b)
                     : s.code == 's'  ? speed_word(b)
@@ -420,6 +439,7 @@ void Core::restore(const ModalState& before) {
 
 void Core::init() {
   repeats.left = 0;
+  sticky_words.clear();
   flows.skip = {};
   flows.subs.clear();
   drop_frames();

@@ -4,7 +4,9 @@
 #include <array>
 #include <cstdarg>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -64,6 +66,27 @@ struct Block {
     }
     return -1;
   }
+};
+
+/// One thing that a block does.
+struct Step {
+  std::int16_t order;
+  std::int16_t code;
+  const CodeRow* row;  ///< null: the word of `code` (f, s, t)
+};
+/// What a block does, in the order of execution.
+struct Steps {
+  std::array<Step, kRowSlots + 4> list;  // filled up to count
+  int count{0}, next{0};
+};
+
+/// A block that waits for the body of a remapped code, or for what it asked before: copied, since lines are read meanwhile.
+struct RemapCall {
+  const Remap* remap{nullptr};
+  ParsedBlock parsed;
+  Block block;
+  Steps steps;
+  bool builtin_used{false};  ///< the body used the built-in code that it replaces
 };
 
 class Core;
@@ -159,6 +182,17 @@ class Core {
   std::uint32_t add_program(std::string path, std::unique_ptr<LineSource> source);
   [[nodiscard]] LineRead read_block(ParsedBlock*& b);
 
+  // --- remapped codes (remap_call.cpp) ---
+  /// Bodies of remapped codes in progress: #<_remap_level>.
+  [[nodiscard]] int remap_level() const;
+  [[nodiscard]] bool feed_word(const Block& b);
+  [[nodiscard]] bool speed_word(const Block& b);
+  [[nodiscard]] bool tool_word(const Block& b);
+  [[nodiscard]] bool set_local(std::string_view name, double value);
+  [[nodiscard]] double local(std::string_view name, double otherwise);
+  /// Words of cycles made with cycle_prolog that stay from block to block, by code.
+  std::map<int, std::array<std::optional<double>, kLetters>> sticky_words;
+
   const ParsedBlock* current{nullptr};
   [[nodiscard]] std::string_view current_file() const;
   [[nodiscard]] bool run_comment(const ParsedBlock& b);
@@ -175,9 +209,21 @@ class Core {
   [[nodiscard]] bool choose_motion(Block& b);
   [[nodiscard]] bool check_letters(const Block& b);
   [[nodiscard]] bool run_rows(const Block& b);
-  [[nodiscard]] bool feed_word(const Block& b);
-  [[nodiscard]] bool speed_word(const Block& b);
-  [[nodiscard]] bool tool_word(const Block& b);
+  /// Does steps.next and what follows; `call`: the block goes on after a remapped code.
+  [[nodiscard]] bool run_steps(const Block& b, Steps& steps, std::shared_ptr<RemapCall> call);
+  void add_remaps();
+  [[nodiscard]] std::shared_ptr<RemapCall> keep_block(const Block& b, const Steps& steps) const;
+  [[nodiscard]] const Remap* remap_of(const Step& s) const;
+  /// The innermost body of this remap that runs; null: none.
+  [[nodiscard]] RemapCall* body_of(const Remap& r) const;
+  [[nodiscard]] static bool has_builtin(const Step& s);
+  [[nodiscard]] bool begin_remap(const Remap& r, const std::shared_ptr<RemapCall>& call);
+  [[nodiscard]] bool check_remap_words(const Remap& r, const Block& b);
+  void pass_remap_words(const Remap& r, const RemapCall& call);
+  [[nodiscard]] bool enter_remap_sub(const Remap& r);
+  [[nodiscard]] bool end_remap(const Frame& body);
+  [[nodiscard]] bool glue(const std::string& function, RemapCall& call);
+  [[nodiscard]] Outcome resume_block();
   [[nodiscard]] Outcome finish_block(const ParsedBlock& p);
   [[nodiscard]] Outcome next_repeat();
   [[nodiscard]] Outcome read_problem(LineRead r);
@@ -191,7 +237,9 @@ class Core {
   Parser parser_;
   Predefined predefined_;
   std::array<const CodeRow*, 1000> g_rows_{};
-  std::array<const CodeRow*, 200> m_rows_{};
+  std::array<const CodeRow*, 1000> m_rows_{};
+  std::vector<CodeRow> remap_rows_;
+  std::array<const Remap*, 3> remap_words_{};  ///< of f, s, t
   std::array<const char*, kLetters> unused_{};
   std::uint32_t block_program_{0};  ///< where the block in progress stands
   std::int32_t block_level_{0};

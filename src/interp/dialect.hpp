@@ -11,6 +11,7 @@ namespace kerf::interp {
 
 class Core;
 struct Block;
+struct Remap;
 
 /// Executes one code of a block. False: core.fail() was called, nothing of the block happens.
 using CodeHandler = bool (*)(Core& core, const Block& block, int code);
@@ -28,6 +29,7 @@ struct CodeRow {
   CodeHandler run;     ///< null: only changes how another code of the block works (G53)
   LetterMask words;    ///< letters it may use besides axes
   AxisUse axes;
+  const Remap* remap{nullptr};  ///< [RS274NGC]REMAP gave it another body
 };
 
 /// Complaint about a letter that no code of its block uses.

@@ -5,8 +5,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "interp/canon.hpp"
+#include "interp/remap.hpp"
 
 namespace kerf::interp {
 
@@ -42,6 +44,7 @@ struct Settings {
   std::string dialect{"linuxcnc"};      ///< DIALECT
   int log_level{-1};                    ///< LOG_LEVEL
   std::string log_file;                 ///< LOG_FILE; "": standard error
+  std::vector<Remap> remaps;            ///< REMAP
 };
 
 /// Outcome of a look-up of a user M-code.

@@ -161,6 +161,7 @@ Outcome Core::execute_mdi(std::string_view text) {
   flows.programs[0].cache.clear();
   flows.last_cached = nullptr;
   flows.parked = std::move(flows.frames);
+  flows.parked_resume = std::move(flows.resume);
   flows.frames.clear();
   flows.frames.emplace_back();
   flows.mdi = true;
@@ -175,8 +176,10 @@ Outcome Core::execute_mdi(std::string_view text) {
 void Core::drop_frames() {
   while (flows.frames.size() > 1) leave_sub(false, 0);
   flows.skip.active = false;
+  flows.resume.reset();
   if (flows.mdi) {
     flows.frames = std::move(flows.parked);
+    flows.resume = std::move(flows.parked_resume);
     flows.parked.clear();
     flows.mdi = false;
     return;
@@ -223,7 +226,15 @@ bool Core::return_from_sub(bool has_value, double value) {
   const Frame& f = flows.frames.back();
   const std::optional<ModalState> was = f.restore_on_return ? f.saved_state : std::nullopt;
   const int tool_then = f.saved_tool;
+  const std::shared_ptr<RemapCall> remapped = f.remap;
+  sub_value = has_value ? value : 0;
+  sub_value_returned = has_value;
+  if (remapped != nullptr && !end_remap(f)) {
+    leave_sub(has_value, value);
+    return false;
+  }
   leave_sub(has_value, value);
+  if (remapped != nullptr && remapped->steps.next < remapped->steps.count) flows.resume = remapped;
   return !was || restore_modes(*this, *was, tool_then);
 }
 

@@ -100,7 +100,7 @@ constexpr Row kRows[] = {
      [](const Core& c) {
        return c.flows.frames.empty() ? 0.0 : static_cast<double>(c.flows.frames.size() - 1);
      }},
-    {"_remap_level", [](const Core&) { return 0.0; }},
+    {"_remap_level", [](const Core& c) { return static_cast<double>(c.remap_level()); }},
 };
 
 }  // namespace

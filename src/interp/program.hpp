@@ -21,6 +21,8 @@ inline constexpr std::size_t kMostLevels = 10;
 /// Parsed lines kept per file; what exceeds it is read again each time.
 inline constexpr std::size_t kMostCached = 200000;
 
+struct RemapCall;
+
 struct FileAndPlace {
   std::uint32_t program{0};
   Place place;
@@ -51,6 +53,7 @@ struct Frame {
   std::optional<ModalState> saved_state;  ///< M70, M73
   int saved_tool{0};                      ///< in the spindle then
   bool restore_on_return{false};          ///< M73
+  std::shared_ptr<RemapCall> remap;       ///< this is the body of a remapped code
 };
 
 /// A search for an O-word line further down.
@@ -73,7 +76,9 @@ struct Flows {
   Skip skip;
   bool started{
       false};  ///< something other than blank lines was seen: no % can open the file any more
-  std::vector<Frame> parked;  ///< the main program while an MDI line runs
+  std::shared_ptr<RemapCall> resume;  ///< a block whose remapped code is done: its rest comes next
+  std::vector<Frame> parked;          ///< the main program while an MDI line runs
+  std::shared_ptr<RemapCall> parked_resume;
   bool mdi{false};
   ParsedBlock* last_cached{nullptr};  ///< to link a line to the one before it
   std::uint32_t last_cached_program{0};
