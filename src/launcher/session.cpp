@@ -126,8 +126,19 @@ Status Session::start() {
 
 Status Session::make_instance() {
   instance_ = options_.instance.empty() ? rtapi::default_instance() : options_.instance;
-  KERF_TRY(segment_, rtapi::Segment::create(instance_, plan_.segment_mb << 20U));
-  run_id_ = std::string(segment_->header().run_id.view());
+  int pair[2];
+  // Children inherit their end; ours closes with this process, however it ends.
+  if (socketpair(AF_UNIX, SOCK_STREAM, 0, pair) != 0)
+    return rtapi::fail(Errc::system, std::string("no socket: ") + std::strerror(errno));
+  supervisor_end_ = pair[0];
+  children_end_ = pair[1];
+  rtapi::MakeHooks hooks;
+  hooks.waits = [this](const std::string& text) { console_.say(text); };
+  hooks.taken = [this](const std::string& run_id) {
+    run_id_ = run_id;
+    return guard_.start(instance_, run_id_, supervisor_end_);
+  };
+  KERF_TRY(segment_, rtapi::Segment::create(instance_, plan_.segment_mb << 20U, hooks));
   KERF_CHECK(rtapi::make_clock(
       *segment_, plan_.virtual_time ? rtapi::ClockMode::virtual_time : rtapi::ClockMode::real,
       options_.speed));
@@ -136,13 +147,6 @@ Status Session::make_instance() {
   if (!block.ok()) return rtapi::Failure{block.error()};
   if (chdir(plan_.ini_dir.c_str()) != 0)
     return rtapi::fail(Errc::system, "cannot enter " + plan_.ini_dir + ": " + std::strerror(errno));
-  int pair[2];
-  // Children inherit their end; ours closes with this process, however it ends.
-  if (socketpair(AF_UNIX, SOCK_STREAM, 0, pair) != 0)
-    return rtapi::fail(Errc::system, std::string("no socket: ") + std::strerror(errno));
-  supervisor_end_ = pair[0];
-  children_end_ = pair[1];
-  KERF_CHECK(guard_.start(instance_, run_id_, supervisor_end_));
   (void)fcntl(supervisor_end_, F_SETFD, FD_CLOEXEC);
   (void)prctl(PR_SET_CHILD_SUBREAPER, 1);
   const int signal_fd = catch_stop_signals();

@@ -17,6 +17,7 @@ constexpr rtapi::Nanos kOutputsSettle = 20 * rtapi::kMillisecond;
 
 void Session::tear_down() {
   if (segment_ == nullptr) return;
+  segment_->begin_end();
   console_.end_progress();
   if (clock_ != nullptr) {
     clock_->begin_teardown();

@@ -220,14 +220,20 @@ rtapi::Result<std::unique_ptr<rtapi::Segment>> open_segment(const Options& o, bo
     auto found = rtapi::Segment::attach(o.instance, rtapi::Access::whole);
     if (!found.ok()) break;
     const auto& header = (*found)->header();
-    // A segment whose maker is dead is a leftover: create() below removes it.
-    if (!rtapi::process_lives(header.owner_pid.get(), header.owner_start)) break;
+    // A segment whose maker is dead is a leftover: create() below removes it, or waits for one that is ending.
+    if (!rtapi::process_lives(header.owner_pid.get(), header.owner_start) ||
+        header.ending.get() != 0)
+      break;
     if (!hal::View(**found).attached() || clock->now() - begin > kNotice) return found;
     rtapi::WaitSpec spec;
     spec.wake_at(clock->now() + 5 * rtapi::kMillisecond);
     clock->wait(spec);
   }
-  KERF_TRY(auto segment, rtapi::Segment::create(o.instance, o.segment_bytes));
+  rtapi::MakeHooks hooks;
+  hooks.waits = [](const std::string& text) {
+    std::fprintf(stderr, "rtapi_app: %s\n", text.c_str());
+  };
+  KERF_TRY(auto segment, rtapi::Segment::create(o.instance, o.segment_bytes, hooks));
   made = true;
   KERF_CHECK(rtapi::make_clock(
       *segment, o.make_virtual ? rtapi::ClockMode::virtual_time : rtapi::ClockMode::real));

@@ -31,6 +31,10 @@ constexpr std::uint64_t kBackingStep = 1U << 20U;
 constexpr int kTakeDownMs = 5000;
 /// How long an owner that lives may take to say that it is ending: it may just have been told so.
 constexpr int kNoticeMs = 200;
+/// How long one may take that is ending: SHUTDOWN files and programs that do not end at once.
+constexpr int kEndingMs = 30'000;
+/// Waiting longer than this is worth a line.
+constexpr int kTellMs = 300;
 /// How long processes of the last run may take to end by themselves.
 constexpr int kLeftoversMs = 500;
 
@@ -49,7 +53,7 @@ std::string new_run_id() {
   return text;
 }
 
-enum class Left { nothing, alive, dead, foreign };
+enum class Left { nothing, alive, ending, dead, foreign };
 
 /// Who owns the segment that stands under this name? `run_id` is left empty when it cannot be told.
 Left inspect(const std::string& name, std::int64_t& owner, std::string* run_id = nullptr) {
@@ -67,8 +71,8 @@ Left inspect(const std::string& name, std::int64_t& owner, std::string* run_id =
     owner = header->owner_pid.get();
     const bool alive =
         header->magic == SegmentHeader::kMagic && process_lives(owner, header->owner_start);
-    left = alive ? Left::alive : Left::dead;
     const bool whole = header->magic == SegmentHeader::kMagic && header->abi == kHeaderAbi;
+    left = !alive ? Left::dead : whole && header->ending.get() != 0 ? Left::ending : Left::alive;
     if (run_id != nullptr && whole) *run_id = std::string(header->run_id.view());
     munmap(header, sizeof(SegmentHeader));
   } else {
@@ -79,17 +83,27 @@ Left inspect(const std::string& name, std::int64_t& owner, std::string* run_id =
 }
 
 /// The owner's lock, also after a run that is about to end.
-Result<OwnerLock> take_over(const std::string& instance) {
+Result<OwnerLock> take_over(const std::string& instance, const MakeHooks& hooks) {
   const auto clock = make_real_clock();
   const Nanos begin = clock->now();
-  for (;;) {
+  for (bool told = false;;) {
     auto lock = OwnerLock::take(instance, kTakeDownMs);
     if (lock.ok() || lock.error().code != Errc::busy) return lock;
     std::int64_t owner = 0;
-    // An owner that is ending has taken its number out of the header, then the name away.
-    const bool ending = inspect(segment_name(instance), owner) != Left::alive;
-    const Nanos patience = (ending ? kTakeDownMs : kNoticeMs) * kMillisecond;
-    if (owner == getpid() || clock->now() - begin > patience) return lock;
+    // An owner that is ending says so, or has taken its number out of the header, then the name away.
+    const Left left = inspect(segment_name(instance), owner);
+    const Nanos patience = (left == Left::alive    ? kNoticeMs
+                            : left == Left::ending ? kEndingMs
+                                                   : kTakeDownMs) *
+                           kMillisecond;
+    const Nanos waited = clock->now() - begin;
+    if (owner == getpid() || waited > patience) return lock;
+    if (!told && hooks.waits && waited > kTellMs * kMillisecond) {
+      told = true;
+      hooks.waits("instance '" + instance + "' is still being taken down" +
+                  (owner > 0 ? " by process " + std::to_string(owner) : std::string()) +
+                  "; waiting for its end");
+    }
     WaitSpec spec;
     spec.wake_at(clock->now() + 5 * kMillisecond);
     clock->wait(spec);
@@ -109,7 +123,8 @@ struct Segment::Mapping {
   }
 };
 
-Result<std::unique_ptr<Segment>> Segment::create(const std::string& instance, std::size_t bytes) {
+Result<std::unique_ptr<Segment>> Segment::create(const std::string& instance, std::size_t bytes,
+                                                 const MakeHooks& hooks) {
   if (!valid_instance_name(instance))
     return fail(Errc::bad_argument,
                 "instance name '" + instance +
@@ -120,11 +135,11 @@ Result<std::unique_ptr<Segment>> Segment::create(const std::string& instance, st
                                         std::to_string(kMostBytes >> 20U));
   const std::string name = segment_name(instance);
   // From here on nobody else makes or removes a segment of this name. What stands there is dead, however far its maker came.
-  KERF_TRY(OwnerLock lock, take_over(instance));
+  KERF_TRY(OwnerLock lock, take_over(instance, hooks));
   std::int64_t owner = 0;
   std::string old_run;
   const Left left = inspect(name, owner, &old_run);
-  if (left == Left::alive) {
+  if (left == Left::alive || left == Left::ending) {
     return fail(Errc::busy, "instance '" + instance + "' is in use by process " +
                                 std::to_string(owner) + " (" + process_name(owner) +
                                 "); stop it, or choose another name with --instance");
@@ -134,6 +149,8 @@ Result<std::unique_ptr<Segment>> Segment::create(const std::string& instance, st
     (void)end_processes_of_run(old_run, kLeftoversMs);
     shm_unlink(name.c_str());
   }
+  const std::string run_id = new_run_id();
+  if (hooks.taken) KERF_CHECK(hooks.taken(run_id));
   auto segment = std::unique_ptr<Segment>(new Segment());
   segment->lock_ = std::move(lock);
   segment->mapping_ = std::make_unique<Mapping>();
@@ -158,7 +175,7 @@ Result<std::unique_ptr<Segment>> Segment::create(const std::string& instance, st
   segment->lay_out(bytes);
   SegmentHeader& header = segment->header();
   header.owner_start = process_start_time(getpid());
-  header.run_id = FixedString<63>(new_run_id());
+  header.run_id = FixedString<63>(run_id);
   header.magic = SegmentHeader::kMagic;
   return segment;
 }
@@ -251,7 +268,7 @@ bool Segment::remove(const std::string& instance) {
   }
   const Left left = inspect(name, owner);
   if (left == Left::nothing) return true;
-  if (left == Left::alive && owner != getpid()) return false;
+  if ((left == Left::alive || left == Left::ending) && owner != getpid()) return false;
   return shm_unlink(name.c_str()) == 0;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <new>
 #include <string>
@@ -48,9 +49,20 @@ struct SegmentHeader {
   std::uint64_t size{0};   ///< reserved bytes
   Word<std::int64_t> owner_pid{0};
   std::uint64_t owner_start{0};  ///< start time of the owner (/proc/PID/stat): tells a reused pid
+  Word<std::uint32_t> ending{
+      0};                        ///< 1: the owner takes the instance down; a new start waits for it
   FixedString<63> run_id;        ///< unique a start; children carry it as KERF_RUN_ID
   RegionHead regions[kRegions];  ///< this header is the first thing in `structure`
   BlockEntry blocks[kBlocks];
+};
+
+/// What whoever makes an instance wants to know on the way.
+struct MakeHooks {
+  /// The start waits for the end of the run before: a line for people, once.
+  std::function<void(const std::string&)> waits;
+  /// The instance is ours and nothing of it exists yet. A guard that is forked here shares the OwnerLock and sees all that is left,
+  /// at whatever instruction the maker dies. A failure ends create().
+  std::function<Status(const std::string& run_id)> taken;
 };
 
 /// Mapping of the segment. Address space for the whole size is reserved at attach and never moves; memory is put behind it
@@ -65,9 +77,10 @@ class Segment {
   static constexpr std::size_t kMostBytes = 2047U << 20U;
 
   /// Makes the instance's segment, and holds the instance's OwnerLock as long as it lives. What a dead owner left, its processes
-  /// too, is removed first; a live owner is an error that names it.
+  /// too, is removed first; one that is taking the instance down is waited for; a live owner is an error that names it.
   static Result<std::unique_ptr<Segment>> create(const std::string& instance,
-                                                 std::size_t bytes = kDefaultBytes);
+                                                 std::size_t bytes = kDefaultBytes,
+                                                 const MakeHooks& hooks = {});
   /// Maps the instance's segment. not_found when the instance does not run; protocol when another build made it. A client that
   /// writes to `structure` all the same dies of SIGSEGV.
   static Result<std::unique_ptr<Segment>> attach(const std::string& instance,
@@ -87,6 +100,8 @@ class Segment {
     return *reinterpret_cast<SegmentHeader*>(base_);
   }
   [[nodiscard]] const std::string& instance() const noexcept { return instance_; }
+  /// The owner takes the instance down from here on: the next start of it waits instead of refusing.
+  void begin_end() noexcept { header().ending.set(1); }
 
   /// Takes fresh memory, zero-filled and aligned to 64, off a region for good. no_memory: it is full; permission: a client asked.
   Result<Offset> extend(Region region, std::size_t bytes);

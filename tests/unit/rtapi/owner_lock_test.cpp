@@ -192,5 +192,51 @@ TEST(OwnerLock, RemoveLeavesTheSegmentOfANewRunAlone) {
   EXPECT_TRUE(name_exists(instance));
 }
 
+TEST(OwnerLock, AStartWaitsForAnOwnerThatIsEnding) {
+  const std::string instance = unique_instance("ending");
+  int said[2];
+  ASSERT_EQ(pipe(said), 0);
+  const pid_t owner = in_child([&] {
+    auto made = Segment::create(instance, 4U << 20U);
+    if (!made.ok()) return 1;
+    (*made)->begin_end();
+    (void)!write(said[1], "x", 1);
+    pause_ms(1500);
+    return 0;
+  });
+  char byte = 0;
+  ASSERT_EQ(read(said[0], &byte, 1), 1);
+  std::string waited;
+  MakeHooks hooks;
+  hooks.waits = [&](const std::string& text) { waited += text; };
+  auto made = Segment::create(instance, 4U << 20U, hooks);
+  ASSERT_TRUE(made.ok()) << made.error().message();
+  EXPECT_NE(waited.find("is still being taken down by process " + std::to_string(owner)),
+            std::string::npos)
+      << waited;
+  EXPECT_EQ(status_of(owner), 0);
+}
+
+/// A maker that is killed as soon as it has the instance leaves it to whoever it forked for that.
+TEST(OwnerLock, WhatIsForkedBeforeTheSegmentKeepsItsName) {
+  const std::string instance = unique_instance("taken");
+  std::string run;
+  MakeHooks hooks;
+  hooks.taken = [&](const std::string& id) -> Status {
+    run = id;
+    EXPECT_FALSE(name_exists(instance));
+    EXPECT_TRUE(OwnerLock::held_here(instance));
+    return {};
+  };
+  {
+    auto made = Segment::create(instance, 4U << 20U, hooks);
+    ASSERT_TRUE(made.ok()) << made.error().message();
+    EXPECT_EQ(std::string((*made)->header().run_id.view()), run);
+  }
+  hooks.taken = [](const std::string&) -> Status { return fail(Errc::system, "no guard"); };
+  EXPECT_FALSE(Segment::create(instance, 4U << 20U, hooks).ok());
+  EXPECT_FALSE(name_exists(instance));
+}
+
 }  // namespace
 }  // namespace kerf::rtapi
