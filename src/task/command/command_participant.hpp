@@ -55,6 +55,10 @@ class CommandParticipant final : public rtapi::Participant {
   static constexpr int kNobody = -1;  ///< commands of task itself
   static constexpr rtapi::Nanos kBeat = 20 * rtapi::kMillisecond;
   static constexpr rtapi::Nanos kStateTime = rtapi::kSecond;
+  /// So long those that have not run yet may take.
+  static constexpr rtapi::Nanos kBusyTime = 5 * rtapi::kSecond;
+  /// Motion has had its chance to turn the machine on.
+  static constexpr std::uint64_t kCyclesToTurnOn = 50;
 
   /// What one wait can watch, with room for the rest.
   static constexpr std::size_t kMaxClients = 56;
@@ -114,6 +118,10 @@ class CommandParticipant final : public rtapi::Participant {
 
   // machine.cpp
   void update_machine();
+  /// True when those that wait for a state have waited so long, or nobody does.
+  [[nodiscard]] bool state_is_late(rtapi::Nanos after) const;
+  /// "" while the machine may still turn on.
+  [[nodiscard]] std::string why_not_on() const;
   void end_state_tickets(CommandState how, const std::string& text);
   void abort_all();
   void stop_jogs(int client);

@@ -1,4 +1,5 @@
 // Machine state, modes, homing and jogging.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -18,22 +19,42 @@ void CommandParticipant::end_state_tickets(CommandState how, const std::string& 
   for (const Ticket ticket : ended) reply(ticket, how, text);
 }
 
+bool CommandParticipant::state_is_late(rtapi::Nanos after) const {
+  return std::all_of(pending_.begin(), pending_.end(), [&](const auto& entry) {
+    const Pending& pending = entry.second;
+    return pending.command != CommandId::state || pending.deadline == rtapi::kForever ||
+           now_ >= pending.deadline - kStateTime + after;
+  });
+}
+
+std::string CommandParticipant::why_not_on() const {
+  if (!state_is_late(kStateTime)) return {};
+  // On a computer that is busy a second may pass before those that are asked have run at all: that is no answer yet.
+  const bool asked = std::all_of(pending_.begin(), pending_.end(), [this](const auto& entry) {
+    const Pending& pending = entry.second;
+    return pending.command != CommandId::state || pending.deadline == rtapi::kForever ||
+           status_.cycle >= pending.from_cycle + kCyclesToTurnOn;
+  });
+  const bool settled = view_.settled_epoch == epoch_;
+  if ((!asked || !settled) && !state_is_late(kBusyTime)) return {};
+  if (!asked)
+    return "the machine did not turn on: motion does not run; is its function in a thread, and are "
+           "the "
+           "threads started?";
+  if (status_.enabled && !settled)
+    return "the machine did not turn on: the interpreter does not answer";
+  return "the machine did not turn on; motion.enable or an amplifier says no";
+}
+
 void CommandParticipant::update_machine() {
   p_.exchange.task_state.set(static_cast<std::uint32_t>(state_));
   p_.exchange.mode.set(static_cast<std::uint32_t>(mode_));
-  const auto late = [this] {
-    for (const auto& [ticket, pending] : pending_)
-      if (pending.command == CommandId::state && now_ < pending.deadline &&
-          pending.deadline != rtapi::kForever)
-        return false;
-    return true;
-  };
   if (resetting_) {
     if (io_.emc_enable_in && io_.user_enable) {
       resetting_ = false;
       state_ = TaskState::estop_reset;
       end_state_tickets(CommandState::done, {});
-    } else if (late()) {
+    } else if (state_is_late(kStateTime)) {
       resetting_ = false;
       p_.io.set_estop(true);
       const std::string why = "estop stays: iocontrol.0.emc-enable-in is FALSE";
@@ -48,8 +69,7 @@ void CommandParticipant::update_machine() {
       enabling_ = false;
       state_ = TaskState::on;
       end_state_tickets(CommandState::done, {});
-    } else if (late()) {
-      const std::string why = "the machine did not turn on; motion.enable or an amplifier says no";
+    } else if (const std::string why = why_not_on(); !why.empty()) {
       say(MessageKind::error, why);
       end_state_tickets(CommandState::error, why);
       go_off();

@@ -39,6 +39,26 @@ TEST(Program, machine_that_does_not_enable_says_so) {
   EXPECT_EQ(rig.status().task_state, TaskState::estop_reset);
 }
 
+/// A busy computer may keep the servo thread from running for longer than a machine takes to answer.
+TEST(Program, power_on_waits_for_a_servo_thread_that_has_not_run) {
+  Rig rig;
+  rig.does({"state", "estop-reset"});
+  rig.fake->sleeps_until = rig.scheduler->now() + rtapi::seconds(2.5);
+  const auto on = rig.send({"state", "on"});
+  rig.run_for(2.4);
+  EXPECT_FALSE(rig.finished(on)) << rig.outcome(on).text;
+  EXPECT_EQ(rig.wait(on).state, State::done) << rig.outcome(on).text;
+}
+
+TEST(Program, power_on_without_a_servo_thread_says_so) {
+  Rig rig;
+  rig.does({"state", "estop-reset"});
+  rig.fake->sleeps_until = rig.scheduler->now() + rtapi::seconds(60);
+  const Reply r = rig.command({"state", "on"}, 10);
+  EXPECT_EQ(r.state, State::error);
+  EXPECT_THAT(r.text, HasSubstr("motion does not run"));
+}
+
 TEST(Program, state_on_that_is_taken_back_ends_aborted) {
   for (const char* other : {"off", "estop"}) {
     Rig rig;

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -35,11 +36,11 @@ class FakeMotion final : public rtapi::Participant {
   rtapi::Role role() const noexcept override { return rtapi::Role::realtime_host; }
 
   void step(Nanos now, rtapi::WaitSpec& next) override {
-    if (now >= next_cycle_) {
+    if (now >= next_cycle_ && now >= sleeps_until) {
       cycle(now);
       next_cycle_ = now + kMillisecond;
     }
-    next.wake_at(next_cycle_);
+    next.wake_at(std::max(next_cycle_, sleeps_until));
   }
 
   /// Items in the order of execution.
@@ -67,6 +68,7 @@ class FakeMotion final : public rtapi::Participant {
   Nanos move_time{10 * kMillisecond};
   int ack_cycles{5};  ///< from a raised epoch to the acknowledgement
   bool may_enable{true};
+  Nanos sleeps_until{0};  ///< no cycle before
   bool homes{true};
   bool orients{true};
   std::uint64_t beats_seen{0};
