@@ -93,6 +93,9 @@ enum class Flow : std::uint8_t {
   endrepeat,
   break_loop,
   continue_loop,
+  program_number,  ///< O with a number and nothing else: a numbered program begins
+  call_number,     ///< M98
+  return_number,   ///< M99
 };
 using FlowMask = std::uint32_t;
 constexpr FlowMask flow_bit(Flow f) noexcept { return FlowMask{1} << static_cast<unsigned>(f); }
@@ -137,6 +140,7 @@ struct ParsedBlock {
   Place after;  ///< of the next one
   Place jump;   ///< line behind the one that a skip from here reached
   bool jump_known{false};
+  bool label_known{false};     ///< the label was found to be used rightly here
   ParsedBlock* next{nullptr};  ///< the cached block at `after`
 
   void clear() {
@@ -148,7 +152,7 @@ struct ParsedBlock {
     label_expr = {};
     flow = Flow::none;
     comment = CommentKind::none;
-    skip = percent = jump_known = false;
+    skip = percent = jump_known = label_known = false;
     sequence = -1;
     next = nullptr;
   }

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "interp/codes/families.hpp"
+#include "interp/flow_internal.hpp"
 
 namespace kerf::interp {
 
@@ -135,13 +136,12 @@ Outcome Core::end_of_file() {
   }
   const Frame f = flows.frames.back();
   if (flows.frames.size() > 1) {
-    fail(0, "Add its endsub, or a return",
-         "EOF in file:%s seeking o-word: o%s endsub from line: %d",
-         std::string(current_file()).c_str(), f.sub.c_str(), f.place.line);
+    const std::string help = "The sub " + f.sub + " has no end in its file";
+    fail(0, help.c_str(), "%s", kNoEnd);
   } else if (state.percent_file) {
     fail(0, "End the file with a line % or with M2", "File ended with no percent sign (%%)");
   } else {
-    fail(0, "Add M2 as the last line", "File ended with no percent sign (%%) or program end (M2)");
+    fail(0, "Add M2 as the last line", "%s", kNoEnd);
   }
   error.line = f.place.line;
   drop_frames();

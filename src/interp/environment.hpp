@@ -79,6 +79,8 @@ class Environment {
     (void)number;
     return {};
   }
+  /// Something that the program should not do and that is no error (OWORD_WARNONLY).
+  virtual void warning(std::string_view text) { (void)text; }
   /// #<_hal[name]>: pin, signal or parameter; nullopt: no such name.
   [[nodiscard]] virtual std::optional<double> hal_value(std::string_view name) {
     (void)name;

@@ -42,7 +42,7 @@ double binary(Op op, double a, double b) {
 /// Null, or why the function cannot be computed.
 const char* unary(Op op, double& v) {
   switch (op) {
-    case Op::negate: v = -v; break;
+    case Op::negate: v = 0 - v; break;
     case Op::abs: v = std::fabs(v); break;
     case Op::acos:
       if (v < -1 || v > 1) return "Argument to acos out of range";
@@ -178,8 +178,7 @@ bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
     }
     if (op->op >= Op::power) {
       const double a = stack[n - 2], c = stack[n - 1];
-      if ((op->op == Op::divide || op->op == Op::modulo) && c == 0)
-        return fail_at(op->at, "", "Attempt to divide by zero");
+      if (op->op == Op::divide && c == 0) return fail_at(op->at, "", "Attempt to divide by zero");
       if (op->op == Op::power && a < 0 && c != std::floor(c))
         return fail_at(op->at, "", "Attempt to raise negative to non integer power");
       stack[--n - 1] = binary(op->op, a, c);
@@ -190,7 +189,8 @@ bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
   }
   value = n > 0 ? stack[n - 1] : 0;
   if (!std::isfinite(value))
-    return fail_at(b.ops[e.first].at, "", "The result of the expression is not a number");
+    return fail_at(b.ops[e.first].at, "The values lead to no number that can be used",
+                   "Calculation resulted in '%s'", std::isnan(value) ? "not a number" : "infinity");
   return true;
 }
 

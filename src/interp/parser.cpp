@@ -202,6 +202,12 @@ bool Parser::sequence() {
 
 bool Parser::items() {
   if (peek() == 'o' && dialect_.o_words) return flow();
+  // M98 and M99 direct the flow when they begin a line; their words are read like those of other codes.
+  if (peek() == 'm' && dialect_.o_words && (starts("m98") || starts("m99"))) {
+    const char after = pos_ + 3 < size_ ? buffer_[pos_ + 3] : '\0';
+    if (!is_digit(after) && after != '.')
+      out_->flow = buffer_[pos_ + 2] == '8' ? Flow::call_number : Flow::return_number;
+  }
   while (pos_ < size_) {
     const char c = buffer_[pos_];
     if (c == '(') {
@@ -287,9 +293,9 @@ bool Parser::flow() {
     out_->label.assign(1, '<');
     out_->label.append(text);
     out_->label.push_back('>');
-  } else if (is_digit(peek())) {
-    std::size_t start = pos_;
+  } else if (std::size_t start = pos_; is_digit(peek())) {
     while (is_digit(peek())) ++pos_;
+    if (peek() == '.') return fail("Non integer value for integer");
     while (start + 1 < pos_ && buffer_[start] == '0') ++start;
     out_->label.assign(buffer_ + start, pos_ - start);
   } else {
@@ -303,6 +309,7 @@ bool Parser::flow() {
   for (const FlowRow& row : kFlows) {
     if (row.name == word) out_->flow = row.flow;
   }
+  if (word.empty() && (pos_ == size_ || peek() == '(')) out_->flow = Flow::program_number;
   if (out_->flow == Flow::none) {
     pos_ = start;
     return fail("Unknown control command in o word");
@@ -319,7 +326,7 @@ bool Parser::flow_arguments() {
                                                                           : 0;
   while (peek() == '[') {
     if (out_->arguments.size() == most) {
-      return most == kSubArguments ? fail("Too many parameters to subroutine call")
+      return most == kSubArguments ? fail("Too many subroutine parameters")
                                    : fail("Unexpected character after O-word");
     }
     Expr e;
@@ -377,7 +384,7 @@ bool Parser::value() {
       ++pos_;
       return number(c == '-' ? -1 : 1);
     }
-    if (after != '[' && after != '#' && letter_index(after) < 0)
+    if (after != '[' && after != '#' && after != '+' && after != '-' && letter_index(after) < 0)
       return fail("bad number format (conversion failed) parsing '%c'", c);
     ++pos_;
     if (++depth_ > kDeepest) return fail("Expression nested too deeply");
@@ -388,6 +395,7 @@ bool Parser::value() {
   }
   if (c >= 'a' && c <= 'z') return function();
   if (c == '\0' || c == '(') return fail("No characters found in reading real value");
+  if (c == '=' || c == ']') return fail("bad number format (conversion failed) parsing ''");
   return fail("bad number format (conversion failed) parsing '%c'", c);
 }
 
@@ -446,9 +454,11 @@ bool Parser::parameter() {
 }
 
 bool Parser::function() {
-  if (starts("exists[#")) {
+  if (starts("exists[")) {
     const std::size_t place = pos_;
-    pos_ += 8;
+    pos_ += 7;
+    if (peek() != '#') return fail("Expected # reading parameter");
+    ++pos_;
     if (peek() == '<') {
       std::string_view text;
       if (!name(text)) return false;
@@ -458,7 +468,7 @@ bool Parser::function() {
       if (!value()) return false;
       out_->ops.push_back({Op::exists_numbered, static_cast<std::uint16_t>(place), 0, 0});
     }
-    if (peek() != ']') return fail("Unclosed expression");
+    if (peek() != ']') return fail("Expected ] reading bracketed parameter");
     ++pos_;
     return true;
   }
@@ -477,7 +487,10 @@ bool Parser::function() {
     out_->ops.push_back({row.op, static_cast<std::uint16_t>(place), 0, 0});
     return true;
   }
-  return fail("Unknown word where unary operation could be");
+  constexpr std::string_view kFirst = "acefrlst";
+  return kFirst.find(peek()) == std::string_view::npos
+             ? fail("Unknown word where unary operation could be")
+             : fail("Unknown word starting with %c", peek());
 }
 
 }  // namespace kerf::interp

@@ -23,15 +23,28 @@ inline constexpr std::size_t kMostCached = 200000;
 
 struct RemapCall;
 
+/// Labels of O-words remembered per file, to find one that is used twice; further ones are not checked.
+inline constexpr std::size_t kMostLabels = 50000;
+
+/// Where a sub's first line stands.
 struct FileAndPlace {
   std::uint32_t program{0};
   Place place;
+  bool numbered{false};  ///< O100 ... M99, called by M98
+};
+
+/// What a label stands for in its sub (or in the main program).
+struct LabelUse {
+  Flow kind{Flow::none};  ///< the word that begins the block: if, while, do, repeat
+  std::int32_t line{0};
+  std::uint64_t offset{0};
 };
 
 struct Program {
   std::string path;
   std::unique_ptr<LineSource> source;
   std::unordered_map<std::uint64_t, std::unique_ptr<ParsedBlock>> cache;  ///< by offset
+  std::unordered_map<std::string, LabelUse> labels;                       ///< by sub and label
 };
 
 struct Loop {
@@ -48,6 +61,9 @@ struct Frame {
   Place place;                                ///< of the next line
   ParsedBlock* upcoming{nullptr};             ///< cached block at `place`, when known
   std::string sub;                            ///< label; "" for the main program
+  bool numbered{false};                       ///< called by M98: #1-#30 are the caller's
+  std::int64_t times{1};                      ///< M98 L: runs to do, this one included
+  Place start;                                ///< of the sub's first line
   std::array<double, kSubArguments> saved{};  ///< #1-#30 of the caller
   std::vector<Loop> loops;
   std::optional<ModalState> saved_state;  ///< M70, M73
@@ -63,9 +79,12 @@ struct Skip {
   FlowMask stop_at{0};
   Place from;
   ParsedBlock* origin{nullptr};  ///< cached block to remember the result in
-  bool to_sub{false};            ///< looks for a definition to call, with `arguments`
-  Place return_place;            ///< where the caller goes on after the sub
-  bool wrapped{false};           ///< the search has begun again at the top of the file
+  bool numbered{false};          ///< the call is M98 ...
+  std::int64_t times{1};         ///< ... with this L
+  std::size_t argument_count{0};
+  bool to_sub{false};   ///< looks for a definition to call, with `arguments`
+  Place return_place;   ///< where the caller goes on after the sub
+  bool wrapped{false};  ///< the search has begun again at the top of the file
   std::array<double, kSubArguments> arguments{};
 };
 

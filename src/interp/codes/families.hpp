@@ -34,4 +34,9 @@ void announce_path_mode(Core& c);
 [[nodiscard]] bool spindle_range(Core& c, const Block& b, int otherwise, const char* command,
                                  int& first, int& last);
 
+/// M2 and M30 (`code`), and M99 where it ends the main program.
+[[nodiscard]] bool end_program(Core& c, int code);
+/// DISABLE_G92_PERSISTENCE at the end of a program.
+void reset_g92_at_end(Core& c);
+
 }  // namespace kerf::interp

@@ -16,6 +16,21 @@ bool stop(Core& c, const Block&, int code) {
   return true;
 }
 
+}  // namespace
+
+void reset_g92_at_end(Core& c) {
+  if (!c.settings.disable_g92_persistence || !c.state.g92_applied) return;
+  CanonFrame f = c.state.frame;
+  f.set_g92_offset({});
+  c.set_frame(f);
+  c.state.g92_applied = false;
+  c.params.set(kG92Applied, 0);
+  c.params.set_pose(kG92Offset, {}, c.settings.machine_unit_mm);
+  c.out.call<&Canon::set_g92_offset>(Pose{});
+}
+
+namespace {
+
 /// G54, without touching G92.
 void default_work_offset(Core& c) {
   if (!c.settings.disable_auto_g54) {
@@ -26,20 +41,14 @@ void default_work_offset(Core& c) {
     c.params.set(kCoordSystem, 1);
     c.set_frame(f);
   }
-  if (c.settings.disable_g92_persistence && c.state.g92_applied) {
-    CanonFrame f = c.state.frame;
-    f.set_g92_offset({});
-    c.set_frame(f);
-    c.state.g92_applied = false;
-    c.params.set(kG92Applied, 0);
-    c.params.set_pose(kG92Offset, {}, c.settings.machine_unit_mm);
-    c.out.call<&Canon::set_g92_offset>(Pose{});
-  }
+  reset_g92_at_end(c);
   c.out.call<&Canon::set_g5x_offset>(c.state.coord_system, c.state.frame.g5x());
   c.out.call<&Canon::set_xy_rotation>(c.state.frame.rotation_deg());
 }
 
-bool end(Core& c, const Block&, int code) {
+}  // namespace
+
+bool end_program(Core& c, int code) {
   ModalState& s = c.state;
   default_work_offset(c);
   if (s.plane_code != 170) {
@@ -76,6 +85,15 @@ bool end(Core& c, const Block&, int code) {
   return true;
 }
 
+namespace {
+
+bool end(Core& c, const Block&, int code) { return end_program(c, code); }
+
+/// At the beginning of a line M98 and M99 direct the flow (flow_words.cpp); elsewhere they mean nothing.
+bool misplaced(Core& c, const Block&, int code) {
+  return c.fail(0, "Write it first, on a line of its own", "Unknown m code used: M%d", code);
+}
+
 bool user_code(Core& c, const Block& b, int code) {
   const UserMcode found = c.env.find_user_mcode(code);
   if (found.path.empty()) return c.fail(0, found.cause.c_str(), "Unknown m code used: M%d", code);
@@ -89,6 +107,8 @@ constexpr CodeRow kRows[] = {
     {'m', 60, 60, 4, kOrderStop, stop, 0, AxisUse::none},
     {'m', 2, 2, 4, kOrderStop, end, 0, AxisUse::none},
     {'m', 30, 30, 4, kOrderStop, end, 0, AxisUse::none},
+    {'m', 98, 98, 4, 0, misplaced, letters("pl"), AxisUse::none},
+    {'m', 99, 99, 4, 0, misplaced, 0, AxisUse::none},
     {'m', 100, 199, 10, kOrderUser, user_code, letters("pq"), AxisUse::none},
 };
 

@@ -102,6 +102,10 @@ std::optional<Tool> BenchEnvironment::find_pocket(int pocket) {
   return std::nullopt;
 }
 
+void BenchEnvironment::warning(std::string_view text) {
+  std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data());
+}
+
 std::string BenchEnvironment::find_sub(std::string_view name) {
   for (const std::string& directory : directories_) {
     for (const char* suffix : {".ngc", ""}) {

@@ -30,6 +30,8 @@ class BenchEnvironment final : public Environment {
   [[nodiscard]] std::optional<Tool> find_tool(int number) override;
   [[nodiscard]] std::optional<Tool> find_pocket(int pocket) override;
   [[nodiscard]] std::string find_sub(std::string_view name) override;
+  /// To standard error.
+  void warning(std::string_view text) override;
 
  private:
   std::vector<std::string> directories_;

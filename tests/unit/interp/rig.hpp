@@ -21,11 +21,13 @@ class ScriptedWorld final : public Environment {
   BenchEnvironment files;
   std::map<std::string, double> hal, ini;  // ini: "SECTION/KEY"
   std::map<int, UserMcode> mcodes;
+  std::vector<std::string> warnings;
 
   std::optional<Tool> find_tool(int number) override { return files.find_tool(number); }
   std::optional<Tool> find_pocket(int pocket) override { return files.find_pocket(pocket); }
   std::string find_sub(std::string_view name) override { return files.find_sub(name); }
   UserMcode find_user_mcode(int number) override { return mcodes[number]; }
+  void warning(std::string_view text) override { warnings.emplace_back(text); }
   std::optional<double> hal_value(std::string_view name) override {
     return look(hal, std::string(name));
   }

@@ -1,0 +1,21 @@
+// What flow.cpp and flow_words.cpp share.
+#pragma once
+
+#include "interp/program.hpp"
+
+namespace kerf::interp {
+
+inline constexpr FlowMask kEndIf = flow_bit(Flow::endif);
+inline constexpr FlowMask kNextBranch =
+    flow_bit(Flow::elseif) | flow_bit(Flow::else_block) | kEndIf;
+inline constexpr const char* kNoEnd = "File ended with no percent sign (%) or program end (M2)";
+
+/// The innermost loop of that label in the frame, null without.
+[[nodiscard]] inline Loop* find_loop(Frame& f, const std::string& label) {
+  for (std::size_t i = f.loops.size(); i-- > 0;) {
+    if (f.loops[i].label == label) return &f.loops[i];
+  }
+  return nullptr;
+}
+
+}  // namespace kerf::interp

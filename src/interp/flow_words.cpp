@@ -1,0 +1,434 @@
+// What the O-words, M98 and M99 do. Manual: "O Codes", "Fanuc-Style Numbered Programs".
+//
+// A label belongs to the sub that it stands in (or to the main program) and begins one block there; names of subs are known
+// everywhere.
+#include <algorithm>
+#include <cmath>
+
+#include "interp/codes/families.hpp"
+#include "interp/core.hpp"
+#include "interp/flow_internal.hpp"
+
+namespace kerf::interp {
+
+namespace {
+
+/// Lines of a sub's own file that may precede its definition.
+constexpr int kLongestSubFile = 200000;
+
+const char* keyword(Flow f) {
+  constexpr const char* kNames[] = {"",       "sub",       "endsub", "call",    "return",   "if",
+                                    "elseif", "else",      "endif",  "while",   "endwhile", "do",
+                                    "repeat", "endrepeat", "break",  "continue"};
+  const auto i = static_cast<std::size_t>(f);
+  return i < std::size(kNames) ? kNames[i] : "";
+}
+
+FlowMask loop_end(Flow kind) {
+  return flow_bit(kind == Flow::repeat_loop ? Flow::endrepeat
+                  : kind == Flow::do_loop   ? Flow::while_loop
+                                            : Flow::endwhile);
+}
+
+/// Leaves `label`'s loop and those inside it; with `keep` only those inside.
+void close_loops(Frame& f, const std::string& label, bool keep) {
+  if (find_loop(f, label) == nullptr) return;
+  while (!f.loops.empty()) {
+    const bool hit = f.loops.back().label == label;
+    if (hit && keep) return;
+    f.loops.pop_back();
+    if (hit) return;
+  }
+}
+
+/// The line as written, without the blanks around it.
+std::string written(const ParsedBlock& b) {
+  const std::size_t first = b.text.find_first_not_of(" \t");
+  if (first == std::string::npos) return {};
+  return b.text.substr(first, b.text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// Label as the message about a sub defined twice has it.
+std::string bare(const std::string& label) {
+  return label.size() > 2 && label[0] == '<' ? label.substr(1, label.size() - 2) : label;
+}
+
+}  // namespace
+
+bool Core::flow_label(ParsedBlock& b, std::string& label) {
+  if (b.label_expr.count == 0) {
+    label = b.label;
+    return true;
+  }
+  double v = 0, rounded = 0;
+  if (!evaluate(b, b.label_expr, v)) return false;
+  if (!near_integer(v, rounded) || std::fabs(rounded) > 1e9)
+    return fail_at(1, "The number of an O-word is an integer", "Non integer value for integer");
+  label = std::to_string(static_cast<long>(rounded));
+  return true;
+}
+
+// Comments beside O-words do nothing, active ones included.
+Outcome Core::run_flow(ParsedBlock& b) {
+  if (b.flow >= Flow::program_number) return run_numbered(b);
+  std::string& label = flow_label_;
+  double condition = 0;
+  const bool good = flow_label(b, label) && (b.flow == Flow::call || b.arguments.empty() ||
+                                             evaluate(b, b.arguments[0], condition));
+  if (!good || !flow_step(b, label, condition)) {
+    undo_block();
+    return Outcome::error;
+  }
+  return finish_block(b);
+}
+
+// --- labels ---
+
+bool Core::label_problem(const char* help, const std::string& text) {
+  if (!settings.oword_warnonly) return fail(0, help, "%s", text.c_str());
+  env.warning(text);
+  return true;
+}
+
+LabelUse* Core::label_use(const std::string& label) {
+  const Frame& f = flows.frames.back();
+  label_key_ = f.sub;
+  label_key_ += ' ';
+  label_key_ += label;
+  auto& labels = flows.programs[f.program].labels;
+  const auto hit = labels.find(label_key_);
+  return hit == labels.end() ? nullptr : &hit->second;
+}
+
+// A block begins: its label must not begin another one. `while` behind a `do` of the label ends that one.
+bool Core::begin_label(ParsedBlock& b, const std::string& label) {
+  if (b.label_known) return true;
+  const LabelUse here{b.flow, b.place.line + 1, b.place.offset};
+  LabelUse* use = label_use(label);
+  if (use == nullptr) {
+    auto& labels = flows.programs[flows.frames.back().program].labels;
+    if (labels.size() < kMostLabels) labels.emplace(label_key_, here);
+  } else if (b.flow == Flow::do_loop) {
+    *use = here;
+  } else if (use->offset != here.offset &&
+             !(b.flow == Flow::while_loop && use->kind == Flow::do_loop)) {
+    const std::string number = std::to_string(here.line) + ": duplicate O-word label";
+    const std::string line = '\'' + written(b) + '\'';
+    const std::string other = std::to_string(use->line);
+    if (!label_problem("Give each block of a sub, and of the main program, a label of its own",
+                       b.flow == Flow::if_block
+                           ? number + " - already defined in line " + other + ": " + line
+                           : number + ": " + line + " - defined in line " + other))
+      return false;
+  }
+  b.label_known = b.label_expr.count == 0;
+  return true;
+}
+
+// A word inside or at the end of a block: the label must begin a block of one of these kinds.
+bool Core::inside_label(ParsedBlock& b, const std::string& label, FlowMask kinds) {
+  if (b.label_known) return true;
+  const LabelUse* use = label_use(label);
+  const std::string number = std::to_string(b.place.line + 1);
+  if (use == nullptr) {
+    const bool all_known = flows.programs[flows.frames.back().program].labels.size() < kMostLabels;
+    if (all_known) return undefined_label(b);
+  } else if ((kinds & flow_bit(use->kind)) == 0) {
+    const char* what = b.flow == Flow::elseif || b.flow == Flow::else_block          ? "'if' "
+                       : b.flow == Flow::break_loop || b.flow == Flow::continue_loop ? "while/do "
+                                                                                     : "";
+    return label_problem("The label must be that of the block",
+                         number + ": no matching " + what + "label: '" + written(b) + "' (found '" +
+                             keyword(use->kind) + "' in line " + std::to_string(use->line) + ')');
+  }
+  b.label_known = b.label_expr.count == 0;
+  return true;
+}
+
+bool Core::undefined_label(const ParsedBlock& b) {
+  return label_problem(
+      "The beginning with the same label is missing, or a jump led into the block",
+      std::to_string(b.place.line + 1) + ": undefined O-word label: '" + written(b) + '\'');
+}
+
+// --- blocks ---
+
+bool Core::flow_step(ParsedBlock& b, const std::string& label, double condition) {
+  Frame& f = flows.frames.back();
+  constexpr FlowMask kIf = flow_bit(Flow::if_block);
+  switch (b.flow) {
+    case Flow::sub: return define_sub(b, label);
+    case Flow::endsub:
+    case Flow::ret: return end_sub(b, condition);
+    case Flow::call: return call_sub(b, label);
+    case Flow::if_block:
+      if (!begin_label(b, label)) return false;
+      if (condition == 0) start_skip(b, label, kNextBranch);
+      return true;
+    case Flow::elseif:
+    case Flow::else_block:
+      if (!inside_label(b, label, kIf)) return false;
+      start_skip(b, label, kEndIf);
+      return true;
+    case Flow::endif: return inside_label(b, label, kIf);
+    case Flow::do_loop:
+      if (!begin_label(b, label)) return false;
+      close_loops(f, label, false);
+      f.loops.push_back({label, Flow::do_loop, b.place, b.after, 0});
+      return true;
+    case Flow::while_loop: return run_while(b, label, condition != 0);
+    case Flow::repeat_loop: {
+      if (!begin_label(b, label)) return false;
+      close_loops(f, label, false);
+      const double n = std::floor(condition + 0.5);
+      if (n < 1)
+        start_skip(b, label, loop_end(Flow::repeat_loop));
+      else
+        f.loops.push_back({label, Flow::repeat_loop, b.place, b.after,
+                           static_cast<std::int64_t>(std::min(n, 9e15))});
+      return true;
+    }
+    default: return loop_end_step(b, label);
+  }
+}
+
+bool Core::run_while(ParsedBlock& b, const std::string& label, bool condition) {
+  Frame& f = flows.frames.back();
+  Loop* loop = find_loop(f, label);
+  if (loop != nullptr && loop->kind == Flow::do_loop) {
+    if (condition) {
+      f.place = loop->body;
+      f.upcoming = nullptr;
+      close_loops(f, label, true);
+    } else {
+      close_loops(f, label, false);
+    }
+    return true;
+  }
+  if (!begin_label(b, label)) return false;
+  if (!condition) {
+    if (loop != nullptr) close_loops(f, label, false);
+    start_skip(b, label, loop_end(Flow::while_loop));
+    return true;
+  }
+  if (loop != nullptr)
+    close_loops(f, label, true);
+  else
+    f.loops.push_back({label, Flow::while_loop, b.place, b.after, 0});
+  return true;
+}
+
+bool Core::loop_end_step(ParsedBlock& b, const std::string& label) {
+  Frame& f = flows.frames.back();
+  constexpr FlowMask kWhile = flow_bit(Flow::while_loop), kDo = flow_bit(Flow::do_loop);
+  const bool leaves = b.flow == Flow::break_loop || b.flow == Flow::continue_loop;
+  if (!inside_label(b, label,
+                    leaves                      ? kWhile | kDo
+                    : b.flow == Flow::endrepeat ? flow_bit(Flow::repeat_loop)
+                                                : kWhile))
+    return false;
+  Loop* loop = find_loop(f, label);
+  if (loop == nullptr) return undefined_label(b);
+  if (!leaves && loop_end(loop->kind) != flow_bit(b.flow)) return true;  // warned of already
+  close_loops(f, label, true);
+  loop = &f.loops.back();
+  if (b.flow == Flow::break_loop ||
+      (b.flow == Flow::continue_loop && loop->kind == Flow::do_loop)) {
+    const FlowMask end = loop_end(loop->kind);
+    if (b.flow == Flow::break_loop) f.loops.pop_back();
+    start_skip(b, label, end);
+    return true;
+  }
+  if (loop->kind == Flow::repeat_loop) {
+    if (--loop->left > 0) {
+      f.place = loop->body;
+      f.upcoming = nullptr;
+    } else {
+      f.loops.pop_back();
+      if (b.flow == Flow::continue_loop) start_skip(b, label, loop_end(Flow::repeat_loop));
+    }
+    return true;
+  }
+  f.place = loop->start;
+  f.upcoming = nullptr;
+  return true;
+}
+
+// --- subs ---
+
+bool Core::define_sub(ParsedBlock& b, const std::string& label) {
+  Frame& f = flows.frames.back();
+  if (!f.sub.empty())
+    return fail(0, "End the sub before the next one begins", "Nested subroutine definition");
+  const FileAndPlace here{f.program, b.after, false};
+  if (const auto known = flows.subs.find(label); known == flows.subs.end()) {
+    flows.subs.emplace(label, here);
+  } else if (known->second.program != here.program ||
+             known->second.place.offset != here.place.offset) {
+    if (!label_problem(
+            "A name stands for one sub",
+            "File:" + flows.programs[f.program].path + " line:" + std::to_string(b.place.line + 1) +
+                " redefining sub: o|" + bare(label) +
+                "| already defined in file:" + flows.programs[known->second.program].path))
+      return false;
+  }
+  start_skip(b, label, flow_bit(Flow::endsub));
+  return true;
+}
+
+bool Core::end_sub(const ParsedBlock& b, double value) {
+  const Frame& f = flows.frames.back();
+  if (f.sub.empty())
+    return label_problem("return and endsub stand inside a sub",
+                         std::to_string(b.place.line + 1) + ": not in a subroutine definition: '" +
+                             written(b) + '\'');
+  if (f.numbered)
+    return fail(0, "Write M99", "Fanuc 'O....' subroutine definition must end with 'M99'");
+  return return_from_sub(!b.arguments.empty(), value);
+}
+
+// O-subs are called by `call`, numbered programs by M98 (manual: "Fanuc-Style Numbered Programs").
+bool Core::right_call(const FileAndPlace& where) {
+  if (where.numbered == flows.skip.numbered) return true;
+  return where.numbered ? fail(0, "Write M98 P with the number",
+                               "Fanuc 'O....' subroutine must be called with 'M98'")
+                        : fail(0, "Write O with the number, and call",
+                               "'O.... sub' subroutine must be called with 'O.... call'");
+}
+
+bool Core::call_sub(ParsedBlock& b, const std::string& label) {
+  Skip& s = flows.skip;
+  s.numbered = false;
+  s.times = 1;
+  s.argument_count = b.arguments.size();
+  s.arguments.fill(0);
+  for (std::size_t i = 0; i < b.arguments.size(); ++i) {
+    if (!evaluate(b, b.arguments[i], s.arguments[i])) return false;
+  }
+  return find_and_enter(b, label);
+}
+
+bool Core::find_and_enter(ParsedBlock& b, const std::string& label) {
+  Skip& s = flows.skip;
+  s.label = label;
+  if (const auto hit = flows.subs.find(label); hit != flows.subs.end())
+    return right_call(hit->second) && enter_sub(hit->second);
+  if (flows.frames.size() > kMostLevels) return enter_sub({});
+  const std::string path = env.find_sub(bare(label));
+  Frame& f = flows.frames.back();
+  s.from = b.place;
+  s.origin = nullptr;
+  s.to_sub = true;
+  s.stop_at = flow_bit(Flow::sub) | flow_bit(Flow::program_number);
+  if (!path.empty()) {
+    const Program* program = open_program(path);
+    if (program == nullptr)
+      return fail(0, "Check that the file can be read", "Unable to open file <%s>", path.c_str());
+    // Look for the definition from the top of that file; the frame is the sub's own until then.
+    const auto id = static_cast<std::uint32_t>(program - flows.programs.data());
+    return enter_file_sub(id);
+  }
+  s.return_place = f.place;
+  s.wrapped = false;
+  s.active = true;
+  f.upcoming = nullptr;
+  return true;
+}
+
+// Reads a sub's file for its definition. The file is one of its own, so no program line runs before the sub is found.
+bool Core::enter_file_sub(std::uint32_t program) {
+  Place place;
+  std::string_view line;
+  std::uint64_t next = 0;
+  const std::string label = flows.skip.label;
+  while (place.line < kLongestSubFile &&
+         flows.programs[program].source->read(place.offset, line, next) == LineRead::line) {
+    place = {next, place.line + 1};
+    ParsedBlock& b = skip_scratch_;
+    if (!parser_.peek_flow(line, b) || (flow_bit(b.flow) & flows.skip.stop_at) == 0 ||
+        b.label != label)
+      continue;
+    const FileAndPlace where{program, place, b.flow == Flow::program_number};
+    if (!right_call(where) || !enter_sub(where)) return false;
+    flows.subs.insert_or_assign(label, where);
+    return true;
+  }
+  return not_found("The file must define the sub of its name", flows.programs[program].path);
+}
+
+// --- numbered programs ---
+
+// O100 alone, M98 and M99.
+Outcome Core::run_numbered(ParsedBlock& b) {
+  bool good = true;
+  if (b.flow == Flow::program_number) {
+    std::string& label = flow_label_;
+    good = flow_label(b, label) &&
+           (!settings.disable_fanuc_style_sub ||
+            fail(0, "Write a keyword behind it, or allow numbered programs",
+                 "DISABLE_FANUC_STYLE_SUB disabled in INI file, but found bare O-word"));
+  } else {
+    good = build(b, block_) && numbered_alone(block_) &&
+           (b.flow == Flow::call_number ? call_numbered(b) : return_numbered());
+  }
+  if (good) return finish_block(b);
+  undo_block();
+  return Outcome::error;
+}
+
+bool Core::numbered_alone(const Block& b) {
+  constexpr LetterMask kOwn = letters("pl");
+  if (b.row_count == 1 && (b.mask & ~kOwn) == 0 && b.source->assignments.empty()) return true;
+  return fail(0, "M98 and M99 stand on a line of their own", "Unexpected character after O-word");
+}
+
+bool Core::call_numbered(ParsedBlock& b) {
+  if (settings.disable_fanuc_style_sub)
+    return fail(0, "Use O-words, or allow numbered programs",
+                "DISABLE_FANUC_STYLE_SUB set in INI file, but found m98");
+  int number = 0, times = 1;
+  if (!block_.has('p'))
+    return fail(0, "P is the number of the program to call", "Found 'm98' code with no P-word");
+  if (!integer(block_, 'p', 0, number) || !integer(block_, 'l', 1, times)) return false;
+  if (times < 0) return fail('l', "L says how often the program runs", "Negative l word used");
+  if (times == 0) return true;
+  Skip& s = flows.skip;
+  s.numbered = true;
+  s.times = times;
+  flow_label_ = std::to_string(number);
+  return find_and_enter(b, flow_label_);
+}
+
+bool Core::return_numbered() {
+  Frame& f = flows.frames.back();
+  if (f.sub.empty()) return end_or_restart();
+  if (!f.numbered)
+    return fail(0, "Write endsub or return with the label of the sub",
+                "'O.... endsub' or 'O.... return' must follow 'O.... sub' subroutine definition");
+  if (--f.times <= 0) return return_from_sub(false, 0);
+  f.place = f.start;
+  f.upcoming = nullptr;
+  f.loops.clear();
+  params.pop_scope();
+  params.push_scope();
+  params.begin();
+  const std::optional<ModalState> was = f.restore_on_return ? f.saved_state : std::nullopt;
+  f.saved_state.reset();
+  f.restore_on_return = false;
+  return !was || restore_modes(*this, *was, f.saved_tool);
+}
+
+// M99 in the main program begins it anew; where nothing moves (a preview, a listing) that would never end, so it ends there.
+bool Core::end_or_restart() {
+  if (!settings.is_task || flows.mdi) return end_program(*this, 2);
+  reset_g92_at_end(*this);
+  Frame& main = flows.frames[0];
+  main.place = {};
+  main.upcoming = nullptr;
+  main.loops.clear();
+  flows.started = false;
+  state.percent_file = false;
+  return true;
+}
+
+}  // namespace kerf::interp
