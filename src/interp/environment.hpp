@@ -1,6 +1,7 @@
 // Environment: what an interpreter asks of the world, and Settings: what the INI says once.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -27,6 +28,9 @@ struct Settings {
   double orient_offset_deg{0};         ///< ORIENT_OFFSET
   double arc_tolerance_mm{0.00127};    ///< CENTER_ARC_RADIUS_TOLERANCE_MM
   double arc_tolerance_inch{0.00005};  ///< CENTER_ARC_RADIUS_TOLERANCE_INCH
+  std::array<double, rtapi::kAxes>
+      axis_max_per_s{};  ///< [AXIS_L]MAX_VELOCITY in mm (degrees) a second; 0: not known
+  std::array<double, 8> spindle_max_rpm{};  ///< [SPINDLE_N]MAX_FORWARD_VELOCITY; 0: not known
   bool disable_g92_persistence{false};
   bool disable_auto_g54{false};  ///< M2/M30 keep the work offset
   bool retain_g43{false};  ///< a tool change re-applies the new tool's offset while G43 is active

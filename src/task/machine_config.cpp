@@ -246,6 +246,7 @@ class SetupReader {
     const double unit =
         rtapi::is_rotary(index) ? out_.setup.angular_unit_deg : out_.setup.linear_unit_mm;
     a.max_vel = rate(section, "MAX_VELOCITY", 1, true, "machine units/s") * unit;
+    out_.setup.interp.axis_max_per_s[index] = a.max_vel;
     a.max_acc = rate(section, "MAX_ACCELERATION", 1, true, "machine units/s^2") * unit;
     a.max_jerk = length(section, "MAX_JERK", 0, false, 0) * unit;
     a.min_limit = scaled(length(section, "MIN_LIMIT", -1e99), unit);
@@ -302,6 +303,8 @@ class SetupReader {
     s.min_forward_rpm = rpm("MIN_FORWARD_VELOCITY", 0);
     s.max_reverse_rpm = rpm("MAX_REVERSE_VELOCITY", s.max_forward_rpm);
     s.min_reverse_rpm = rpm("MIN_REVERSE_VELOCITY", s.min_forward_rpm);
+    const double most = std::max(s.max_forward_rpm, s.max_reverse_rpm);
+    out_.setup.interp.spindle_max_rpm[static_cast<std::size_t>(index)] = most < 1e99 ? most : 0;
     s.home_search_rpm = r_.real(section, "HOME_SEARCH_VELOCITY", RealSpec{.unit = "rpm"});
     s.increment_rpm = rpm("INCREMENT", 100);
     if (s.min_forward_rpm > s.max_forward_rpm)

@@ -16,6 +16,7 @@ mode_codes();  ///< planes, units, distance, feed mode, path, retract
 [[nodiscard]] std::span<const CodeRow> offset_codes();   ///< G10 G28 G30 G52 G54-G59.3 G92
 [[nodiscard]] std::span<const CodeRow> tool_codes();     ///< G40 G43 G49 M6 M61
 [[nodiscard]] std::span<const CodeRow> spindle_codes();  ///< G96 G97 M3-M5 M19
+[[nodiscard]] std::span<const CodeRow> thread_codes();   ///< G33 G33.1 G76
 [[nodiscard]] std::span<const CodeRow> io_codes();       ///< M7-M9 M48-M53 M62-M68
 [[nodiscard]] std::span<const CodeRow> program_codes();  ///< M0-M2 M30 M60 M100-M199
 [[nodiscard]] std::span<const CodeRow> state_codes();    ///< M70-M73
@@ -26,6 +27,8 @@ mode_codes();  ///< planes, units, distance, feed mode, path, retract
 void inverse_time_feed(Core& c, const Block& b, double linear_mm, double angular_deg);
 /// Length by which a feed counts: XYZ, else UVW in mm; only rotary axes: degrees.
 void feed_length(const Pose& from, const Pose& to, double& linear_mm, double& angular_deg);
+/// mm/min of one unit of S in G96: S is written in m/min or feet/min.
+[[nodiscard]] double surface_speed_mm(const Core& c);
 /// Announces the S of a spindle.
 void announce_speed(Core& c, int spindle);
 /// The calls that bring the path mode of the state back (after cycles).

@@ -19,10 +19,11 @@ bool spindle_range(Core& c, const Block& b, int otherwise, const char* command, 
   return true;
 }
 
+double surface_speed_mm(const Core& c) { return c.state.units == Units::inch ? 304.8 : 1000.0; }
+
 void announce_speed(Core& c, int spindle) {
   const auto n = static_cast<std::size_t>(spindle);
-  // Surface speed is written in m/min or feet/min.
-  const double factor = !c.state.css[n] ? 1.0 : c.state.units == Units::inch ? 304.8 : 1000.0;
+  const double factor = c.state.css[n] ? surface_speed_mm(c) : 1.0;
   c.out.call<&Canon::set_spindle_speed>(spindle, c.state.speed_rpm[n] * factor);
 }
 
