@@ -298,10 +298,8 @@ bool Core::right_call(const FileAndPlace& where) {
 
 bool Core::call_sub(ParsedBlock& b, const std::string& label) {
   Skip& s = flows.skip;
-  s.numbered = false;
-  s.times = 1;
+  s.begin_call();
   s.argument_count = b.arguments.size();
-  s.arguments.fill(0);
   for (std::size_t i = 0; i < b.arguments.size(); ++i) {
     if (!evaluate(b, b.arguments[i], s.arguments[i])) return false;
   }
@@ -319,7 +317,7 @@ bool Core::find_and_enter(ParsedBlock& b, const std::string& label) {
   s.from = b.place;
   s.origin = nullptr;
   s.to_sub = true;
-  s.stop_at = flow_bit(Flow::sub) | flow_bit(Flow::program_number);
+  s.stop_at = kSubBegins;
   if (!path.empty()) {
     const Program* program = open_program(path);
     if (program == nullptr)
@@ -345,7 +343,7 @@ bool Core::enter_file_sub(std::uint32_t program) {
          flows.programs[program].source->read(place.offset, line, next) == LineRead::line) {
     place = {next, place.line + 1};
     ParsedBlock& b = skip_scratch_;
-    if (!parser_.peek_flow(line, b) || (flow_bit(b.flow) & flows.skip.stop_at) == 0 ||
+    if (!parser_.peek_flow(line, b) || (flow_bit(b.flow) & kSubBegins) == 0 ||
         b.label != label)
       continue;
     const FileAndPlace where{program, place, b.flow == Flow::program_number};

@@ -86,6 +86,14 @@ struct Skip {
   Place return_place;   ///< where the caller goes on after the sub
   bool wrapped{false};  ///< the search has begun again at the top of the file
   std::array<double, kSubArguments> arguments{};
+
+  /// A call of an O-sub without arguments; the caller sets the rest.
+  void begin_call() noexcept {
+    numbered = false;
+    times = 1;
+    argument_count = 0;
+    arguments.fill(0);
+  }
 };
 
 struct Flows {

@@ -101,7 +101,7 @@ bool Core::begin_remap(const Remap& r, const std::shared_ptr<RemapCall>& call) {
   call->remap = &r;
   call->builtin_used = false;
   if (!r.python.empty() && find_native_glue(r.python) != nullptr) return glue(r.python, *call);
-  flows.skip.arguments.fill(0);
+  flows.skip.begin_call();
   if (!enter_remap_sub(r)) return false;
   Frame& body = flows.frames.back();
   body.remap = call;
