@@ -61,8 +61,7 @@ bool orient(Core& c, const Block& b, int) {
     const auto n = static_cast<std::size_t>(i);
     c.state.orienting[n] = true;
     c.state.direction[n] = SpindleDirection::stopped;
-    c.out.call<&Canon::orient_spindle>(i, std::fmod(angle + c.settings.orient_offset_deg, 360.0),
-                                       mode);
+    c.out.call<&Canon::orient_spindle>(i, angle + c.settings.orient_offset_deg, mode);
     if (b.has('q')) c.out.call<&Canon::wait_orient_complete>(i, b['q']);
   }
   return true;

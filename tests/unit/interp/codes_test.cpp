@@ -244,7 +244,7 @@ TEST(Spindles, OrientAddsTheOffset) {
   s.orient_offset_deg = 300;
   Rig rig(s);
   EXPECT_EQ(rig.mdi("M19 R90 Q2 P1"),
-            "ORIENT_SPINDLE(0, 30.0000, 1)\nSPINDLE.0.WAIT_ORIENT_COMPLETE(2.0000)\n");
+            "ORIENT_SPINDLE(0, 390.0000, 1)\nSPINDLE.0.WAIT_ORIENT_COMPLETE(2.0000)\n");
   EXPECT_EQ(rig.interp.modal().active_m_codes()[2], 19);
   (void)rig.mdi("M5");
   EXPECT_EQ(rig.interp.modal().active_m_codes()[2], 5);

@@ -1,6 +1,9 @@
 // M100-M199: found, run, waited for, refused. Manual: "User Defined Commands M100-M199".
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <utility>
+
 #include "rig.hpp"
 #include "task/interpreter/task_environment.hpp"
 
@@ -52,6 +55,27 @@ TEST(UserMcode, what_it_leaves_in_the_background_does_not_hold_the_program) {
   rig.folder.write("nc/M104", "#!/bin/sh\nsleep 2 &\nexit 0\n", true);
   rig.ready();
   EXPECT_EQ(rig.run_text("M104\nG0 X1\nM2\n").state, State::done);
+}
+
+TEST(UserMcode, any_executable_file_will_do) {
+  Rig rig;
+  std::filesystem::create_directories(rig.folder.path + "/mcodes");
+  for (const auto& [name, program] :
+       {std::pair{"M150", "/bin/true"}, std::pair{"M151", "/bin/false"}})
+    std::filesystem::copy_file(program, rig.folder.path + "/mcodes/" + name);
+  rig.ready();
+  EXPECT_EQ(rig.run_text("M150\nG0 X1\nM2\n").state, State::done);
+  EXPECT_EQ(rig.run_text("M151\nG0 X2\nM2\n").state, State::error);
+}
+
+TEST(UserMcode, holds_the_program_until_it_ends) {
+  // A program that shows a window ends when the window is closed.
+  Rig rig;
+  const std::string mark = rig.folder.path + "/mark";
+  rig.folder.write("nc/M107", "#!/bin/sh\nsleep 0.2\ntouch " + mark + "\n", true);
+  rig.folder.write("nc/M108", "#!/bin/sh\ntest -e " + mark + "\n", true);
+  rig.ready();
+  EXPECT_EQ(rig.run_text("M107\nM108\nM2\n").state, State::done);
 }
 
 TEST(UserMcode, added_while_the_machine_runs_is_found) {
