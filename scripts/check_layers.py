@@ -24,6 +24,8 @@ ALLOWED = {
     "motion/core": ["motion/api", "rtapi/base"],
     "motion/motmod": ["motion/api", "motion/core", "hal", "rtapi"],
     "interp": ["rtapi/base"],
+    "interp/config": ["rtapi/base", "ini"],  # settings from an INI file, beside the interpreter
+    "interp/rs274": ["rtapi/base", "ini"],   # the program
     "io": ["rtapi", *HAL_CLIENT, "ini"],
     "task": ["rtapi", "ini", "interp", "io", "motion/api", *HAL_CLIENT],
     "launcher": ["rtapi", "ini", *HAL_CLIENT, "hal/cmd",  # it carries out the HAL files

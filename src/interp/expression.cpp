@@ -106,9 +106,9 @@ bool Core::read_named(std::uint32_t id, Value& value, bool& exists) {
       return true;
     }
     std::optional<double> outside;
-    if (name.starts_with("_hal[") && name.back() == ']') {
+    if (name.starts_with("_hal[") && name.back() == ']' && settings.hal_pin_vars) {
       outside = env.hal_value(std::string_view(name).substr(5, name.size() - 6));
-    } else if (name.starts_with("_ini[")) {
+    } else if (name.starts_with("_ini[") && settings.ini_vars) {
       std::string upper(name.substr(5));
       for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 32) : c;
       const std::size_t end = upper.find(']');

@@ -24,12 +24,7 @@ std::string show(double v) {
 
 class SetupReader {
  public:
-  explicit SetupReader(const ini::IniFile& file) : r_(file) {
-    namespace fs = std::filesystem;
-    std::error_code ec;
-    const auto absolute = fs::absolute(fs::path(file.name()), ec);
-    out_.setup.paths.ini_dir = ec ? std::string(".") : absolute.parent_path().string();
-  }
+  explicit SetupReader(const ini::IniFile& file) : r_(file) {}
 
   SetupResult run() {
     out_.setup.machine_name = r_.string("EMC", "MACHINE", "");
@@ -324,49 +319,22 @@ class SetupReader {
         r_.real("DISPLAY", "MIN_SPINDLE_OVERRIDE", RealSpec{.fallback = 0.5, .min = 0, .max = 100});
     l.max_spindle_override =
         r_.real("DISPLAY", "MAX_SPINDLE_OVERRIDE", RealSpec{.fallback = 1.0, .min = 0, .max = 100});
-    auto& p = out_.setup.paths;
-    p.program_prefix = resolve_path(p.ini_dir, r_.string("DISPLAY", "PROGRAM_PREFIX", "nc_files"));
-  }
-
-  std::vector<std::string> path_list(const char* key) {
-    std::vector<std::string> out;
-    std::istringstream in(r_.string("RS274NGC", key, ""));
-    for (std::string item; std::getline(in, item, ':');)
-      if (!item.empty()) out.push_back(resolve_path(out_.setup.paths.ini_dir, item));
-    return out;
   }
 
   void rs274ngc() {
-    constexpr const char* kSection = "RS274NGC";
-    auto& p = out_.setup.paths;
-    auto& i = out_.setup.interp;
-    const double unit = out_.setup.linear_unit_mm;
-    p.user_m_path = path_list("USER_M_PATH");
-    p.subroutine_path = path_list("SUBROUTINE_PATH");
-    const std::string parameters = r_.string(kSection, "PARAMETER_FILE", "");
-    if (!parameters.empty()) p.parameter_file = resolve_path(p.ini_dir, parameters);
-    out_.setup.startup_code = r_.string(kSection, "RS274NGC_STARTUP_CODE", "");
-    i.is_task = true;
-    i.orient_offset_deg =
-        r_.real(kSection, "ORIENT_OFFSET", RealSpec{.min = 0, .max = 360, .unit = "degrees"});
-    i.arc_tolerance_mm = r_.real(kSection, "CENTER_ARC_RADIUS_TOLERANCE_MM",
-                                 RealSpec{.fallback = i.arc_tolerance_mm, .min = 0});
-    i.arc_tolerance_inch = r_.real(kSection, "CENTER_ARC_RADIUS_TOLERANCE_INCH",
-                                   RealSpec{.fallback = i.arc_tolerance_inch, .min = 0});
-    i.disable_g92_persistence = r_.boolean(kSection, "DISABLE_G92_PERSISTENCE", false);
-    i.disable_auto_g54 = r_.boolean(kSection, "DISABLE_AUTO_G54", false);
-    i.retain_g43 = r_.boolean(kSection, "RETAIN_G43", false);
-    i.g64_default_tolerance_mm =
-        r_.real(kSection, "G64_DEFAULT_TOLERANCE", RealSpec{.min = 0}) * unit;
-    i.g64_default_naivecam_mm =
-        r_.real(kSection, "G64_DEFAULT_NAIVETOLERANCE", RealSpec{.min = 0}) * unit;
-    i.g73_clearance_mm = r_.real(kSection, "G73_PECK_CLEARANCE", RealSpec{.min = 0}) * unit;
-    i.g83_clearance_mm = r_.real(kSection, "G83_PECK_CLEARANCE", RealSpec{.min = 0}) * unit;
-    for (const char* key :
-         {"COMPAT", "INI_VARS", "HAL_PIN_VARS", "OWORD_NARGS", "NO_DOWNCASE_OWORD",
-          "OWORD_WARNONLY", "REMAP", "ON_ABORT_COMMAND", "FEATURES", "LOG_LEVEL", "LOG_FILE",
-          "DEBUG", "SUBROUTINE", "G92_PERSISTENCE"})
-      r_.known_key(kSection, key);
+    auto& s = out_.setup;
+    interp::InterpSetup read = interp::read_interp_setup(r_, s.linear_unit_mm);
+    // What [TRAJ] and [EMCIO] say is not in these sections.
+    read.settings.machine_unit_mm = s.interp.machine_unit_mm;
+    read.settings.spindles = s.interp.spindles;
+    read.settings.axis_mask = s.interp.axis_mask;
+    read.settings.random_toolchanger = s.interp.random_toolchanger;
+    read.settings.is_task = true;
+    s.interp = std::move(read.settings);
+    s.paths = std::move(read.paths);
+    s.python = std::move(read.python);
+    s.startup_code = std::move(read.startup_code);
+    s.on_abort_command = std::move(read.on_abort_command);
   }
 
   void emcio() {
@@ -402,7 +370,7 @@ class SetupReader {
   }
 
   void unknown_keys() {
-    std::vector<std::string> sections{"TRAJ", "KINS", "RS274NGC", "EMCIO"};
+    std::vector<std::string> sections{"TRAJ", "KINS", "RS274NGC", "EMCIO", "PYTHON"};
     for (int j = 0; j < out_.setup.motion.joints; ++j)
       sections.push_back("JOINT_" + std::to_string(j));
     for (std::size_t a = 0; a < rtapi::kAxes; ++a)
@@ -438,15 +406,6 @@ class SetupReader {
 std::string SetupResult::text() const {
   std::string out;
   for (const auto& d : diagnostics) out += d.message() + '\n';
-  return out;
-}
-
-std::string resolve_path(const std::string& ini_dir, const std::string& path) {
-  const std::string expanded = ini::expand_tilde(path);
-  std::filesystem::path p(expanded);
-  if (p.is_relative()) p = std::filesystem::path(ini_dir) / p;
-  std::string out = p.lexically_normal().string();
-  while (out.size() > 1 && out.back() == '/') out.pop_back();
   return out;
 }
 

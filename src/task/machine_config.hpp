@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ini/ini_file.hpp"
+#include "interp/config/ini_settings.hpp"
 #include "interp/environment.hpp"
 #include "motion/api/config.hpp"
 
@@ -33,14 +34,8 @@ struct ToolConfig {
   std::uint32_t position_mask{0};
 };
 
-/// Where the interpreter finds and keeps files. All absolute.
-struct ProgramPaths {
-  std::string ini_dir;
-  std::string program_prefix;                ///< [DISPLAY]PROGRAM_PREFIX, or INI_DIR/nc_files
-  std::vector<std::string> user_m_path;      ///< [RS274NGC]USER_M_PATH
-  std::vector<std::string> subroutine_path;  ///< [RS274NGC]SUBROUTINE_PATH
-  std::string parameter_file;                ///< "" without
-};
+using interp::ProgramPaths;
+using interp::resolve_path;
 
 struct MachineSetup {
   std::string machine_name;  ///< [EMC]MACHINE
@@ -49,9 +44,11 @@ struct MachineSetup {
   OperatorLimits limits;
   ToolConfig tools;
   ProgramPaths paths;
-  std::string startup_code;  ///< [RS274NGC]RS274NGC_STARTUP_CODE
-  int mdi_queue{10};         ///< [TASK]MDI_QUEUED_COMMANDS
-  double linear_unit_mm{1};  ///< mm per machine unit
+  interp::PythonSettings python;
+  std::string startup_code;      ///< [RS274NGC]RS274NGC_STARTUP_CODE
+  std::string on_abort_command;  ///< [RS274NGC]ON_ABORT_COMMAND
+  int mdi_queue{10};             ///< [TASK]MDI_QUEUED_COMMANDS
+  double linear_unit_mm{1};      ///< mm per machine unit
   double angular_unit_deg{1};
 };
 
@@ -68,8 +65,5 @@ struct SetupResult {
 /// Reads all of it. Warns of unknown keys in the sections that task owns ([TRAJ], [JOINT_n], [AXIS_L], [SPINDLE_n], [RS274NGC], [EMCIO]),
 /// unless a HAL file may use them.
 [[nodiscard]] SetupResult read_machine_setup(const ini::IniFile& file);
-
-/// "~/x", "x" and "/x" as seen from the INI file's folder.
-[[nodiscard]] std::string resolve_path(const std::string& ini_dir, const std::string& path);
 
 }  // namespace kerf::task

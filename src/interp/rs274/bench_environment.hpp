@@ -1,6 +1,7 @@
 // BenchEnvironment: files and tools for an interpreter without a machine (rs274, tests).
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -27,15 +28,24 @@ class BenchEnvironment final : public Environment {
   [[nodiscard]] rtapi::Status load_tools(const std::string& path, double unit_mm);
   void set_tool(const Tool& tool) { tools_[tool.number] = tool; }
 
+  /// What #<_ini[section]key> reads.
+  using IniReader = std::function<std::optional<double>(std::string_view, std::string_view)>;
+  void set_ini(IniReader ini) { ini_ = std::move(ini); }
+
   [[nodiscard]] std::optional<Tool> find_tool(int number) override;
   [[nodiscard]] std::optional<Tool> find_pocket(int pocket) override;
   [[nodiscard]] std::string find_sub(std::string_view name) override;
   /// To standard error.
   void warning(std::string_view text) override;
+  [[nodiscard]] std::optional<double> ini_value(std::string_view section,
+                                                std::string_view key) override {
+    return ini_ ? ini_(section, key) : std::nullopt;
+  }
 
  private:
   std::vector<std::string> directories_;
   std::map<int, Tool> tools_;
+  IniReader ini_;
 };
 
 }  // namespace kerf::interp

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "ini/ini_file.hpp"
+#include "interp/config/ini_settings.hpp"
 #include "interp/interpreter.hpp"
 #include "interp/parameters.hpp"
 #include "interp/rs274/bench_environment.hpp"
@@ -60,8 +62,8 @@ std::optional<Rs274Options> read_options(int argc, char** argv) {
       case 'b': o.block_delete = !o.block_delete; break;
       case 's': o.stack = !o.stack; break;
       case 'g': o.batch = !o.batch; break;
+      case 'i': o.ini = optarg; break;
       case 'p':
-      case 'i':
       case 'T':
       case 'l': break;
       default:
@@ -74,10 +76,52 @@ std::optional<Rs274Options> read_options(int argc, char** argv) {
   return o;
 }
 
+/// What -i says.
+class IniSession {
+ public:
+  /// False: the file cannot be used; it has been said why.
+  [[nodiscard]] bool load(const std::string& path) {
+    auto loaded = kerf::ini::IniFile::load(path);
+    for (const auto& d : loaded.diagnostics) std::fprintf(stderr, "%s\n", d.message().c_str());
+    if (!loaded.ok) return false;
+    file_ = std::move(loaded.file);
+    kerf::ini::Reader reader(*file_);
+    setup_ = read_interp_setup(reader, bench_settings().machine_unit_mm);
+    for (const auto& d : reader.complaints()) std::fprintf(stderr, "%s\n", d.message().c_str());
+    return !reader.failed();
+  }
+  /// Units and axes are those of rs274 whatever the file says, as at the peer.
+  [[nodiscard]] Settings settings() const {
+    const Settings bench = bench_settings();
+    if (!file_) return bench;
+    Settings s = setup_.settings;
+    s.machine_unit_mm = bench.machine_unit_mm;
+    s.start_units = bench.start_units;
+    s.axis_mask = bench.axis_mask;
+    return s;
+  }
+  void prepare(BenchEnvironment& environment) const {
+    if (!file_) return;
+    environment.add_directory(setup_.paths.program_prefix);
+    for (const std::string& path : setup_.paths.subroutine_path) environment.add_directory(path);
+    if (!setup_.paths.wizard_root.empty()) environment.add_directory(setup_.paths.wizard_root);
+    environment.set_ini([this](std::string_view section, std::string_view key) {
+      const auto value = kerf::ini::get_real(*file_, section, key);
+      return value.found && value.ok() ? std::optional<double>(value.value) : std::nullopt;
+    });
+  }
+
+ private:
+  std::optional<kerf::ini::IniFile> file_;
+  InterpSetup setup_;
+};
+
 class Session {
  public:
-  Session(const Rs274Options& options, std::FILE* out)
-      : options_(options), out_(out), canon_(out), interp_(env_, canon_, bench_settings()) {}
+  Session(const Rs274Options& options, const IniSession& ini, std::FILE* out)
+      : options_(options), out_(out), canon_(out), interp_(env_, canon_, ini.settings()) {
+    ini.prepare(env_);
+  }
 
   int run() {
     env_.add_directory("");
@@ -115,7 +159,7 @@ class Session {
 
   int finish(int result) {
     // As the peer: once for the interpreter's end, and once for the file's.
-    if (!options_.input.empty()) canon_.on_reset();
+    if (!options_.input.empty() && options_.ini.empty()) canon_.on_reset();
     canon_.on_reset();
     if (!options_.parameters.empty()) {
       if (const auto s = ParameterFile(options_.parameters).save(interp_.parameters()); !s.ok())
@@ -196,6 +240,8 @@ int main(int argc, char** argv) {
   auto options = read_options(argc, argv);
   if (!options) return 1;
   if (!options->batch && !run_menu(*options, stdin, stderr)) return 1;
+  IniSession ini;
+  if (!options->ini.empty() && !ini.load(options->ini)) return 1;
   std::FILE* out = stdout;
   if (!options->output.empty()) {
     out = std::fopen(options->output.c_str(), "we");
@@ -210,7 +256,7 @@ int main(int argc, char** argv) {
   if (isatty(fileno(out)) == 0) std::setvbuf(out, buffer.data(), _IOFBF, buffer.size());
   int result = 0;
   {
-    Session session(*options, out);
+    Session session(*options, ini, out);
     result = session.run();
   }
   if (std::fflush(out) != 0) result = 1;

@@ -10,7 +10,7 @@ namespace kerf::interp {
 enum class OnError { go_on, mdi, stop };
 
 struct Rs274Options {
-  std::string tools, parameters, input, output;
+  std::string tools, parameters, ini, input, output;
   OnError on_error{OnError::stop};
   bool block_delete{false}, stack{false}, batch{false};
 };

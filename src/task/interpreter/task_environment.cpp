@@ -90,12 +90,7 @@ std::optional<interp::Tool> TaskEnvironment::find_pocket(int pocket) {
 }
 
 std::string TaskEnvironment::find_sub(std::string_view name) {
-  const std::string file = std::string(name) + ".ngc";
-  const std::string first = setup_.paths.program_prefix + "/" + file;
-  if (is_file(first)) return first;
-  for (const auto& folder : setup_.paths.subroutine_path)
-    if (is_file(folder + "/" + file)) return folder + "/" + file;
-  return {};
+  return interp::find_sub_file(setup_.paths, name);
 }
 
 interp::UserMcode TaskEnvironment::find_user_mcode(int number) {

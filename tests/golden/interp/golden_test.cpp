@@ -15,6 +15,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "interp/config/ini_settings.hpp"
 #include "interp/interpreter.hpp"
 #include "interp/parameters.hpp"
 #include "interp/rs274/bench_environment.hpp"
@@ -33,14 +34,32 @@ std::string read(const fs::path& path) {
   return s.str();
 }
 
+/// config.ini, read as rs274 -i reads it.
+Settings settings_of(const fs::path& dir, BenchEnvironment& world) {
+  const Settings bench = bench_settings();
+  const fs::path path = dir / "config.ini";
+  if (!fs::exists(path)) return bench;
+  const auto loaded = ini::IniFile::load(path.string());
+  EXPECT_TRUE(loaded.ok) << path;
+  ini::Reader reader(loaded.file);
+  InterpSetup setup = read_interp_setup(reader, bench.machine_unit_mm);
+  for (const auto& c : reader.complaints()) EXPECT_FALSE(c.is_error) << c.message();
+  world.add_directory(setup.paths.program_prefix);
+  for (const std::string& folder : setup.paths.subroutine_path) world.add_directory(folder);
+  setup.settings.machine_unit_mm = bench.machine_unit_mm;
+  setup.settings.start_units = bench.start_units;
+  setup.settings.axis_mask = bench.axis_mask;
+  return setup.settings;
+}
+
 std::string interpret(const fs::path& dir) {
   char* text = nullptr;
   std::size_t size = 0;
   std::FILE* out = open_memstream(&text, &size);
   {
-    const Settings settings = bench_settings();
     BenchEnvironment world;
     world.add_directory(dir.string());
+    const Settings settings = settings_of(dir, world);
     if (fs::exists(dir / "tools.tbl")) {
       EXPECT_TRUE(world.load_tools((dir / "tools.tbl").string(), settings.machine_unit_mm).ok());
     }
