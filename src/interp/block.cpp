@@ -31,7 +31,8 @@ bool Core::build(const ParsedBlock& p, Block& b) {
     if (!w.constant && !evaluate(p, w.expr, v)) return false;
     const char name = kLetterNames[w.letter];
     if (name == 'g' || name == 'm') {
-      if (!add_code(b, name, v)) return error.column = parser_.column_of(p.text, w.at), false;
+      if (!add_code(b, name, v, w.code))
+        return error.column = parser_.column_of(p.text, w.at), false;
       continue;
     }
     const LetterMask bit = LetterMask{1} << w.letter;
@@ -75,10 +76,11 @@ std::string Core::nearest_codes(char letter, int code) const {
   return names;
 }
 
-bool Core::add_code(Block& b, char letter, double value) {
-  double rounded = 0;
+// `known`: the code when the parser has found it, else -1.
+bool Core::add_code(Block& b, char letter, double value, int known) {
+  double rounded = known;
   const bool g = letter == 'g';
-  const bool whole = near_integer(g ? value * 10 : value, rounded);
+  const bool whole = known >= 0 || near_integer(g ? value * 10 : value, rounded);
   if (g) {
     if (rounded > dialect.last_g_code || value < 0)
       return fail(0, "G-codes go from 0 to 99",
@@ -186,19 +188,24 @@ bool Core::assign(const ParsedBlock& p) {
   for (const Assignment& a : p.assignments) {
     double v = 0;
     if (!evaluate(p, a.value, v)) return false;
-    int index = 0;
+    int index = static_cast<int>(a.id);
     if (a.named) {
-      const std::string& name = params.name(a.id);
-      if (predefined_.by_id(a.id, name) != nullptr || name.starts_with("_hal[") ||
-          name.starts_with("_ini["))
-        return fail_at(a.at, "", "Cannot assign to read-only parameter #<%s>", name.c_str());
+      if (params.is_global(a.id)) {
+        const std::string& name = params.name(a.id);
+        if (predefined_.by_id(a.id, name) != nullptr || name.starts_with("_hal[") ||
+            name.starts_with("_ini["))
+          return fail_at(a.at, "", "Cannot assign to read-only parameter #<%s>", name.c_str());
+      }
     } else {
-      double number = 0, rounded = 0;
-      if (!evaluate(p, a.index, number)) return false;
-      if (!near_integer(number, rounded)) return fail_at(a.at, "", "Non integer value for integer");
-      if (rounded < 1 || rounded >= kParameterCount)
-        return fail_at(a.at, "Numbers go from 1 to 5602", "Parameter number out of range");
-      index = static_cast<int>(rounded);
+      if (a.index.count > 0) {
+        double number = 0, rounded = 0;
+        if (!evaluate(p, a.index, number)) return false;
+        if (!near_integer(number, rounded))
+          return fail_at(a.at, "", "Non integer value for integer");
+        if (rounded < 1 || rounded >= kParameterCount)
+          return fail_at(a.at, "Numbers go from 1 to 5602", "Parameter number out of range");
+        index = static_cast<int>(rounded);
+      }
       if (ParameterTable::read_only(index)) return fail_at(a.at, "", "Parameter is readonly");
     }
     assigned_.emplace_back(index, Value{v, nullptr});

@@ -2,22 +2,27 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <span>
 #include <string_view>
-#include <vector>
 
 #include "interp/letters.hpp"
+#include "interp/names.hpp"
 
 namespace kerf::interp {
+
+/// Codes within this of an integer are that integer; EQ compares by it (manual: "Equality").
+inline constexpr double kTolerance = 0.0001;
 
 /// One operation of a postfix program.
 enum class Op : std::uint8_t {
   number,
-  parameter,
+  parameter,     ///< number computed
+  parameter_at,  ///< number known: ExprOp::id
   named,
   exists_named,
   exists_numbered,
-  negate,
+  first_function,  // what follows can be computed at once when its operands are constant
+  negate = first_function,
   abs,
   acos,
   asin,
@@ -50,8 +55,8 @@ enum class Op : std::uint8_t {
 
 struct ExprOp {
   Op op{Op::number};
-  std::uint16_t at{0};  ///< place in the normalised line, for messages
-  std::uint32_t id{0};  ///< name of Op::named and Op::exists_named
+  std::uint32_t at{0};  ///< place in the normalised line, for messages
+  std::uint32_t id{0};  ///< name of Op::named and Op::exists_named, number of Op::parameter_at
   double value{0};      ///< of Op::number
 };
 
@@ -63,16 +68,17 @@ struct Expr {
 struct ParsedWord {
   std::uint8_t letter{0};
   bool constant{true};
-  std::uint16_t at{0};
+  std::int16_t code{-1};  ///< of a constant G or M word: G times ten, M; -1: none
+  std::uint32_t at{0};
   double value{0};  ///< when constant
   Expr expr;        ///< when not
 };
 
 struct Assignment {
   bool named{false};
-  std::uint16_t at{0};
-  std::uint32_t id{0};  ///< name
-  Expr index;           ///< number
+  std::uint32_t at{0};
+  std::uint32_t id{0};  ///< name, or number when known
+  Expr index;           ///< number when computed
   Expr value;
 };
 
@@ -120,42 +126,42 @@ struct Place {
   std::int32_t line{0};  ///< lines before this place
 };
 
+struct ParsedBlock;
+
+/// What a cached block remembers of where it led to.
+struct Jump {
+  Place to;                       ///< line behind the one that a search reached
+  bool known{false};              ///< `to` is: no search any more
+  ParsedBlock* block{nullptr};    ///< the block that was jumped to last
+  ParsedBlock* landing{nullptr};  ///< the block that a search reached, when it computes something
+};
+
+/// Plain and trivially copyable: what the spans and texts show belongs to the parser (until its next line) or to a BlockCache.
 struct ParsedBlock {
-  std::vector<ParsedWord> words;
-  std::vector<Assignment> assignments;
-  std::vector<ExprOp> ops;
-  std::vector<Expr> arguments;  ///< of the O-word
-  std::string label;            ///< "100", "<name>"; "" when computed by label_expr
+  std::span<const ParsedWord> words;
+  std::span<const Assignment> assignments;
+  std::span<const ExprOp> ops;
+  std::span<const Expr> arguments;  ///< of the O-word
+  std::string_view comment_text;
+  std::string_view text;     ///< the line as written
+  Label label{Label::none};  ///< none when computed by label_expr
   Expr label_expr;
   Flow flow{Flow::none};
   CommentKind comment{CommentKind::none};
   bool skip{false};     ///< begins with /
   bool percent{false};  ///< a line that begins with %
+  bool cached{false};   ///< lives in a BlockCache
   std::int32_t sequence{-1};
-  std::string comment_text;
-  std::string text;  ///< the line as written
-  std::string_view source() const { return text; }
 
+  std::uint32_t program{0};
   Place place;  ///< of this line
   Place after;  ///< of the next one
-  Place jump;   ///< line behind the one that a skip from here reached
-  bool jump_known{false};
-  bool label_known{false};     ///< the label was found to be used rightly here
-  ParsedBlock* next{nullptr};  ///< the cached block at `after`
 
-  void clear() {
-    words.clear();
-    assignments.clear();
-    ops.clear();
-    arguments.clear();
-    label.clear();
-    label_expr = {};
-    flow = Flow::none;
-    comment = CommentKind::none;
-    skip = percent = jump_known = label_known = false;
-    sequence = -1;
-    next = nullptr;
-  }
+  // Only in a cache: what was found out while running.
+  ParsedBlock* next{nullptr};  ///< the block at `after`, when known
+  bool label_known{false};     ///< the label was found to be used rightly here
+  Jump jump;
+  Jump otherwise;  ///< of an elseif whose condition is false
 };
 
 }  // namespace kerf::interp

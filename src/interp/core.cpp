@@ -11,7 +11,11 @@
 namespace kerf::interp {
 
 Core::Core(Environment& environment, Canon& sink, const Settings& config, const Dialect& rows)
-    : env(environment), canon(sink), settings(config), dialect(rows), parser_(rows, params) {
+    : env(environment),
+      canon(sink),
+      settings(config),
+      dialect(rows),
+      parser_(rows, params, flows.labels) {
   for (const auto& family : dialect.families) {
     for (const CodeRow& r : family) {
       for (int code = r.code; code <= r.last; ++code) {
@@ -45,7 +49,7 @@ bool Core::set_error(std::size_t at, bool known, const char* help, const char* f
   error.text = text;
   error.help = help == nullptr ? "" : help;
   error.file = current_file();
-  error.source = current != nullptr ? current->text : std::string();
+  error.source = current != nullptr ? current->text : std::string_view();
   error.line = current != nullptr ? current->place.line + 1 : 0;
   error.column = known && current != nullptr ? parser_.column_of(current->text, at) : 0;
   error.call_level = flows.frames.empty() ? 0 : static_cast<std::int32_t>(flows.frames.size()) - 1;
@@ -78,10 +82,22 @@ std::string_view Core::current_file() const {
 // --- life of a block ---
 
 void Core::begin_block() {
+  begin_flow();
+  save_modes();
+}
+
+void Core::save_modes() {
   saved_ = state;
+  saved_.line = line_before_;
+  saved_tool_ = spindle_tool;
+  modes_saved_ = true;
+}
+
+void Core::begin_flow() {
+  line_before_ = state.line;
+  modes_saved_ = false;
   block_program_ = flows.frames.empty() ? 0 : flows.frames.back().program;
   block_level_ = flows.frames.empty() ? 0 : static_cast<std::int32_t>(flows.frames.size()) - 1;
-  saved_tool_ = spindle_tool;
   out.clear();
   params.begin();
   sync = SyncReason::none;
@@ -90,8 +106,11 @@ void Core::begin_block() {
 }
 
 void Core::undo_block() {
-  state = saved_;
-  spindle_tool = saved_tool_;
+  if (modes_saved_) {
+    state = saved_;
+    spindle_tool = saved_tool_;
+  }
+  state.line = line_before_;
   out.clear();
   params.rollback();
   sync = SyncReason::none;
@@ -116,7 +135,10 @@ Outcome Core::read_problem(LineRead r) {
   switch (r) {
     case LineRead::end: return end_of_file();
     case LineRead::too_long:
-      fail(0, "Split the line; 8192 characters are possible", "Command too long");
+      fail(0,
+           ("Split the line; " + std::to_string(dialect.longest_line) + " characters are possible")
+               .c_str(),
+           "Command too long");
       break;
     case LineRead::changed:
       fail(0, "Stop, check the file and start it again",
@@ -134,27 +156,32 @@ Outcome Core::end_of_file() {
     drop_frames();
     return Outcome::idle;
   }
-  const Frame f = flows.frames.back();
+  const Frame& f = flows.frames.back();
+  const std::int32_t lines = f.place.line;
   if (flows.frames.size() > 1) {
-    const std::string help = "The sub " + f.sub + " has no end in its file";
+    const std::string help = "The sub " + flows.labels.text(f.sub) + " has no end in its file";
     fail(0, help.c_str(), "%s", kNoEnd);
   } else if (state.percent_file) {
     fail(0, "End the file with a line % or with M2", "File ended with no percent sign (%%)");
   } else {
     fail(0, "Add M2 as the last line", "%s", kNoEnd);
   }
-  error.line = f.place.line;
+  error.line = lines;
   drop_frames();
   return Outcome::error;
 }
 
 Outcome Core::execute_block(ParsedBlock& b) {
-  begin_block();
+  // Without words nothing can touch the modes, and a copy of them would cost as much as the whole line.
+  if (b.words.empty())
+    begin_flow();
+  else
+    begin_block();
   current = &b;
   state.line = b.place.line + 1;
   if (b.percent) {
     const bool first_line = flows.frames.size() == 1 && !flows.mdi && !state.percent_file &&
-                            flows.frames[0].loops.empty() && !flows.started;
+                            flows.loops.empty() && !flows.started;
     if (first_line) {
       state.percent_file = true;
       return Outcome::ok;

@@ -22,9 +22,6 @@
 
 namespace kerf::interp {
 
-/// Codes within this of an integer are that integer; EQ compares by it (manual: "Equality").
-inline constexpr double kTolerance = 0.0001;
-
 /// Codes on one line, modal motion included.
 inline constexpr int kRowSlots = 24;
 /// The integer next to v; false when v is none.
@@ -34,7 +31,7 @@ inline constexpr int kRowSlots = 24;
 struct Block {
   LetterMask mask{0};
   std::array<double, kLetters> value{};
-  std::array<std::uint16_t, kLetters> at{};
+  std::array<std::uint32_t, kLetters> at{};
   std::array<const CodeRow*, kRowSlots> rows{};
   std::array<std::int16_t, kRowSlots> codes{};  ///< the code of each row (rows may be ranges)
   int row_count{0};
@@ -83,7 +80,8 @@ struct Steps {
 /// A block that waits for the body of a remapped code, or for what it asked before: copied, since lines are read meanwhile.
 struct RemapCall {
   const Remap* remap{nullptr};
-  ParsedBlock parsed;
+  BlockCache memory;
+  ParsedBlock parsed;  ///< shows what `memory` holds
   Block block;
   Steps steps;
   bool builtin_used{false};  ///< the body used the built-in code that it replaces
@@ -164,21 +162,23 @@ class Core {
   [[nodiscard]] Outcome continue_skip();
   [[nodiscard]] Outcome land(ParsedBlock& b);
   [[nodiscard]] Outcome skip_failed();
-  void start_skip(ParsedBlock& b, const std::string& label, FlowMask stop_at);
-  [[nodiscard]] bool flow_label(ParsedBlock& b, std::string& label);
-  [[nodiscard]] bool flow_step(ParsedBlock& b, const std::string& label, double condition);
-  [[nodiscard]] bool run_while(ParsedBlock& b, const std::string& label, bool condition);
-  [[nodiscard]] bool loop_end_step(ParsedBlock& b, const std::string& label);
+  [[nodiscard]] Outcome found(ParsedBlock& b);
+  void search(ParsedBlock& b, Jump& jump, Label label, FlowMask stop_at);
+  void start_skip(ParsedBlock& b, Label label, FlowMask stop_at);
+  [[nodiscard]] bool flow_label(const ParsedBlock& b, Label& label);
+  [[nodiscard]] bool flow_step(ParsedBlock& b, Label label, double condition);
+  [[nodiscard]] bool run_while(ParsedBlock& b, Label label, bool condition);
+  [[nodiscard]] bool loop_end_step(ParsedBlock& b, Label label);
   [[nodiscard]] bool label_problem(const char* help, const std::string& text);
-  [[nodiscard]] LabelUse* label_use(const std::string& label);
-  [[nodiscard]] bool begin_label(ParsedBlock& b, const std::string& label);
-  [[nodiscard]] bool inside_label(ParsedBlock& b, const std::string& label, FlowMask kinds);
+  [[nodiscard]] LabelUse* label_use(Label label);
+  [[nodiscard]] bool begin_label(ParsedBlock& b, Label label);
+  [[nodiscard]] bool inside_label(ParsedBlock& b, Label label, FlowMask kinds);
   [[nodiscard]] bool undefined_label(const ParsedBlock& b);
-  [[nodiscard]] bool define_sub(ParsedBlock& b, const std::string& label);
+  [[nodiscard]] bool define_sub(ParsedBlock& b, Label label);
   [[nodiscard]] bool end_sub(const ParsedBlock& b, double value);
-  [[nodiscard]] bool call_sub(ParsedBlock& b, const std::string& label);
+  [[nodiscard]] bool call_sub(ParsedBlock& b, Label label);
   [[nodiscard]] bool right_call(const FileAndPlace& where);
-  [[nodiscard]] bool find_and_enter(ParsedBlock& b, const std::string& label);
+  [[nodiscard]] bool find_and_enter(ParsedBlock& b, Label label);
   bool not_found(const char* help, std::string_view file);
   [[nodiscard]] Outcome run_numbered(ParsedBlock& b);
   [[nodiscard]] bool numbered_alone(const Block& b);
@@ -186,7 +186,8 @@ class Core {
   [[nodiscard]] bool return_numbered();
   [[nodiscard]] bool end_or_restart();
   [[nodiscard]] bool enter_file_sub(std::uint32_t program);
-  [[nodiscard]] bool enter_sub(const FileAndPlace& where);
+  /// `link`: where to remember the sub's first block.
+  [[nodiscard]] bool enter_sub(const Sub& sub, ParsedBlock** link);
   void leave_sub(bool has_value, double value);
   /// leave_sub(), and the modes of M73 again.
   [[nodiscard]] bool return_from_sub(bool has_value, double value);
@@ -194,6 +195,10 @@ class Core {
   [[nodiscard]] Program* open_program(const std::string& path);
   std::uint32_t add_program(std::string path, std::unique_ptr<LineSource> source);
   [[nodiscard]] LineRead read_block(ParsedBlock*& b);
+  [[nodiscard]] LineRead parse_line(std::uint32_t program, const Place& place, ParsedBlock& b);
+  /// A lasting copy; null when there is no room.
+  [[nodiscard]] ParsedBlock* cache_block(const ParsedBlock& b);
+  void forget_blocks(std::uint32_t program);
 
   // --- remapped codes (remap_call.cpp) ---
   /// Bodies of remapped codes in progress: #<_remap_level>.
@@ -213,7 +218,7 @@ class Core {
  private:
   [[nodiscard]] Outcome execute_block(ParsedBlock& b);
   [[nodiscard]] bool build(const ParsedBlock& p, Block& b);
-  [[nodiscard]] bool add_code(Block& b, char letter, double value);
+  [[nodiscard]] bool add_code(Block& b, char letter, double value, int code);
   [[nodiscard]] bool undefined_name(std::uint32_t id, std::size_t at);
   [[nodiscard]] std::string nearest_codes(char letter, int code) const;
   [[nodiscard]] bool check_word(char name, double v);
@@ -243,6 +248,9 @@ class Core {
   [[nodiscard]] Outcome end_of_file();
   void expand_text(std::string_view text, std::string& result);
   void begin_block();
+  /// For a block that changes modes in no case, or only after save_modes().
+  void begin_flow();
+  void save_modes();
   void undo_block();
   bool set_error(std::size_t at, bool known, const char* help, const char* format,
                  std::va_list args);
@@ -256,12 +264,14 @@ class Core {
   std::array<const char*, kLetters> unused_{};
   std::uint32_t block_program_{0};  ///< where the block in progress stands
   std::int32_t block_level_{0};
+  bool modes_saved_{false};
+  std::int32_t line_before_{0};
   ModalState saved_;
   Tool saved_tool_;
   Block block_;
   ParsedBlock scratch_;
-  ParsedBlock skip_scratch_;
-  std::string message_, flow_label_, label_key_;
+  std::size_t cached_bytes_{0};
+  std::string message_, held_text_;
   std::vector<std::pair<int, Value>> assigned_;
   friend class Interpreter;
 };

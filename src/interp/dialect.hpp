@@ -1,6 +1,7 @@
 // Dialect: what differs between controls, as data. Nothing else in the interpreter asks which dialect runs.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -46,6 +47,9 @@ struct Dialect {
   bool block_delete;  ///< leading /
   int last_m_code;    ///< larger: out of range
   int last_g_code;    ///< times ten
+  int call_levels;    ///< subs inside subs
+  std::size_t
+      longest_line;  ///< characters, blanks and comments too; what bounds the memory for one line
 };
 
 /// RS274NGC as LinuxCNC speaks it.

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "interp/core.hpp"
+#include "interp/expression.hpp"
 #include "rtapi/base/suggest.hpp"
 
 namespace kerf::interp {
@@ -12,11 +13,20 @@ constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 /// Brackets are limited by the parser; each can hold back one operand per level of precedence.
 constexpr int kStack = 512;
 
-bool equal(double a, double b) { return std::fabs(a - b) < kTolerance; }
 double truth(bool b) { return b ? 1.0 : 0.0; }
 
-double binary(Op op, double a, double b) {
+}  // namespace
+
+const char* refusal(Op op, double a, double b) noexcept {
+  if (op == Op::divide && b == 0) return "Attempt to divide by zero";
+  if (op == Op::power && a < 0 && b != std::floor(b))
+    return "Attempt to raise negative to non integer power";
+  return nullptr;
+}
+
+double compute(Op op, double a, double b) noexcept {
   switch (op) {
+    case Op::atan: return std::atan2(a, b) * kDegrees;
     case Op::power: return std::pow(a, b);
     case Op::times: return a * b;
     case Op::divide: return a / b;
@@ -26,8 +36,8 @@ double binary(Op op, double a, double b) {
     }
     case Op::plus: return a + b;
     case Op::minus: return a - b;
-    case Op::eq: return truth(equal(a, b));
-    case Op::ne: return truth(!equal(a, b));
+    case Op::eq: return truth(std::fabs(a - b) < kTolerance);
+    case Op::ne: return truth(!(std::fabs(a - b) < kTolerance));
     case Op::gt: return truth(a > b);
     case Op::ge: return truth(a >= b);
     case Op::lt: return truth(a < b);
@@ -39,8 +49,7 @@ double binary(Op op, double a, double b) {
   }
 }
 
-/// Null, or why the function cannot be computed.
-const char* unary(Op op, double& v) {
+const char* compute(Op op, double& v) noexcept {
   switch (op) {
     case Op::negate: v = 0 - v; break;
     case Op::abs: v = std::fabs(v); break;
@@ -72,7 +81,12 @@ const char* unary(Op op, double& v) {
   return nullptr;
 }
 
-}  // namespace
+int whole_index(double v) noexcept {
+  const double index = std::nearbyint(v);
+  return std::fabs(v - index) <= kTolerance && index >= 1 && index < kParameterCount
+             ? static_cast<int>(index)
+             : 0;
+}
 
 double Core::parameter(int index) const {
   if (index < kToolNumber || index > kPositionLast) return params.get(index);
@@ -137,57 +151,68 @@ bool Core::undefined_name(std::uint32_t id, std::size_t at) {
 
 bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
   double stack[kStack];
-  int n = 0;
+  double* top = stack - 1;  // the last operand
   const ExprOp* op = b.ops.data() + e.first;
-  for (const ExprOp* end = op + e.count; op != end; ++op) {
-    if (n >= kStack - 1) return fail_at(op->at, "", "Expression nested too deeply");
+  for (const ExprOp* const end = op + e.count; op != end; ++op) {
+    if (top >= stack + kStack - 1) return fail_at(op->at, "", "Expression nested too deeply");
     switch (op->op) {
-      case Op::number: stack[n++] = op->value; continue;
+      case Op::number: *++top = op->value; continue;
+      case Op::parameter_at: *++top = parameter(static_cast<int>(op->id)); continue;
       case Op::parameter: {
-        const double v = stack[n - 1];
-        const double index = std::nearbyint(v);
-        if (std::fabs(v - index) > kTolerance)
+        const int index = whole_index(*top);
+        if (index > 0) {
+          *top = parameter(index);
+          continue;
+        }
+        if (std::fabs(*top - std::nearbyint(*top)) > kTolerance)
           return fail_at(op->at, "", "Non integer value for integer");
-        if (!(index >= 1 && index < kParameterCount))
-          return fail_at(op->at, "Numbers go from 1 to 5602", "Parameter number out of range");
-        stack[n - 1] = parameter(static_cast<int>(index));
-        continue;
+        return fail_at(op->at, "Numbers go from 1 to 5602", "Parameter number out of range");
       }
       case Op::named: {
+        if (const Value* const known = params.find(op->id); known != nullptr) {
+          *++top = known->number;
+          continue;
+        }
         Value v;
         bool exists = false;
         if (!read_named(op->id, v, exists)) return undefined_name(op->id, op->at);
-        stack[n++] = v.number;
+        *++top = v.number;
         continue;
       }
       case Op::exists_named: {
         Value v;
         bool exists = false;
         (void)read_named(op->id, v, exists);
-        stack[n++] = truth(exists);
+        *++top = truth(exists);
         continue;
       }
       case Op::exists_numbered:  // as the peer: every number that can be written exists
-        stack[n - 1] = truth(stack[n - 1] >= 1 && stack[n - 1] < kParameterCount);
+        *top = truth(*top >= 1 && *top < kParameterCount);
         continue;
-      case Op::atan:
-        stack[n - 2] = std::atan2(stack[n - 2], stack[n - 1]) * kDegrees;
-        --n;
+      case Op::plus:
+        --top;
+        *top += top[1];
+        continue;
+      case Op::minus:
+        --top;
+        *top -= top[1];
+        continue;
+      case Op::times:
+        --top;
+        *top *= top[1];
         continue;
       default: break;
     }
-    if (op->op >= Op::power) {
-      const double a = stack[n - 2], c = stack[n - 1];
-      if (op->op == Op::divide && c == 0) return fail_at(op->at, "", "Attempt to divide by zero");
-      if (op->op == Op::power && a < 0 && c != std::floor(c))
-        return fail_at(op->at, "", "Attempt to raise negative to non integer power");
-      stack[--n - 1] = binary(op->op, a, c);
-      continue;
-    }
-    if (const char* why = unary(op->op, stack[n - 1]); why != nullptr)
+    if (is_binary(op->op)) {
+      --top;
+      if (const char* why = refusal(op->op, *top, top[1]); why != nullptr)
+        return fail_at(op->at, "", "%s", why);
+      *top = compute(op->op, *top, top[1]);
+    } else if (const char* why = compute(op->op, *top); why != nullptr) {
       return fail_at(op->at, "", "%s", why);
+    }
   }
-  value = n > 0 ? stack[n - 1] : 0;
+  value = top >= stack ? *top : 0;
   if (!std::isfinite(value))
     return fail_at(b.ops[e.first].at, "The values lead to no number that can be used",
                    "Calculation resulted in '%s'", std::isnan(value) ? "not a number" : "infinity");

@@ -3,6 +3,7 @@
 // Nothing here loops over the program: a search for a label takes a bounded number of lines per execute_next().
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "interp/core.hpp"
 #include "interp/flow_internal.hpp"
@@ -11,8 +12,15 @@ namespace kerf::interp {
 
 namespace {
 
-/// Lines looked at per execute_next() while searching a label.
-constexpr int kSkipLines = 2000;
+/// What is looked at per execute_next() while searching a label.
+constexpr int kSkipLines = 1000;
+constexpr std::uint64_t kSkipBytes = 65536;
+
+/// Where to go on in a block that a search may remember; null when it may not.
+Jump* memory_of(const ParsedBlock& b, Jump& jump) {
+  return b.cached && b.label_expr.count == 0 ? &jump : nullptr;
+}
+
 }  // namespace
 
 // --- files ---
@@ -25,78 +33,96 @@ std::uint32_t Core::add_program(std::string path, std::unique_ptr<LineSource> so
     if (std::none_of(flows.frames.begin(), flows.frames.end(), uses) &&
         std::none_of(flows.parked.begin(), flows.parked.end(), uses)) {
       p.source = std::move(source);
-      p.cache.clear();
       p.labels.clear();
-      flows.last_cached = nullptr;
+      forget_blocks(static_cast<std::uint32_t>(i));
     }
     return static_cast<std::uint32_t>(i);
   }
-  flows.programs.push_back({std::move(path), std::move(source), {}, {}});
+  flows.programs.push_back({std::move(path), std::move(source), nullptr, {}});
   return static_cast<std::uint32_t>(flows.programs.size() - 1);
+}
+
+void Core::forget_blocks(std::uint32_t program) {
+  Program& p = flows.programs[program];
+  if (p.cache == nullptr) return;
+  cached_bytes_ -= p.cache->bytes();
+  p.cache->clear();
+  for (auto& [label, sub] : flows.subs) {
+    if (sub.where.program == program) sub.body = nullptr;
+  }
+}
+
+ParsedBlock* Core::cache_block(const ParsedBlock& b) {
+  if (cached_bytes_ >= kMostCachedBytes) return nullptr;
+  auto& cache = flows.programs[b.program].cache;
+  if (cache == nullptr) cache = std::make_unique<BlockCache>();
+  const std::size_t before = cache->bytes();
+  ParsedBlock* const kept = cache->keep(b);
+  cached_bytes_ += cache->bytes() - before;
+  return kept;
 }
 
 LineRead Core::read_block(ParsedBlock*& b) {
   Frame& f = flows.frames.back();
   if (f.upcoming != nullptr) {
     b = f.upcoming;
-    f.place = b->after;
-    f.upcoming = b->next;
+    f.go_behind(*b);
     return LineRead::line;
   }
-  Program& program = flows.programs[f.program];
-  const bool keep =
-      (!f.loops.empty() || flows.frames.size() > 1) && program.cache.size() < kMostCached;
-  if (!program.cache.empty()) {
-    if (const auto hit = program.cache.find(f.place.offset); hit != program.cache.end()) {
-      b = hit->second.get();
-      f.place = b->after;
-      f.upcoming = b->next;
+  const Program& program = flows.programs[f.program];
+  if (program.cache != nullptr) {
+    if (ParsedBlock* const hit = program.cache->find(f.place.offset); hit != nullptr) {
+      b = hit;
+      if (f.link != nullptr) *f.link = hit;
+      f.go_behind(*hit);
       return LineRead::line;
     }
   }
-  std::string_view line;
-  std::uint64_t next = 0;
-  const LineRead r = program.source->read(f.place.offset, line, next);
-  if (r == LineRead::end) return r;
-  const Place here = f.place;
-  if (r == LineRead::changed || r == LineRead::failed) return r;
-  f.place = {next, here.line + 1};
-  if (r != LineRead::line) return r;
-  std::unique_ptr<ParsedBlock> fresh;
-  if (keep) fresh = std::make_unique<ParsedBlock>();
-  ParsedBlock& parsed = keep ? *fresh : scratch_;
-  bool good = parser_.parse(line, parsed);
-  if (!good && parsed.skip && block_delete) {  // nobody reads a deleted block
-    parsed.clear();
-    good = true;
+  const LineRead r = parse_line(f.program, f.place, scratch_);
+  if (r != LineRead::line && r != LineRead::bad) {
+    if (r == LineRead::too_long) f.go_to(scratch_.after);
+    return r;
   }
-  parsed.text.assign(line);
-  parsed.place = here;
-  parsed.after = f.place;
-  b = &parsed;
-  if (!good) {
+  b = &scratch_;
+  // Lines of loops and subs run again.
+  const bool again = flows.frames.size() > 1 || flows.loops.size() > f.first_loop;
+  if (r == LineRead::line && again) {
+    if (ParsedBlock* const kept = cache_block(scratch_); kept != nullptr) {
+      b = kept;
+      if (f.link != nullptr) *f.link = kept;
+    }
+  }
+  f.go_behind(*b);
+  if (r == LineRead::bad) {
     begin_block();
-    if (keep) scratch_.text.assign(line), scratch_.place = here, b = &scratch_;
     current = b;
     fail_at(parser_.error_at(), "", "%s", parser_.error());
-    return LineRead::bad;
   }
-  if (keep) {
-    ParsedBlock* before = flows.last_cached;
-    b = program.cache.emplace(here.offset, std::move(fresh)).first->second.get();
-    if (before != nullptr && flows.last_cached_program == f.program &&
-        before->after.offset == here.offset)
-      before->next = b;
-    flows.last_cached = b;
-    flows.last_cached_program = f.program;
+  return r;
+}
+
+// Reads and parses the line at `place`; `bad` when it cannot be parsed.
+LineRead Core::parse_line(std::uint32_t program, const Place& place, ParsedBlock& b) {
+  std::string_view line;
+  std::uint64_t next = 0;
+  const LineRead r = flows.programs[program].source->read(place.offset, line, next);
+  b.after = {next, place.line + 1};
+  if (r != LineRead::line) return r;
+  bool good = parser_.parse(line, b);
+  if (!good && b.skip && block_delete) {  // nobody reads a deleted block
+    b = {};
+    b.skip = good = true;
   }
-  return LineRead::line;
+  b.text = line;
+  b.program = program;
+  b.place = place;
+  b.after = {next, place.line + 1};
+  return good ? LineRead::line : LineRead::bad;
 }
 
 Program* Core::open_program(const std::string& path) {
-  auto source = open_file_source(path);
+  auto source = open_file_source(path, dialect.longest_line);
   if (!source) return nullptr;
-  flows.last_cached = nullptr;
   return &flows.programs[add_program(path, std::move(*source))];
 }
 
@@ -105,7 +131,15 @@ void Core::close_main() {
   drop_frames();  // an MDI line in progress
   drop_frames();
   flows.frames.clear();
+  flows.loops.clear();
   flows.subs.clear();
+  // Paths stay, since calls that are still queued name them; open files and parsed lines do not.
+  for (std::uint32_t i = 1; i < flows.programs.size(); ++i) {
+    forget_blocks(i);
+    flows.programs[i].source = nullptr;
+    flows.programs[i].cache = nullptr;
+    flows.programs[i].labels.clear();
+  }
 }
 
 void Core::open_main(const std::string& path, std::unique_ptr<LineSource> source) {
@@ -121,15 +155,15 @@ Outcome Core::execute_mdi(std::string_view text) {
   // Files of subs may have been edited since the last MDI line; the open program's own subs stay.
   const std::uint32_t main = flows.frames.empty() ? 0 : flows.frames[0].program;
   for (auto i = flows.subs.begin(); i != flows.subs.end();)
-    i = i->second.program == main && main != 0 ? std::next(i) : flows.subs.erase(i);
-  flows.programs[0].source = make_text_source(std::string(text));
-  flows.programs[0].cache.clear();
+    i = i->second.where.program == main && main != 0 ? std::next(i) : flows.subs.erase(i);
+  flows.programs[0].source = make_text_source(std::string(text), dialect.longest_line);
+  forget_blocks(0);
   flows.programs[0].labels.clear();
-  flows.last_cached = nullptr;
+  for (Frame& f : flows.frames) f.link = nullptr;  // it may have been one of those subs
   flows.parked = std::move(flows.frames);
   flows.parked_resume = std::move(flows.resume);
   flows.frames.clear();
-  flows.frames.emplace_back();
+  flows.frames.emplace_back().first_loop = flows.loops.size();
   flows.mdi = true;
   const Outcome o = execute_next();
   if (o == Outcome::idle) return Outcome::ok;  // an empty line
@@ -143,6 +177,7 @@ void Core::drop_frames() {
   while (flows.frames.size() > 1) leave_sub(false, 0);
   flows.skip.active = false;
   flows.resume.reset();
+  if (!flows.frames.empty()) flows.loops.resize(flows.frames[0].first_loop);
   if (flows.mdi) {
     flows.frames = std::move(flows.parked);
     flows.resume = std::move(flows.parked_resume);
@@ -150,58 +185,51 @@ void Core::drop_frames() {
     flows.mdi = false;
     return;
   }
-  if (!flows.frames.empty()) {
-    Frame& main = flows.frames[0];
-    main.place = {};
-    main.upcoming = nullptr;
-    main.loops.clear();
-  }
+  if (!flows.frames.empty()) flows.frames[0].go_to({});
   flows.started = false;
   state.percent_file = false;
 }
 
-bool Core::enter_sub(const FileAndPlace& where) {
-  if (flows.frames.size() > kMostLevels)
+bool Core::enter_sub(const Sub& sub, ParsedBlock** link) {
+  if (flows.frames.size() > static_cast<std::size_t>(dialect.call_levels))
     return fail(0, "A sub that calls itself needs a way out", "Too many subroutine levels");
-  Frame f;
-  f.program = where.program;
-  f.place = where.place;
+  Frame& f = flows.frames.emplace_back();
+  f.program = sub.where.program;
+  f.place = sub.where.place;
+  f.upcoming = sub.body;
+  f.link = sub.body == nullptr ? link : nullptr;
   f.sub = flows.skip.label;
-  f.start = where.place;
+  f.first_loop = flows.loops.size();
+  f.start = sub.where.place;
   f.numbered = flows.skip.numbered;
   f.times = flows.skip.times;
-  if (!f.numbered) {
-    for (int i = 0; i < kSubArguments; ++i) {
-      f.saved[static_cast<std::size_t>(i)] = params.get(i + 1);
-      params.set(i + 1, flows.skip.arguments[static_cast<std::size_t>(i)]);
-    }
-  }
+  params.begin();
+  if (!f.numbered) f.saved = params.exchange_arguments(flows.skip.arguments);
   params.push_scope();
   if (settings.oword_nargs && !f.numbered)
     params.set_named(params.intern("n_args"),
                      {static_cast<double>(flows.skip.argument_count), nullptr});
   if (!f.numbered) sub_value = 0, sub_value_returned = false;
-  flows.frames.push_back(std::move(f));
   return true;
 }
 
 void Core::leave_sub(bool has_value, double value) {
   const Frame& f = flows.frames.back();
-  if (!f.numbered) {
-    for (int i = 0; i < kSubArguments; ++i) params.set(i + 1, f.saved[static_cast<std::size_t>(i)]);
-  }
+  if (!f.numbered) params.exchange_arguments(f.saved);
+  params.begin();
   params.pop_scope();
   sub_value = has_value ? value : 0;
   sub_value_returned = has_value;
+  flows.loops.resize(f.first_loop);
   flows.frames.pop_back();
-  params.begin();
 }
 
 bool Core::return_from_sub(bool has_value, double value) {
-  const Frame& f = flows.frames.back();
-  const std::optional<ModalState> was = f.restore_on_return ? f.saved_state : std::nullopt;
+  Frame& f = flows.frames.back();
+  const std::unique_ptr<ModalState> was = f.restore_on_return ? std::move(f.saved_state) : nullptr;
   const int tool_then = f.saved_tool;
   const std::shared_ptr<RemapCall> remapped = f.remap;
+  if (was != nullptr || remapped != nullptr) save_modes();
   sub_value = has_value ? value : 0;
   sub_value_returned = has_value;
   if (remapped != nullptr && !end_remap(f)) {
@@ -210,25 +238,31 @@ bool Core::return_from_sub(bool has_value, double value) {
   }
   leave_sub(has_value, value);
   if (remapped != nullptr && remapped->steps.next < remapped->steps.count) flows.resume = remapped;
-  return !was || restore_modes(*this, *was, tool_then);
+  return was == nullptr || restore_modes(*this, *was, tool_then);
 }
 
 // --- searching ---
 
-void Core::start_skip(ParsedBlock& b, const std::string& label, FlowMask stop_at) {
+void Core::start_skip(ParsedBlock& b, Label label, FlowMask stop_at) {
+  search(b, b.jump, label, stop_at);
+}
+
+void Core::search(ParsedBlock& b, Jump& jump, Label label, FlowMask stop_at) {
   Frame& f = flows.frames.back();
-  f.upcoming = nullptr;
-  if (b.jump_known) {
-    f.place = b.jump;
+  Skip& s = flows.skip;
+  s.landing = jump.landing;
+  if (jump.known) {
+    f.go_to(jump.to, b, jump);
     return;
   }
-  Skip& s = flows.skip;
   s.active = true;
   s.label = label;
   s.stop_at = stop_at;
   s.from = b.place;
-  s.origin = &b == &scratch_ || &b == &skip_scratch_ || b.label_expr.count > 0 ? nullptr : &b;
-  s.to_sub = s.wrapped = false;
+  s.program = f.program;
+  s.place = f.place;
+  s.origin = memory_of(b, jump);
+  s.to_sub = s.sub_file = s.wrapped = false;
 }
 
 Outcome Core::skip_failed() {
@@ -236,23 +270,24 @@ Outcome Core::skip_failed() {
   s.active = false;
   current = nullptr;
   if (s.to_sub) {
-    not_found(s.numbered
+    not_found(s.sub_file ? "The file must define the sub of its name"
+              : s.numbered
                   ? "A numbered program (O with the number) stands behind the M98 that calls it"
                   : "Define the sub, or put it into a file of its name in the search path",
-              current_file());
+              flows.programs[s.program].path);
   } else {
     const std::string help = "The end of the O-word in line " + std::to_string(s.from.line + 1) +
-                             " is missing: label " + s.label;
+                             " is missing: label " + flows.labels.text(s.label);
     fail(0, help.c_str(), "%s", kNoEnd);
   }
   error.line = s.from.line + 1;
-  drop_frames();
+  if (!s.sub_file) drop_frames();
   return Outcome::error;
 }
 
 bool Core::not_found(const char* help, std::string_view file) {
-  const std::string& label = flows.skip.label;
-  const bool numbered = label.empty() || label[0] != '<';
+  const std::string label = flows.labels.text(flows.skip.label);
+  const bool numbered = label[0] != '<';
   return fail(0, help, "EOF in file:%s seeking o-word: o%s%s%s from line: %d",
               std::string(file).c_str(), numbered ? "<" : "", label.c_str(), numbered ? ">" : "",
               flows.skip.from.line + 1);
@@ -260,56 +295,74 @@ bool Core::not_found(const char* help, std::string_view file) {
 
 Outcome Core::continue_skip() {
   Skip& s = flows.skip;
-  Frame& f = flows.frames.back();
-  Program& program = flows.programs[f.program];
-  for (int i = 0; i < kSkipLines; ++i) {
+  if (s.landing != nullptr) {
+    flows.frames.back().go_behind(*s.landing);
+    return land(*s.landing);
+  }
+  std::uint64_t bytes = 0;
+  for (int i = 0; i < kSkipLines && bytes < kSkipBytes; ++i) {
     std::string_view line;
     std::uint64_t next = 0;
-    const LineRead r = program.source->read(f.place.offset, line, next);
+    const LineRead r = flows.programs[s.program].source->read(s.place.offset, line, next);
     if (r == LineRead::end) {
       // A numbered program stands behind its call (manual: "Fanuc-Style Numbered Programs").
       if (!s.to_sub || s.wrapped || s.numbered) return skip_failed();
       s.wrapped = true;
-      f.place = {};
+      s.place = {};
       continue;
     }
     if (r != LineRead::line) {
       s.active = false;
       return read_problem(r);
     }
-    const Place here = f.place;
-    f.place = {next, here.line + 1};
-    ParsedBlock& b = skip_scratch_;
+    bytes += line.size();
+    const Place here = s.place;
+    s.place = {next, here.line + 1};
+    ParsedBlock& b = scratch_;
     if (!parser_.peek_flow(line, b) || (flow_bit(b.flow) & s.stop_at) == 0) continue;
-    if (b.label_expr.count > 0 && !flow_label(b, b.label)) continue;
-    if (b.label != s.label) continue;
-    b.text.assign(line);
+    Label label{};
+    if (!flow_label(b, label) || label != s.label) continue;
+    b.text = line;
+    b.program = s.program;
     b.place = here;
-    b.after = f.place;
-    // A landing that computes something is searched again each time; the others become a jump.
-    if (s.origin != nullptr && b.flow != Flow::elseif && b.flow != Flow::while_loop) {
-      s.origin->jump = b.after;
-      s.origin->jump_known = true;
-    }
-    return land(b);
+    b.after = s.place;
+    return found(b);
   }
   return Outcome::ok;
 }
 
-// The line that was looked for is reached.
+// The line that was looked for is read.
+Outcome Core::found(ParsedBlock& b) {
+  Skip& s = flows.skip;
+  if (s.to_sub) return land(b);
+  Frame& f = flows.frames.back();
+  f.go_to(b.after);
+  if (s.origin == nullptr) return land(b);
+  if (b.flow != Flow::elseif && b.flow != Flow::while_loop) {
+    s.origin->to = b.after;
+    s.origin->known = true;
+    f.link = &s.origin->block;
+    return land(b);
+  }
+  ParsedBlock* const kept = cache_block(b);
+  s.origin->landing = kept;
+  if (kept == nullptr) return land(b);
+  f.go_behind(*kept);
+  return land(*kept);
+}
+
+// The line that was looked for takes effect.
 Outcome Core::land(ParsedBlock& b) {
   Skip& s = flows.skip;
   s.active = false;
-  Frame& f = flows.frames.back();
-  begin_block();
+  begin_flow();
   current = &b;
   state.line = b.place.line + 1;
   if (s.to_sub) {
-    const FileAndPlace where{f.program, b.after, b.flow == Flow::program_number};
-    f.place = s.return_place;
-    f.upcoming = nullptr;
-    if (right_call(where) && enter_sub(where)) {
-      flows.subs[s.label] = where;
+    const Sub sub{{s.program, b.after, b.flow == Flow::program_number}, nullptr};
+    if (right_call(sub.where) && enter_sub(sub, nullptr)) {
+      Sub& known = flows.subs.insert_or_assign(s.label, sub).first->second;
+      flows.frames.back().link = &known.body;
       return Outcome::ok;
     }
     undo_block();
@@ -319,10 +372,10 @@ Outcome Core::land(ParsedBlock& b) {
   if (b.flow == Flow::elseif) {
     double condition = 0;
     if (!evaluate(b, b.arguments[0], condition)) return undo_block(), Outcome::error;
-    if (condition == 0) start_skip(b, s.label, kNextBranch);
+    if (condition == 0) search(b, b.otherwise, s.label, kNextBranch);
     return Outcome::ok;
   }
-  if (b.flow == Flow::while_loop && find_loop(f, s.label) != nullptr) return run_flow(b);
+  if (b.flow == Flow::while_loop && find_loop(flows, s.label) != nullptr) return run_flow(b);
   return Outcome::ok;
 }
 

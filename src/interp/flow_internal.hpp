@@ -12,9 +12,9 @@ inline constexpr FlowMask kSubBegins = flow_bit(Flow::sub) | flow_bit(Flow::prog
 inline constexpr const char* kNoEnd = "File ended with no percent sign (%) or program end (M2)";
 
 /// The innermost loop of that label in the frame, null without.
-[[nodiscard]] inline Loop* find_loop(Frame& f, const std::string& label) {
-  for (std::size_t i = f.loops.size(); i-- > 0;) {
-    if (f.loops[i].label == label) return &f.loops[i];
+[[nodiscard]] inline Loop* find_loop(Flows& flows, Label label) {
+  for (std::size_t i = flows.loops.size(); i-- > flows.frames.back().first_loop;) {
+    if (flows.loops[i].label == label) return &flows.loops[i];
   }
   return nullptr;
 }

@@ -14,7 +14,7 @@ namespace kerf::interp {
 namespace {
 
 /// Lines of a sub's own file that may precede its definition.
-constexpr int kLongestSubFile = 200000;
+constexpr int kLongestSubFile = 20000;
 
 const char* keyword(Flow f) {
   constexpr const char* kNames[] = {"",       "sub",       "endsub", "call",    "return",   "if",
@@ -31,21 +31,18 @@ FlowMask loop_end(Flow kind) {
 }
 
 /// Leaves `label`'s loop and those inside it; with `keep` only those inside.
-void close_loops(Frame& f, const std::string& label, bool keep) {
-  if (find_loop(f, label) == nullptr) return;
-  while (!f.loops.empty()) {
-    const bool hit = f.loops.back().label == label;
-    if (hit && keep) return;
-    f.loops.pop_back();
-    if (hit) return;
-  }
+void close_loops(Flows& flows, Label label, bool keep) {
+  const Loop* loop = find_loop(flows, label);
+  if (loop == nullptr) return;
+  const auto index = static_cast<std::size_t>(loop - flows.loops.data());
+  flows.loops.resize(index + (keep ? 1 : 0));
 }
 
 /// The line as written, without the blanks around it.
 std::string written(const ParsedBlock& b) {
   const std::size_t first = b.text.find_first_not_of(" \t");
-  if (first == std::string::npos) return {};
-  return b.text.substr(first, b.text.find_last_not_of(" \t\r") - first + 1);
+  if (first == std::string_view::npos) return {};
+  return std::string(b.text.substr(first, b.text.find_last_not_of(" \t\r") - first + 1));
 }
 
 /// Label as the message about a sub defined twice has it.
@@ -55,23 +52,21 @@ std::string bare(const std::string& label) {
 
 }  // namespace
 
-bool Core::flow_label(ParsedBlock& b, std::string& label) {
-  if (b.label_expr.count == 0) {
-    label = b.label;
-    return true;
-  }
+bool Core::flow_label(const ParsedBlock& b, Label& label) {
+  label = b.label;
+  if (b.label_expr.count == 0) return true;
   double v = 0, rounded = 0;
   if (!evaluate(b, b.label_expr, v)) return false;
   if (!near_integer(v, rounded) || std::fabs(rounded) > 1e9)
     return fail_at(1, "The number of an O-word is an integer", "Non integer value for integer");
-  label = std::to_string(static_cast<long>(rounded));
+  label = flows.labels.number(static_cast<long>(rounded));
   return true;
 }
 
 // Comments beside O-words do nothing, active ones included.
 Outcome Core::run_flow(ParsedBlock& b) {
   if (b.flow >= Flow::program_number) return run_numbered(b);
-  std::string& label = flow_label_;
+  Label label{};
   double condition = 0;
   const bool good = flow_label(b, label) && (b.flow == Flow::call || b.arguments.empty() ||
                                              evaluate(b, b.arguments[0], condition));
@@ -90,24 +85,22 @@ bool Core::label_problem(const char* help, const std::string& text) {
   return true;
 }
 
-LabelUse* Core::label_use(const std::string& label) {
+LabelUse* Core::label_use(Label label) {
   const Frame& f = flows.frames.back();
-  label_key_ = f.sub;
-  label_key_ += ' ';
-  label_key_ += label;
   auto& labels = flows.programs[f.program].labels;
-  const auto hit = labels.find(label_key_);
+  const auto hit = labels.find(label_key(f.sub, label));
   return hit == labels.end() ? nullptr : &hit->second;
 }
 
 // A block begins: its label must not begin another one. `while` behind a `do` of the label ends that one.
-bool Core::begin_label(ParsedBlock& b, const std::string& label) {
+bool Core::begin_label(ParsedBlock& b, Label label) {
   if (b.label_known) return true;
   const LabelUse here{b.flow, b.place.line + 1, b.place.offset};
   LabelUse* use = label_use(label);
   if (use == nullptr) {
-    auto& labels = flows.programs[flows.frames.back().program].labels;
-    if (labels.size() < kMostLabels) labels.emplace(label_key_, here);
+    const Frame& f = flows.frames.back();
+    auto& labels = flows.programs[f.program].labels;
+    if (labels.size() < kMostLabels) labels.emplace(label_key(f.sub, label), here);
   } else if (b.flow == Flow::do_loop) {
     *use = here;
   } else if (use->offset != here.offset &&
@@ -126,7 +119,7 @@ bool Core::begin_label(ParsedBlock& b, const std::string& label) {
 }
 
 // A word inside or at the end of a block: the label must begin a block of one of these kinds.
-bool Core::inside_label(ParsedBlock& b, const std::string& label, FlowMask kinds) {
+bool Core::inside_label(ParsedBlock& b, Label label, FlowMask kinds) {
   if (b.label_known) return true;
   const LabelUse* use = label_use(label);
   const std::string number = std::to_string(b.place.line + 1);
@@ -153,8 +146,7 @@ bool Core::undefined_label(const ParsedBlock& b) {
 
 // --- blocks ---
 
-bool Core::flow_step(ParsedBlock& b, const std::string& label, double condition) {
-  Frame& f = flows.frames.back();
+bool Core::flow_step(ParsedBlock& b, Label label, double condition) {
   constexpr FlowMask kIf = flow_bit(Flow::if_block);
   switch (b.flow) {
     case Flow::sub: return define_sub(b, label);
@@ -173,52 +165,51 @@ bool Core::flow_step(ParsedBlock& b, const std::string& label, double condition)
     case Flow::endif: return inside_label(b, label, kIf);
     case Flow::do_loop:
       if (!begin_label(b, label)) return false;
-      close_loops(f, label, false);
-      f.loops.push_back({label, Flow::do_loop, b.place, b.after, 0});
+      close_loops(flows, label, false);
+      flows.loops.push_back({label, Flow::do_loop, b.place, b.after, 0});
       return true;
     case Flow::while_loop: return run_while(b, label, condition != 0);
     case Flow::repeat_loop: {
       if (!begin_label(b, label)) return false;
-      close_loops(f, label, false);
+      close_loops(flows, label, false);
       const double n = std::floor(condition + 0.5);
       if (n < 1)
         start_skip(b, label, loop_end(Flow::repeat_loop));
       else
-        f.loops.push_back({label, Flow::repeat_loop, b.place, b.after,
-                           static_cast<std::int64_t>(std::min(n, 9e15))});
+        flows.loops.push_back({label, Flow::repeat_loop, b.place, b.after,
+                               static_cast<std::int64_t>(std::min(n, 9e15))});
       return true;
     }
     default: return loop_end_step(b, label);
   }
 }
 
-bool Core::run_while(ParsedBlock& b, const std::string& label, bool condition) {
+bool Core::run_while(ParsedBlock& b, Label label, bool condition) {
   Frame& f = flows.frames.back();
-  Loop* loop = find_loop(f, label);
+  Loop* loop = find_loop(flows, label);
   if (loop != nullptr && loop->kind == Flow::do_loop) {
     if (condition) {
-      f.place = loop->body;
-      f.upcoming = nullptr;
-      close_loops(f, label, true);
+      f.go_to(loop->body, b, b.jump);
+      close_loops(flows, label, true);
     } else {
-      close_loops(f, label, false);
+      close_loops(flows, label, false);
     }
     return true;
   }
   if (!begin_label(b, label)) return false;
   if (!condition) {
-    if (loop != nullptr) close_loops(f, label, false);
+    if (loop != nullptr) close_loops(flows, label, false);
     start_skip(b, label, loop_end(Flow::while_loop));
     return true;
   }
   if (loop != nullptr)
-    close_loops(f, label, true);
+    close_loops(flows, label, true);
   else
-    f.loops.push_back({label, Flow::while_loop, b.place, b.after, 0});
+    flows.loops.push_back({label, Flow::while_loop, b.place, b.after, 0});
   return true;
 }
 
-bool Core::loop_end_step(ParsedBlock& b, const std::string& label) {
+bool Core::loop_end_step(ParsedBlock& b, Label label) {
   Frame& f = flows.frames.back();
   constexpr FlowMask kWhile = flow_bit(Flow::while_loop), kDo = flow_bit(Flow::do_loop);
   const bool leaves = b.flow == Flow::break_loop || b.flow == Flow::continue_loop;
@@ -227,49 +218,47 @@ bool Core::loop_end_step(ParsedBlock& b, const std::string& label) {
                     : b.flow == Flow::endrepeat ? flow_bit(Flow::repeat_loop)
                                                 : kWhile))
     return false;
-  Loop* loop = find_loop(f, label);
+  Loop* loop = find_loop(flows, label);
   if (loop == nullptr) return undefined_label(b);
   if (!leaves && loop_end(loop->kind) != flow_bit(b.flow)) return true;  // warned of already
-  close_loops(f, label, true);
-  loop = &f.loops.back();
+  close_loops(flows, label, true);
+  loop = &flows.loops.back();
   if (b.flow == Flow::break_loop ||
       (b.flow == Flow::continue_loop && loop->kind == Flow::do_loop)) {
     const FlowMask end = loop_end(loop->kind);
-    if (b.flow == Flow::break_loop) f.loops.pop_back();
+    if (b.flow == Flow::break_loop) flows.loops.pop_back();
     start_skip(b, label, end);
     return true;
   }
   if (loop->kind == Flow::repeat_loop) {
     if (--loop->left > 0) {
-      f.place = loop->body;
-      f.upcoming = nullptr;
+      f.go_to(loop->body, b, b.jump);
     } else {
-      f.loops.pop_back();
+      flows.loops.pop_back();
       if (b.flow == Flow::continue_loop) start_skip(b, label, loop_end(Flow::repeat_loop));
     }
     return true;
   }
-  f.place = loop->start;
-  f.upcoming = nullptr;
+  f.go_to(loop->start, b, b.jump);
   return true;
 }
 
 // --- subs ---
 
-bool Core::define_sub(ParsedBlock& b, const std::string& label) {
+bool Core::define_sub(ParsedBlock& b, Label label) {
   Frame& f = flows.frames.back();
-  if (!f.sub.empty())
+  if (f.is_sub())
     return fail(0, "End the sub before the next one begins", "Nested subroutine definition");
   const FileAndPlace here{f.program, b.after, false};
   if (const auto known = flows.subs.find(label); known == flows.subs.end()) {
-    flows.subs.emplace(label, here);
-  } else if (known->second.program != here.program ||
-             known->second.place.offset != here.place.offset) {
+    flows.subs.emplace(label, Sub{here, nullptr});
+  } else if (known->second.where.program != here.program ||
+             known->second.where.place.offset != here.place.offset) {
     if (!label_problem(
             "A name stands for one sub",
             "File:" + flows.programs[f.program].path + " line:" + std::to_string(b.place.line + 1) +
-                " redefining sub: o|" + bare(label) +
-                "| already defined in file:" + flows.programs[known->second.program].path))
+                " redefining sub: o|" + bare(flows.labels.text(label)) +
+                "| already defined in file:" + flows.programs[known->second.where.program].path))
       return false;
   }
   start_skip(b, label, flow_bit(Flow::endsub));
@@ -278,7 +267,7 @@ bool Core::define_sub(ParsedBlock& b, const std::string& label) {
 
 bool Core::end_sub(const ParsedBlock& b, double value) {
   const Frame& f = flows.frames.back();
-  if (f.sub.empty())
+  if (!f.is_sub())
     return label_problem("return and endsub stand inside a sub",
                          std::to_string(b.place.line + 1) + ": not in a subroutine definition: '" +
                              written(b) + '\'');
@@ -296,7 +285,7 @@ bool Core::right_call(const FileAndPlace& where) {
                                "'O.... sub' subroutine must be called with 'O.... call'");
 }
 
-bool Core::call_sub(ParsedBlock& b, const std::string& label) {
+bool Core::call_sub(ParsedBlock& b, Label label) {
   Skip& s = flows.skip;
   s.begin_call();
   s.argument_count = b.arguments.size();
@@ -306,49 +295,55 @@ bool Core::call_sub(ParsedBlock& b, const std::string& label) {
   return find_and_enter(b, label);
 }
 
-bool Core::find_and_enter(ParsedBlock& b, const std::string& label) {
+bool Core::find_and_enter(ParsedBlock& b, Label label) {
   Skip& s = flows.skip;
   s.label = label;
   if (const auto hit = flows.subs.find(label); hit != flows.subs.end())
-    return right_call(hit->second) && enter_sub(hit->second);
-  if (flows.frames.size() > kMostLevels) return enter_sub({});
-  const std::string path = env.find_sub(bare(label));
-  Frame& f = flows.frames.back();
+    return right_call(hit->second.where) && enter_sub(hit->second, &hit->second.body);
+  if (flows.frames.size() > static_cast<std::size_t>(dialect.call_levels))
+    return enter_sub({}, nullptr);
+  const std::string path = env.find_sub(bare(flows.labels.text(label)));
+  const Frame& f = flows.frames.back();
   s.from = b.place;
   s.origin = nullptr;
+  s.landing = nullptr;
   s.to_sub = true;
   s.stop_at = kSubBegins;
-  if (!path.empty()) {
+  s.program = f.program;
+  s.place = f.place;
+  s.sub_file = s.wrapped = !path.empty();
+  if (s.sub_file) {
+    // The definition is looked for from the top of that file.
     const Program* program = open_program(path);
     if (program == nullptr)
       return fail(0, "Check that the file can be read", "Unable to open file <%s>", path.c_str());
-    // Look for the definition from the top of that file; the frame is the sub's own until then.
-    const auto id = static_cast<std::uint32_t>(program - flows.programs.data());
-    return enter_file_sub(id);
+    s.program = static_cast<std::uint32_t>(program - flows.programs.data());
+    s.place = {};
   }
-  s.return_place = f.place;
-  s.wrapped = false;
   s.active = true;
-  f.upcoming = nullptr;
   return true;
 }
 
-// Reads a sub's file for its definition. The file is one of its own, so no program line runs before the sub is found.
+// For the bodies of remapped codes, which cannot wait for a search: reads the file now. The block in progress stays as it is.
 bool Core::enter_file_sub(std::uint32_t program) {
+  if (current == &scratch_) {
+    held_text_ = scratch_.text;  // it may be of the same file
+    scratch_.text = held_text_;
+  }
+  Parser parser(dialect, params, flows.labels);
   Place place;
   std::string_view line;
   std::uint64_t next = 0;
-  const std::string label = flows.skip.label;
+  const Label label = flows.skip.label;
   while (place.line < kLongestSubFile &&
          flows.programs[program].source->read(place.offset, line, next) == LineRead::line) {
     place = {next, place.line + 1};
-    ParsedBlock& b = skip_scratch_;
-    if (!parser_.peek_flow(line, b) || (flow_bit(b.flow) & kSubBegins) == 0 ||
-        b.label != label)
+    ParsedBlock b;
+    if (!parser.peek_flow(line, b) || (flow_bit(b.flow) & kSubBegins) == 0 || b.label != label)
       continue;
-    const FileAndPlace where{program, place, b.flow == Flow::program_number};
-    if (!right_call(where) || !enter_sub(where)) return false;
-    flows.subs.insert_or_assign(label, where);
+    const Sub sub{{program, place, b.flow == Flow::program_number}, nullptr};
+    if (!right_call(sub.where) || !enter_sub(sub, nullptr)) return false;
+    flows.subs.insert_or_assign(label, sub);
     return true;
   }
   return not_found("The file must define the sub of its name", flows.programs[program].path);
@@ -360,7 +355,7 @@ bool Core::enter_file_sub(std::uint32_t program) {
 Outcome Core::run_numbered(ParsedBlock& b) {
   bool good = true;
   if (b.flow == Flow::program_number) {
-    std::string& label = flow_label_;
+    Label label{};
     good = flow_label(b, label) &&
            (!settings.disable_fanuc_style_sub ||
             fail(0, "Write a keyword behind it, or allow numbered programs",
@@ -393,37 +388,33 @@ bool Core::call_numbered(ParsedBlock& b) {
   Skip& s = flows.skip;
   s.numbered = true;
   s.times = times;
-  flow_label_ = std::to_string(number);
-  return find_and_enter(b, flow_label_);
+  return find_and_enter(b, flows.labels.number(number));
 }
 
 bool Core::return_numbered() {
   Frame& f = flows.frames.back();
-  if (f.sub.empty()) return end_or_restart();
+  if (!f.is_sub()) return end_or_restart();
   if (!f.numbered)
     return fail(0, "Write endsub or return with the label of the sub",
                 "'O.... endsub' or 'O.... return' must follow 'O.... sub' subroutine definition");
   if (--f.times <= 0) return return_from_sub(false, 0);
-  f.place = f.start;
-  f.upcoming = nullptr;
-  f.loops.clear();
+  f.go_to(f.start);
+  flows.loops.resize(f.first_loop);
   params.pop_scope();
   params.push_scope();
   params.begin();
-  const std::optional<ModalState> was = f.restore_on_return ? f.saved_state : std::nullopt;
-  f.saved_state.reset();
+  const std::unique_ptr<ModalState> was = f.restore_on_return ? std::move(f.saved_state) : nullptr;
+  f.saved_state = nullptr;
   f.restore_on_return = false;
-  return !was || restore_modes(*this, *was, f.saved_tool);
+  return was == nullptr || restore_modes(*this, *was, f.saved_tool);
 }
 
 // M99 in the main program begins it anew; where nothing moves (a preview, a listing) that would never end, so it ends there.
 bool Core::end_or_restart() {
   if (!settings.is_task || flows.mdi) return end_program(*this, 2);
   reset_g92_at_end(*this);
-  Frame& main = flows.frames[0];
-  main.place = {};
-  main.upcoming = nullptr;
-  main.loops.clear();
+  flows.frames[0].go_to({});
+  flows.loops.resize(flows.frames[0].first_loop);
   flows.started = false;
   state.percent_file = false;
   return true;

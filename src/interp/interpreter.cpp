@@ -24,14 +24,14 @@ Interpreter::~Interpreter() = default;
 void Interpreter::init() { core_->init(); }
 
 rtapi::Status Interpreter::open(const std::string& path) {
-  auto source = open_file_source(path);
+  auto source = open_file_source(path, core_->dialect.longest_line);
   if (!source) return rtapi::Failure<rtapi::Error>{source.error()};
   core_->open_main(path, std::move(*source));
   return {};
 }
 
 rtapi::Status Interpreter::open_text(const std::string& name, std::string text) {
-  core_->open_main(name, make_text_source(std::move(text)));
+  core_->open_main(name, make_text_source(std::move(text), core_->dialect.longest_line));
   return {};
 }
 

@@ -69,7 +69,7 @@ void Core::expand_text(std::string_view text, std::string& result) {
 
 bool Core::run_comment(const ParsedBlock& b) {
   if (b.comment == CommentKind::none) return true;
-  const std::string& text = b.comment_text;
+  const std::string_view text = b.comment_text;
   const auto keep = [this](std::string_view t) { return out.keep(t); };
   switch (b.comment) {
     case CommentKind::none: break;

@@ -29,7 +29,7 @@ constexpr Range kPersistent[] = {
 
 }  // namespace
 
-ParameterTable::ParameterTable() : numbers_(kParameterCount, 0.0), scopes_(1) {
+ParameterTable::ParameterTable() : numbers_(kParameterCount, 0.0) {
   numbers_[kCoordSystem] = 1;
   numbers_[kDebugEnable] = 1;
 }
@@ -46,6 +46,15 @@ void ParameterTable::set(int index, double value) {
   cell = value;
 }
 
+std::array<double, kSubArguments> ParameterTable::exchange_arguments(
+    const std::array<double, kSubArguments>& fresh) {
+  std::array<double, kSubArguments> before{};
+  std::copy_n(numbers_.begin() + 1, kSubArguments, before.begin());
+  std::copy_n(fresh.begin(), kSubArguments, numbers_.begin() + 1);
+  begin();
+  return before;
+}
+
 Pose ParameterTable::pose(int first, double unit_mm) const noexcept {
   Pose p;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i)
@@ -59,26 +68,15 @@ void ParameterTable::set_pose(int first, const Pose& pose, double unit_mm) {
 }
 
 std::uint32_t ParameterTable::intern(std::string_view name) {
-  // The common case must not allocate: short names stay inside the string object.
-  const auto [at, added] =
-      ids_.try_emplace(std::string(name), static_cast<std::uint32_t>(names_.size()));
-  if (added) names_.push_back({&at->first, !name.empty() && name.front() == '_', false, {}});
-  return at->second;
-}
-
-const Value* ParameterTable::find(std::uint32_t id) const {
-  const Name& n = names_[id];
-  if (n.global) return n.set ? &n.value : nullptr;
-  for (const Local& local : scopes_[depth_ - 1]) {
-    if (local.id == id) return local.set ? &local.value : nullptr;
-  }
-  return nullptr;
+  const std::uint32_t id = texts_.intern(name);
+  if (id == names_.size()) names_.emplace_back().global = !name.empty() && name.front() == '_';
+  return id;
 }
 
 std::vector<std::string_view> ParameterTable::visible_names() const {
   std::vector<std::string_view> names;
   for (std::uint32_t id = 0; id < names_.size(); ++id) {
-    if (find(id) != nullptr) names.emplace_back(*names_[id].text);
+    if (find(id) != nullptr) names.emplace_back(texts_.text(id));
   }
   return names;
 }
@@ -86,12 +84,12 @@ std::vector<std::string_view> ParameterTable::visible_names() const {
 ParameterTable::Slot ParameterTable::slot(std::uint32_t id) {
   Name& n = names_[id];
   if (n.global) return {&n.set, &n.value};
-  auto& scope = scopes_[depth_ - 1];
-  for (Local& local : scope) {
-    if (local.id == id) return {&local.set, &local.value};
+  if (n.local < scopes_.back()) {
+    locals_.push_back({id, false, n.local, {}});
+    n.local = static_cast<std::int64_t>(locals_.size()) - 1;
   }
-  scope.push_back({id, false, {}});
-  return {&scope.back().set, &scope.back().value};
+  Local& local = locals_[static_cast<std::size_t>(n.local)];
+  return {&local.set, &local.value};
 }
 
 void ParameterTable::set_named(std::uint32_t id, Value value) {
@@ -101,13 +99,15 @@ void ParameterTable::set_named(std::uint32_t id, Value value) {
   *s.value = std::move(value);
 }
 
-void ParameterTable::push_scope() {
-  if (scopes_.size() == depth_) scopes_.emplace_back();
-  scopes_[depth_++].clear();
-}
+void ParameterTable::push_scope() { scopes_.push_back(static_cast<std::int64_t>(locals_.size())); }
 
 void ParameterTable::pop_scope() {
-  if (depth_ > 1) --depth_;
+  if (scopes_.size() == 1) return;
+  while (static_cast<std::int64_t>(locals_.size()) > scopes_.back()) {
+    names_[locals_.back().id].local = locals_.back().hidden;
+    locals_.pop_back();
+  }
+  scopes_.pop_back();
 }
 
 void ParameterTable::rollback() {

@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
+#include "interp/names.hpp"
 #include "rtapi/base/pose.hpp"
 #include "rtapi/base/result.hpp"
 
@@ -55,6 +55,9 @@ class ParameterTable {
     return index > 0 && index < kParameterCount ? numbers_[static_cast<std::size_t>(index)] : 0.0;
   }
   void set(int index, double value);
+  /// #1-#30 become `fresh`; what they were. Not taken back by rollback(): earlier changes of the block are settled by it.
+  std::array<double, kSubArguments> exchange_arguments(
+      const std::array<double, kSubArguments>& fresh);
   /// Nine numbers from `first` on as a pose in mm (and back), `unit_mm` being mm per stored unit.
   [[nodiscard]] Pose pose(int first, double unit_mm) const noexcept;
   void set_pose(int first, const Pose& pose, double unit_mm);
@@ -69,10 +72,16 @@ class ParameterTable {
   // --- named ---
   /// Id of a name, the same for the life of the table.
   [[nodiscard]] std::uint32_t intern(std::string_view name);
-  [[nodiscard]] const std::string& name(std::uint32_t id) const { return *names_[id].text; }
+  [[nodiscard]] const std::string& name(std::uint32_t id) const { return texts_.text(id); }
   [[nodiscard]] bool is_global(std::uint32_t id) const { return names_[id].global; }
   /// Null when there is none in the current scope.
-  [[nodiscard]] const Value* find(std::uint32_t id) const;
+  [[nodiscard]] const Value* find(std::uint32_t id) const {
+    const Name& n = names_[id];
+    if (n.global) return n.set ? &n.value : nullptr;
+    if (n.local < scopes_.back()) return nullptr;  // of a caller, or none
+    const Local& local = locals_[static_cast<std::size_t>(n.local)];
+    return local.set ? &local.value : nullptr;
+  }
   void set_named(std::uint32_t id, Value value);
   /// Names that have a value here, for "did you mean".
   [[nodiscard]] std::vector<std::string_view> visible_names() const;
@@ -86,15 +95,18 @@ class ParameterTable {
 
  private:
   friend class ParameterFile;
+  /// Locals of all scopes lie on one stack; a name knows its newest one, so that a look-up costs the same however many there are.
+  static constexpr std::int64_t kNoLocal = -1;
   struct Name {
-    const std::string* text;
-    bool global;
+    bool global{false};
     bool set{false};
-    Value value;  ///< of globals
+    std::int64_t local{kNoLocal};  ///< in locals_
+    Value value;                   ///< of globals
   };
   struct Local {
     std::uint32_t id;
     bool set;
+    std::int64_t hidden;  ///< Name::local before this one
     Value value;
   };
   struct NamedUndo {
@@ -110,10 +122,10 @@ class ParameterTable {
 
   std::vector<double> numbers_;
   std::vector<std::int32_t> extra_persistent_;  ///< user numbers that the file had
-  std::unordered_map<std::string, std::uint32_t> ids_;
+  NameTable texts_;
   std::vector<Name> names_;
-  std::vector<std::vector<Local>> scopes_;
-  std::size_t depth_{1};
+  std::vector<Local> locals_;
+  std::vector<std::int64_t> scopes_{0};  ///< where each begins in locals_
   std::vector<std::pair<std::int32_t, double>> undo_numbers_;
   std::vector<NamedUndo> undo_named_;
 };

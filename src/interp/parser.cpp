@@ -1,10 +1,13 @@
 #include "interp/parser.hpp"
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
+
+#include "interp/expression.hpp"
 
 namespace kerf::interp {
 
@@ -15,6 +18,27 @@ constexpr int kDeepest = 48;
 
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+/// Settings of parameters on one line: more is no program, and a line of a megabyte must not take a hundred.
+constexpr std::size_t kMostAssignments = 10000;
+
+/// Powers of ten that are exact numbers.
+constexpr auto kPowers = [] {
+  std::array<double, 19> p{};
+  double v = 1;
+  for (double& x : p) x = v, v *= 10;
+  return p;
+}();
+constexpr std::uint64_t kExact = std::uint64_t{1} << 53;
+
+/// The code of a constant G or M word, -1 when it is none.
+std::int16_t code_of(char letter, double v) {
+  const double scaled = letter == 'g' ? v * 10 : v;
+  if (!(scaled >= 0 && scaled < 30000)) return -1;
+  const double rounded = std::floor(scaled + 0.5);
+  return std::fabs(scaled - rounded) <= kTolerance ? static_cast<std::int16_t>(rounded)
+                                                   : std::int16_t{-1};
+}
+
 constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; }
 
 struct FunctionRow {
@@ -108,8 +132,36 @@ bool Parser::fail(const char* format, ...) {
   return false;
 }
 
-void Parser::push(Op op, double number, std::uint32_t id) {
-  out_->ops.push_back({op, static_cast<std::uint16_t>(pos_), id, number});
+void Parser::push(Op op, std::size_t at, double number, std::uint32_t id) {
+  const auto constant = [this](std::size_t back) {
+    return ops_.size() >= back && ops_[ops_.size() - back].op == Op::number;
+  };
+  if (op >= Op::first_function && constant(1)) {
+    ExprOp& last = ops_.back();
+    double v = last.value;
+    // What cannot be computed is said when the line runs, as for any other operand.
+    if (!is_binary(op)) {
+      if (compute(op, v) == nullptr && std::isfinite(v)) {
+        last.value = v;
+        return;
+      }
+    } else if (constant(2)) {
+      const double a = ops_[ops_.size() - 2].value;
+      if (refusal(op, a, v) == nullptr && std::isfinite(v = compute(op, a, v))) {
+        ops_.pop_back();
+        ops_.back().value = v;
+        return;
+      }
+    }
+  }
+  if (op == Op::parameter && constant(1)) {
+    if (const int index = whole_index(ops_.back().value); index > 0) {
+      ops_.back() = {Op::parameter_at, static_cast<std::uint32_t>(at),
+                     static_cast<std::uint32_t>(index), 0};
+      return;
+    }
+  }
+  ops_.push_back({op, static_cast<std::uint32_t>(at), id, number});
 }
 
 int Parser::column_of(std::string_view line, std::size_t normalised) const {
@@ -129,7 +181,7 @@ int Parser::column_of(std::string_view line, std::size_t normalised) const {
 bool Parser::normalise(std::string_view line) {
   size_ = 0;
   pos_ = 0;
-  if (line.size() > kLongestLine) return fail("Command too long");
+  if (buffer_.size() < line.size() + 2) buffer_.resize(line.size() + 2);
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
     if (is_blank(c)) continue;
@@ -139,7 +191,7 @@ bool Parser::normalise(std::string_view line) {
       pos_ = size_;
       if (end == std::string_view::npos) return fail("Unclosed comment found");
       if (line[end] == '(') return fail("Nested comment found");
-      std::memcpy(buffer_ + size_, line.data() + i, end - i + 1);
+      std::memcpy(buffer_.data() + size_, line.data() + i, end - i + 1);
       size_ += end - i + 1;
       i = end;
       continue;
@@ -152,8 +204,15 @@ bool Parser::normalise(std::string_view line) {
 }
 
 bool Parser::parse(std::string_view line, ParsedBlock& out) {
-  out.clear();
+  out = {};
+  words_.clear();
+  if (plain(line, out)) return true;
   out_ = &out;
+  out.sequence = -1;
+  words_.clear();
+  assignments_.clear();
+  ops_.clear();
+  arguments_.clear();
   depth_ = 0;
   std::size_t first = 0;
   while (first < line.size() && is_blank(line[first])) ++first;
@@ -166,7 +225,73 @@ bool Parser::parse(std::string_view line, ParsedBlock& out) {
     out.skip = true;
     ++pos_;
   }
-  return sequence() && items();
+  if (!sequence() || !items()) return false;
+  show(out);
+  return true;
+}
+
+void Parser::show(ParsedBlock& out) const {
+  out.words = words_;
+  out.assignments = assignments_;
+  out.ops = ops_;
+  out.arguments = arguments_;
+}
+
+// Places are counted as in the normalised line, and numbers are those that from_chars reads: up to 2^53 over a power of ten
+// is one exact division.
+bool Parser::plain(std::string_view line, ParsedBlock& out) {
+  const char* p = line.data();
+  const char* const end = p + line.size();
+  std::uint32_t at = 0;
+  const auto blanks = [&] {
+    while (p != end && is_blank(*p)) ++p;
+  };
+  for (blanks(); p != end; blanks()) {
+    if (*p == ';') break;
+    const char letter = lower(*p);
+    if (letter < 'a' || letter > 'z' || letter == 'o') return false;
+    ParsedWord w;
+    w.letter = static_cast<std::uint8_t>(letter - 'a');
+    w.at = at++;
+    ++p;
+    blanks();
+    bool minus = false;
+    if (p != end && (*p == '-' || *p == '+')) {
+      minus = *p == '-';
+      ++p, ++at;
+    }
+    std::uint64_t digits = 0;
+    const char* const first = p;
+    while (p != end && is_digit(*p)) digits = digits * 10 + static_cast<unsigned>(*p++ - '0');
+    auto count = p - first;
+    std::ptrdiff_t decimals = 0;
+    bool point = false;
+    if (p != end && *p == '.') {
+      point = true;
+      const char* const behind = ++p;
+      while (p != end && is_digit(*p)) digits = digits * 10 + static_cast<unsigned>(*p++ - '0');
+      decimals = p - behind;
+      count += decimals;
+    }
+    if (count == 0 || count > 18 || digits >= kExact) return false;
+    at += static_cast<std::uint32_t>(p - first);
+    blanks();
+    if (p != end && (is_digit(*p) || *p == '.')) return false;  // a number with blanks
+    if (letter == 'm' && words_.empty() && (digits == 98 || digits == 99)) return false;
+    if (letter == 'n') {
+      if (!words_.empty() || out.sequence >= 0 || p == end || point || minus || first[-1] == '+' ||
+          count > 9)
+        return false;
+      out.sequence = static_cast<std::int32_t>(digits);
+      continue;
+    }
+    const double v = static_cast<double>(digits) / kPowers[static_cast<std::size_t>(decimals)];
+    w.value = minus ? -v : v;
+    if (letter == 'g' || letter == 'm') w.code = code_of(letter, w.value);
+    words_.push_back(w);
+  }
+  out.words = words_;
+  return true;
 }
 
 bool Parser::peek_flow(std::string_view line, ParsedBlock& out) {
@@ -226,86 +351,84 @@ bool Parser::items() {
 bool Parser::word(int letter) {
   ParsedWord w;
   w.letter = static_cast<std::uint8_t>(letter);
-  w.at = static_cast<std::uint16_t>(pos_++);
-  const auto first = out_->ops.size();
-  const char c = peek();
-  if (is_digit(c) || c == '.') {  // the plain case keeps clear of the operation list
-    const std::size_t start = pos_;
-    while (is_digit(peek()) || peek() == '.') ++pos_;
-    const auto r =
-        std::from_chars(buffer_ + start, buffer_ + pos_, w.value, std::chars_format::fixed);
-    if (r.ec == std::errc() && r.ptr == buffer_ + pos_) {
-      out_->words.push_back(w);
-      return true;
-    }
-    pos_ = start;
-  }
+  w.at = static_cast<std::uint32_t>(pos_++);
+  const auto first = ops_.size();
   if (!value()) return false;
-  const auto count = out_->ops.size() - first;
-  if (count == 1 && out_->ops.back().op == Op::number) {
-    w.value = out_->ops.back().value;
-    out_->ops.pop_back();
+  w.expr = since(first);
+  if (w.expr.count == 1 && ops_.back().op == Op::number) {
+    w.value = ops_.back().value;
+    w.expr = {};
+    ops_.pop_back();
+    const char name = kLetterNames[w.letter];
+    if (name == 'g' || name == 'm') w.code = code_of(name, w.value);
   } else {
     w.constant = false;
-    w.expr = {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
   }
-  out_->words.push_back(w);
+  words_.push_back(w);
   return true;
 }
 
 bool Parser::comment() {
-  const std::size_t end = std::string_view(buffer_, size_).find(')', pos_);
+  const std::size_t end = std::string_view(buffer_.data(), size_).find(')', pos_);
   std::string_view rest;
   // Only the last comment of a line acts (manual: "Repeated Items").
-  out_->comment = classify_comment(std::string_view(buffer_ + pos_ + 1, end - pos_ - 1), rest);
-  out_->comment_text.assign(rest);
+  out_->comment =
+      classify_comment(std::string_view(buffer_).substr(pos_ + 1, end - pos_ - 1), rest);
+  out_->comment_text = rest;
   pos_ = end + 1;
   return true;
 }
 
 bool Parser::assignment() {
+  if (assignments_.size() == kMostAssignments)
+    return fail("Too many parameter settings on one line");
   Assignment a;
-  a.at = static_cast<std::uint16_t>(pos_++);
+  a.at = static_cast<std::uint32_t>(pos_++);
   if (peek() == '<') {
     std::string_view text;
     if (!name(text)) return false;
     a.named = true;
     a.id = names_.intern(text);
   } else {
-    a.index.first = static_cast<std::uint32_t>(out_->ops.size());
+    const auto first = ops_.size();
     if (!value()) return false;
-    a.index.count = static_cast<std::uint32_t>(out_->ops.size()) - a.index.first;
+    a.index = since(first);
+    const int index =
+        a.index.count == 1 && ops_.back().op == Op::number ? whole_index(ops_.back().value) : 0;
+    if (index > 0) {
+      ops_.pop_back();
+      a.index = {};
+      a.id = static_cast<std::uint32_t>(index);
+    }
   }
   if (peek() != '=') return fail("Equal sign missing in parameter setting");
   ++pos_;
-  a.value.first = static_cast<std::uint32_t>(out_->ops.size());
+  const auto first = ops_.size();
   if (!value()) return false;
-  a.value.count = static_cast<std::uint32_t>(out_->ops.size()) - a.value.first;
-  out_->assignments.push_back(a);
+  a.value = since(first);
+  assignments_.push_back(a);
   return true;
 }
 
 bool Parser::flow() {
-  ++pos_;
+  const std::size_t label = ++pos_;
   if (peek() == '<') {
     std::string_view text;
     if (!name(text)) return false;
-    out_->label.assign(1, '<');
-    out_->label.append(text);
-    out_->label.push_back('>');
+    out_->label = labels_.named(std::string_view(buffer_).substr(label, pos_ - label));
   } else if (std::size_t start = pos_; is_digit(peek())) {
     while (is_digit(peek())) ++pos_;
     if (peek() == '.') return fail("Non integer value for integer");
     while (start + 1 < pos_ && buffer_[start] == '0') ++start;
-    out_->label.assign(buffer_ + start, pos_ - start);
+    out_->label = labels_.number(std::string_view(buffer_).substr(start, pos_ - start));
   } else {
-    out_->label_expr.first = static_cast<std::uint32_t>(out_->ops.size());
+    const auto first = ops_.size();
     if (!value()) return false;
-    out_->label_expr.count = static_cast<std::uint32_t>(out_->ops.size()) - out_->label_expr.first;
+    out_->label_expr = since(first);
   }
   const std::size_t start = pos_;
   while (peek() >= 'a' && peek() <= 'z') ++pos_;
-  const std::string_view word(buffer_ + start, pos_ - start);
+  const std::string_view word = std::string_view(buffer_).substr(start, pos_ - start);
   for (const FlowRow& row : kFlows) {
     if (row.name == word) out_->flow = row.flow;
   }
@@ -325,17 +448,15 @@ bool Parser::flow_arguments() {
                            : needs || f == Flow::ret || f == Flow::endsub ? 1
                                                                           : 0;
   while (peek() == '[') {
-    if (out_->arguments.size() == most) {
+    if (arguments_.size() == most) {
       return most == kSubArguments ? fail("Too many subroutine parameters")
                                    : fail("Unexpected character after O-word");
     }
-    Expr e;
-    e.first = static_cast<std::uint32_t>(out_->ops.size());
+    const auto first = ops_.size();
     if (!value()) return false;
-    e.count = static_cast<std::uint32_t>(out_->ops.size()) - e.first;
-    out_->arguments.push_back(e);
+    arguments_.push_back(since(first));
   }
-  if (needs && out_->arguments.empty())
+  if (needs && arguments_.empty())
     return fail("Left bracket missing after '%s'", f == Flow::if_block     ? "if"
                                                    : f == Flow::elseif     ? "elseif"
                                                    : f == Flow::while_loop ? "while"
@@ -352,7 +473,7 @@ bool Parser::name(std::string_view& out) {
   const std::size_t start = ++pos_;
   while (pos_ < size_ && buffer_[pos_] != '>') ++pos_;
   if (pos_ == size_) return fail("Named parameter not terminated");
-  out = std::string_view(buffer_ + start, pos_ - start);
+  out = std::string_view(buffer_).substr(start, pos_ - start);
   ++pos_;
   return true;
 }
@@ -361,15 +482,16 @@ bool Parser::number(double sign) {
   const std::size_t start = pos_;
   while (is_digit(peek()) || peek() == '.') ++pos_;
   double v = 0;
-  const auto r = std::from_chars(buffer_ + start, buffer_ + pos_, v, std::chars_format::fixed);
-  if (r.ec != std::errc() || r.ptr != buffer_ + pos_) {
-    const std::string_view text(buffer_ + start, pos_ - start);
+  const char* const end = buffer_.data() + pos_;
+  const auto r = std::from_chars(buffer_.data() + start, end, v, std::chars_format::fixed);
+  if (r.ec != std::errc() || r.ptr != end) {
+    const std::string_view text(buffer_.data() + start, pos_ - start);
     pos_ = start;
     return fail("bad number format (%s) parsing '%.*s'",
                 r.ec != std::errc() ? "conversion failed" : "trailing characters",
                 static_cast<int>(text.size()), text.data());
   }
-  push(Op::number, sign * v);
+  push(Op::number, pos_, sign * v);
   return true;
 }
 
@@ -390,7 +512,7 @@ bool Parser::value() {
     if (++depth_ > kDeepest) return fail("Expression nested too deeply");
     if (!value()) return false;
     --depth_;
-    if (c == '-') push(Op::negate);
+    if (c == '-') push(Op::negate, pos_);
     return true;
   }
   if (c >= 'a' && c <= 'z') return function();
@@ -434,7 +556,7 @@ bool Parser::binary(int level) {
     const std::size_t place = pos_;
     pos_ += length;
     if (!binary(level + 1)) return false;
-    out_->ops.push_back({op, static_cast<std::uint16_t>(place), 0, 0});
+    push(op, place);
   }
 }
 
@@ -443,13 +565,13 @@ bool Parser::parameter() {
   if (peek() == '<') {
     std::string_view text;
     if (!name(text)) return false;
-    out_->ops.push_back({Op::named, static_cast<std::uint16_t>(place), names_.intern(text), 0});
+    push(Op::named, place, 0, names_.intern(text));
     return true;
   }
   if (++depth_ > kDeepest) return fail("Expression nested too deeply");
   if (!value()) return false;
   --depth_;
-  out_->ops.push_back({Op::parameter, static_cast<std::uint16_t>(place), 0, 0});
+  push(Op::parameter, place);
   return true;
 }
 
@@ -462,11 +584,10 @@ bool Parser::function() {
     if (peek() == '<') {
       std::string_view text;
       if (!name(text)) return false;
-      out_->ops.push_back(
-          {Op::exists_named, static_cast<std::uint16_t>(place), names_.intern(text), 0});
+      push(Op::exists_named, place, 0, names_.intern(text));
     } else {
       if (!value()) return false;
-      out_->ops.push_back({Op::exists_numbered, static_cast<std::uint16_t>(place), 0, 0});
+      push(Op::exists_numbered, place);
     }
     if (peek() != ']') return fail("Expected ] reading bracketed parameter");
     ++pos_;
@@ -484,7 +605,7 @@ bool Parser::function() {
       if (peek() != '[') return fail("Left bracket missing after slash with atan");
       if (!expression()) return false;
     }
-    out_->ops.push_back({row.op, static_cast<std::uint16_t>(place), 0, 0});
+    push(row.op, place);
     return true;
   }
   constexpr std::string_view kFirst = "acefrlst";

@@ -1,7 +1,9 @@
 // Parser: text of one line -> ParsedBlock. Knows the grammar, computes nothing.
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "interp/block.hpp"
 #include "interp/dialect.hpp"
@@ -9,14 +11,12 @@
 
 namespace kerf::interp {
 
-/// Longest line; blanks and comments count.
-inline constexpr std::size_t kLongestLine = 8192;
-
 class Parser {
  public:
-  Parser(const Dialect& dialect, ParameterTable& names) : dialect_(dialect), names_(names) {}
+  Parser(const Dialect& dialect, ParameterTable& names, LabelTable& labels)
+      : dialect_(dialect), names_(names), labels_(labels) {}
 
-  /// False: error() and error_at() say why and where.
+  /// False: error() and error_at() say why and where. What `out` shows stays until the next call.
   [[nodiscard]] bool parse(std::string_view line, ParsedBlock& out);
   /// O-word label and keyword of a line, for skipping: false when the line has none (or cannot be read).
   [[nodiscard]] bool peek_flow(std::string_view line, ParsedBlock& out);
@@ -27,6 +27,9 @@ class Parser {
   [[nodiscard]] std::size_t error_at() const { return at_; }
 
  private:
+  /// Lines of letters and numbers only, which are nearly all. False: look closer.
+  [[nodiscard]] bool plain(std::string_view line, ParsedBlock& out);
+  void show(ParsedBlock& out) const;
   [[nodiscard]] bool normalise(std::string_view line);
   [[nodiscard]] bool items();
   [[nodiscard]] bool word(int letter);
@@ -44,19 +47,28 @@ class Parser {
   [[nodiscard]] bool name(std::string_view& out);
   [[nodiscard]] int operator_at(Op& op, std::size_t& length) const;
   [[nodiscard]] bool fail(const char* format, ...) __attribute__((format(printf, 2, 3)));
-  void push(Op op, double number = 0, std::uint32_t id = 0);
+  /// Appends an operation; one on numbers alone is done at once.
+  void push(Op op, std::size_t at, double number = 0, std::uint32_t id = 0);
+  [[nodiscard]] Expr since(std::size_t first) const {
+    return {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(ops_.size() - first)};
+  }
   [[nodiscard]] char peek() const { return pos_ < size_ ? buffer_[pos_] : '\0'; }
   [[nodiscard]] bool starts(std::string_view word) const {
-    return std::string_view(buffer_ + pos_, size_ - pos_).substr(0, word.size()) == word;
+    return std::string_view(buffer_).substr(pos_, word.size()) == word;
   }
 
   const Dialect& dialect_;
   ParameterTable& names_;
+  LabelTable& labels_;
   ParsedBlock* out_{nullptr};
+  std::vector<ParsedWord> words_;
+  std::vector<Assignment> assignments_;
+  std::vector<ExprOp> ops_;
+  std::vector<Expr> arguments_;
   std::size_t size_{0}, pos_{0}, at_{0};
   int depth_{0};
   char error_[200]{};
-  char buffer_[kLongestLine + 2]{};
+  std::string buffer_;  ///< the line without blanks, in small letters; at least size_ + 1 long
 };
 
 /// What kind of comment `text` (between the parentheses) is; `rest` becomes the part after the comma.

@@ -4,7 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
+#include <memory_resource>
+#include <span>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -16,10 +17,29 @@
 
 namespace kerf::interp {
 
-/// Sub calls inside sub calls (manual: O-codes; the peer allows 10).
-inline constexpr std::size_t kMostLevels = 10;
-/// Parsed lines kept per file; what exceeds it is read again each time.
-inline constexpr std::size_t kMostCached = 200000;
+/// Memory for parsed lines, all files together; what exceeds it is read and parsed again each time.
+inline constexpr std::size_t kMostCachedBytes = std::size_t{20} * 1024 * 1024;
+
+/// The parsed lines of one file that may run again, by their offset.
+class BlockCache {
+ public:
+  [[nodiscard]] ParsedBlock* find(std::uint64_t offset) const {
+    const auto hit = blocks_.find(offset);
+    return hit == blocks_.end() ? nullptr : hit->second;
+  }
+  /// A lasting copy of `b` with all that it shows. One that is there already is returned as it is.
+  ParsedBlock* keep(const ParsedBlock& b);
+  [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
+  void clear();
+
+ private:
+  template <class T>
+  std::span<const T> copy(std::span<const T> from);
+
+  std::pmr::monotonic_buffer_resource memory_;
+  std::unordered_map<std::uint64_t, ParsedBlock*> blocks_;
+  std::size_t bytes_{0};
+};
 
 struct RemapCall;
 
@@ -39,16 +59,26 @@ struct LabelUse {
   std::int32_t line{0};
   std::uint64_t offset{0};
 };
+/// A label and the sub that it stands in.
+[[nodiscard]] constexpr std::uint64_t label_key(Label sub, Label label) noexcept {
+  return std::uint64_t{static_cast<std::uint32_t>(sub)} << 32 | static_cast<std::uint32_t>(label);
+}
 
 struct Program {
   std::string path;
   std::unique_ptr<LineSource> source;
-  std::unordered_map<std::uint64_t, std::unique_ptr<ParsedBlock>> cache;  ///< by offset
-  std::unordered_map<std::string, LabelUse> labels;                       ///< by sub and label
+  std::unique_ptr<BlockCache> cache;                   ///< null until a line is kept
+  std::unordered_map<std::uint64_t, LabelUse> labels;  ///< by label_key()
+};
+
+/// A sub that was seen.
+struct Sub {
+  FileAndPlace where;
+  ParsedBlock* body{nullptr};  ///< its first block, when known
 };
 
 struct Loop {
-  std::string label;
+  Label label{Label::none};
   Flow kind{Flow::while_loop};  ///< while_, do_, repeat
   Place start;                  ///< line of the O-word
   Place body;                   ///< line after it
@@ -58,33 +88,56 @@ struct Loop {
 /// A sub call, or the main program.
 struct Frame {
   std::uint32_t program{0};
-  Place place;                                ///< of the next line
-  ParsedBlock* upcoming{nullptr};             ///< cached block at `place`, when known
-  std::string sub;                            ///< label; "" for the main program
-  bool numbered{false};                       ///< called by M98: #1-#30 are the caller's
-  std::int64_t times{1};                      ///< M98 L: runs to do, this one included
-  Place start;                                ///< of the sub's first line
+  Place place;                     ///< of the next line
+  ParsedBlock* upcoming{nullptr};  ///< cached block at `place`, when known
+  ParsedBlock** link{nullptr};     ///< where to remember the block at `place` once it is known
+  Label sub{Label::none};          ///< none for the main program
+  std::size_t first_loop{0};       ///< of this frame in Flows::loops
+  bool numbered{false};            ///< called by M98: #1-#30 are the caller's
+  std::int64_t times{1};           ///< M98 L: runs to do, this one included
+  Place start;                     ///< of the sub's first line
   std::array<double, kSubArguments> saved{};  ///< #1-#30 of the caller
-  std::vector<Loop> loops;
-  std::optional<ModalState> saved_state;  ///< M70, M73
-  int saved_tool{0};                      ///< in the spindle then
-  bool restore_on_return{false};          ///< M73
-  std::shared_ptr<RemapCall> remap;       ///< this is the body of a remapped code
+  std::unique_ptr<ModalState> saved_state;    ///< M70, M73
+  int saved_tool{0};                          ///< in the spindle then
+  bool restore_on_return{false};              ///< M73
+  std::shared_ptr<RemapCall> remap;           ///< this is the body of a remapped code
+
+  [[nodiscard]] bool is_sub() const noexcept { return sub != Label::none; }
+  void go_to(const Place& where) {
+    place = where;
+    upcoming = nullptr;
+    link = nullptr;
+  }
+  /// As a jump of the block `from`, which remembers in `jump` the block there.
+  void go_to(const Place& where, const ParsedBlock& from, Jump& jump) {
+    place = where;
+    const bool hit = jump.block != nullptr && jump.block->place.offset == where.offset;
+    upcoming = hit ? jump.block : nullptr;
+    link = !hit && from.cached ? &jump.block : nullptr;
+  }
+  void go_behind(ParsedBlock& b) {
+    place = b.after;
+    upcoming = b.next;
+    link = b.cached && b.next == nullptr ? &b.next : nullptr;
+  }
 };
 
-/// A search for an O-word line further down.
+/// A search for an O-word line. The frame stays where it is until the line is found.
 struct Skip {
   bool active{false};
-  std::string label;
+  Label label{Label::none};
   FlowMask stop_at{0};
   Place from;
-  ParsedBlock* origin{nullptr};  ///< cached block to remember the result in
-  bool numbered{false};          ///< the call is M98 ...
-  std::int64_t times{1};         ///< ... with this L
+  std::uint32_t program{0};
+  Place place;                    ///< of the line to look at next
+  Jump* origin{nullptr};          ///< of a cached block: where to remember the result
+  ParsedBlock* landing{nullptr};  ///< found before: nothing to search
+  bool numbered{false};           ///< the call is M98 ...
+  std::int64_t times{1};          ///< ... with this L
   std::size_t argument_count{0};
-  bool to_sub{false};   ///< looks for a definition to call, with `arguments`
-  Place return_place;   ///< where the caller goes on after the sub
-  bool wrapped{false};  ///< the search has begun again at the top of the file
+  bool to_sub{false};    ///< looks for a definition to call, with `arguments`
+  bool sub_file{false};  ///< in a file that was opened for it
+  bool wrapped{false};   ///< the search has begun again at the top of the file
   std::array<double, kSubArguments> arguments{};
 
   /// A call of an O-sub without arguments; the caller sets the rest.
@@ -97,9 +150,11 @@ struct Skip {
 };
 
 struct Flows {
-  std::vector<Program> programs;                       ///< [0] is MDI
-  std::vector<Frame> frames;                           ///< [0] is the main program, or MDI
-  std::unordered_map<std::string, FileAndPlace> subs;  ///< definitions seen, by label
+  std::vector<Program> programs;        ///< [0] is MDI
+  std::vector<Frame> frames;            ///< [0] is the main program, or MDI
+  std::vector<Loop> loops;              ///< in progress, of all frames, the parked ones too
+  std::unordered_map<Label, Sub> subs;  ///< definitions seen
+  LabelTable labels;
   Skip skip;
   bool started{
       false};  ///< something other than blank lines was seen: no % can open the file any more
@@ -107,8 +162,6 @@ struct Flows {
   std::vector<Frame> parked;          ///< the main program while an MDI line runs
   std::shared_ptr<RemapCall> parked_resume;
   bool mdi{false};
-  ParsedBlock* last_cached{nullptr};  ///< to link a line to the one before it
-  std::uint32_t last_cached_program{0};
 };
 
 }  // namespace kerf::interp

@@ -68,7 +68,7 @@ int Core::remap_level() const {
 
 std::shared_ptr<RemapCall> Core::keep_block(const Block& b, const Steps& steps) const {
   auto call = std::make_shared<RemapCall>();
-  if (b.source != nullptr) call->parsed = *b.source;
+  if (b.source != nullptr) call->parsed = *call->memory.keep(*b.source);
   call->block = b;
   call->block.source = &call->parsed;
   call->steps = steps;
@@ -93,7 +93,7 @@ bool Core::check_remap_words(const Remap& r, const Block& b) {
 }
 
 bool Core::begin_remap(const Remap& r, const std::shared_ptr<RemapCall>& call) {
-  if (remap_level() >= static_cast<int>(kMostLevels))
+  if (remap_level() >= dialect.call_levels)
     return fail(0, "The code calls itself; call it with another code inside its body",
                 "maximum nesting of remapped blocks exceeded");
   if (!check_remap_words(r, call->block)) return false;
@@ -113,9 +113,9 @@ bool Core::begin_remap(const Remap& r, const std::shared_ptr<RemapCall>& call) {
 
 bool Core::enter_remap_sub(const Remap& r) {
   if (!r.python.empty()) {
-    flows.skip.label = r.python;
+    flows.skip.label = flows.labels.named(r.python);
     const Frame& f = flows.frames.back();
-    return enter_sub({f.program, f.place});
+    return enter_sub(Sub{{f.program, f.place}, nullptr}, nullptr);
   }
   std::string name;
   bool digits = true;
@@ -124,11 +124,12 @@ bool Core::enter_remap_sub(const Remap& r) {
     digits = digits && c >= '0' && c <= '9';
   }
   Skip& s = flows.skip;
-  s.label = digits ? name : "<" + name + ">";
+  s.label = digits ? flows.labels.number(name) : flows.labels.named("<" + name + ">");
   s.from = current != nullptr ? current->place : Place{};
   if (const auto hit = flows.subs.find(s.label); hit != flows.subs.end())
-    return enter_sub(hit->second);
-  if (flows.frames.size() > kMostLevels) return enter_sub({});
+    return enter_sub(hit->second, &hit->second.body);
+  if (flows.frames.size() > static_cast<std::size_t>(dialect.call_levels))
+    return enter_sub({}, nullptr);
   std::string path = env.find_sub(r.ngc);
   if (path.empty()) path = env.find_sub(name);
   const Program* program = path.empty() ? nullptr : open_program(path);

@@ -144,7 +144,7 @@ bool state_code(Core& c, const Block&, int code) {
   if (code != 70) f.restore_on_return = code == 73;
   f.saved_state.reset();
   if (code == 71) return true;
-  f.saved_state = c.state;
+  f.saved_state = std::make_unique<ModalState>(c.state);
   f.saved_tool = c.spindle_tool.number;
   return true;
 }

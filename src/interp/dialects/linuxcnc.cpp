@@ -2,6 +2,7 @@
 #include <array>
 
 #include "interp/codes/families.hpp"
+#include "interp/source.hpp"
 
 namespace kerf::interp {
 
@@ -37,7 +38,8 @@ const Dialect& linuxcnc_dialect() {
       motion_codes(),  arc_codes(), cycle_codes(),   mode_codes(),  offset_codes(), tool_codes(),
       spindle_codes(), io_codes(),  program_codes(), state_codes(), thread_codes(),
   };
-  static const Dialect dialect{"linuxcnc", families, kLetterRows, true, true, 199, 999};
+  static const Dialect dialect{"linuxcnc", families, kLetterRows, true,        true,
+                               199,        999,      10,          kLongestLine};
   return dialect;
 }
 

@@ -1,6 +1,7 @@
 // What a line may say: errors come before any call and leave no trace.
 #include <gtest/gtest.h>
 
+#include "interp/source.hpp"
 #include "rig.hpp"
 
 namespace kerf::interp {
@@ -183,7 +184,7 @@ TEST(Block, OnlyTheLastCommentActs) {
 TEST(Block, LongLinesAreRefusedLongCommentsAreNot) {
   Rig rig;
   EXPECT_EQ(rig.mdi("(" + std::string(4000, 'x') + ")").substr(0, 9), "COMMENT(\"");
-  EXPECT_EQ(rig.mdi(std::string(9000, 'x')), "error: Command too long");
+  EXPECT_EQ(rig.mdi(std::string(kLongestLine + 1, 'x')), "error: Command too long");
 }
 
 TEST(Block, MissingAxisIsNamed) {
