@@ -54,6 +54,8 @@ bool Core::check_word(char name, double v) {
       return v >= 0 || fail('s', "Write a positive speed; M4 turns the other way",
                             "Negative spindle speed used");
     case 'f': return v >= 0 || fail('f', "Write a positive feed", "Negative f word used");
+    case 'l':
+      return v >= 0 || fail('l', "L counts or chooses; it is 0 or more", "Negative l word used");
     case 't': return near_integer(v, rounded) || fail('t', "", "Non integer value for integer");
     default: return true;
   }
@@ -106,6 +108,7 @@ bool Core::add_code(Block& b, char letter, double value, int known) {
     if (other->letter != letter || other->group != r->group) continue;
     // G80 beside another motion code means nothing more than that code.
     const bool first_cancels = g && b.codes[n] == kCancelMotion;
+    if (first_cancels && code == kCancelMotion) return true;
     if (first_cancels != (g && code == kCancelMotion)) {
       if (first_cancels) b.rows[n] = r, b.codes[n] = static_cast<std::int16_t>(code);
       return true;

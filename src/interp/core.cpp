@@ -15,6 +15,7 @@ Core::Core(Environment& environment, Canon& sink, const Settings& config, const 
       canon(sink),
       settings(config),
       dialect(rows),
+      compat(compat_row(config.compat)),
       parser_(rows, params, flows.labels) {
   for (const auto& family : dialect.families) {
     for (const CodeRow& r : family) {
@@ -100,6 +101,7 @@ void Core::begin_flow() {
   block_level_ = flows.frames.empty() ? 0 : static_cast<std::int32_t>(flows.frames.size()) - 1;
   out.clear();
   params.begin();
+  tool_changes.clear();
   sync = SyncReason::none;
   ended = false;
   block_.source = nullptr;
@@ -207,7 +209,18 @@ Outcome Core::execute_block(ParsedBlock& b) {
   return finish_block(b);
 }
 
+std::optional<Tool> Core::find_tool(int number) const {
+  for (const Tool& t : changed_tools) {
+    if (t.number == number) return t;
+  }
+  return env.find_tool(number);
+}
+
 Outcome Core::finish_block(const ParsedBlock& p) {
+  for (const Tool& tool : tool_changes) {
+    std::erase_if(changed_tools, [&](const Tool& t) { return t.number == tool.number; });
+    changed_tools.push_back(tool);
+  }
   if (!out.empty()) {
     SourceLine source;
     source.file_id = block_program_;
@@ -325,6 +338,8 @@ bool Core::feed_word(const Block& b) {
 bool Core::speed_word(const Block& b) {
   const double s = b['s'];
   int spindle = 0;
+  if (b.has('$') && !compat.spindle_word)
+    return fail('$', "[RS274NGC]COMPAT = 2.7 knows one spindle", "Bad character '$' used");
   if (!integer(b, '$', 0, spindle)) return false;
   if (spindle < -1 || spindle >= settings.spindles)
     return fail('$', "", "Spindle ($) number out of range in S Command\nnum_spindles =%d. $=%d",
@@ -347,7 +362,7 @@ bool Core::tool_word(const Block& b) {
   if (number == 0 && !settings.random_toolchanger) {
     state.selected_pocket = 0;
   } else {
-    const auto tool = env.find_tool(number);
+    const auto tool = find_tool(number);
     if (!tool) {
       return fail('t', "Add the tool to the tool table, or choose another",
                   "Requested tool %d not found in the tool table", number);
@@ -394,15 +409,14 @@ bool Core::target(const Block& b, Pose& end) {
     // Axes that are not named stay; an offset rotation mixes X and Y, so go through machine coordinates.
     Pose machine = machine_position();
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-      if (b.has_axis(i)) machine[i] = rtapi::is_rotary(i) ? b.axis(i) : mm(b.axis(i));
+      if (b.has_axis(i)) machine[i] = axis_word(b, i);
     }
     end = state.frame.to_program(machine);
     return true;
   }
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     if (!b.has_axis(i)) continue;
-    double v = rtapi::is_rotary(i) ? b.axis(i) : mm(b.axis(i));
-    if (i == 0 && state.lathe_diameter) v /= 2;
+    const double v = axis_word(b, i);
     end[i] = state.distance == DistanceMode::absolute ? v : end[i] + v;
   }
   return true;
@@ -419,6 +433,7 @@ void Core::set_frame(const CanonFrame& frame) {
 void Core::synchronize(const ExternalState& external) {
   params.begin();
   if (external.tool_in_spindle) {
+    changed_tools.clear();
     const int number = *external.tool_in_spindle;
     const int pocket = external.pocket_in_spindle.value_or(spindle_tool.pocket);
     const auto tool =

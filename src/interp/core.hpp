@@ -14,6 +14,7 @@
 #include "interp/block.hpp"
 #include "interp/canon_buffer.hpp"
 #include "interp/dialect.hpp"
+#include "interp/dialects/compat.hpp"
 #include "interp/interpreter.hpp"
 #include "interp/parameters.hpp"
 #include "interp/parser.hpp"
@@ -121,10 +122,13 @@ class Core {
   Canon& canon;
   const Settings settings;
   const Dialect& dialect;
+  const CompatRow& compat;
   ModalState state;
   ParameterTable params;
   CanonBuffer out;
   Tool spindle_tool{0, 0, {}, 0, 0, 0, 0};  ///< row of the tool in the spindle
+  std::vector<Tool> tool_changes;           ///< by G10 in this block
+  std::vector<Tool> changed_tools;          ///< by G10, until the tool table is heard of again
   InterpError error;
   SyncReason sync{SyncReason::none};
   bool block_delete{false};
@@ -141,6 +145,14 @@ class Core {
       __attribute__((format(printf, 4, 5)));
   /// The word as an integer; error when it is none. Absent: `otherwise`.
   [[nodiscard]] bool integer(const Block& b, char letter, int otherwise, int& value);
+  /// Tool by number: as G10 left it, else as the tool table has it.
+  [[nodiscard]] std::optional<Tool> find_tool(int number) const;
+  /// An axis word in mm or degrees; X is a diameter in G7.
+  [[nodiscard]] double axis_word(const Block& b, std::size_t axis) const {
+    if (rtapi::is_rotary(axis)) return b.axis(axis);
+    const double v = mm(b.axis(axis));
+    return axis == 0 && state.lathe_diameter ? v / 2 : v;
+  }
   /// mm of a length in program units.
   [[nodiscard]] double mm(double length) const { return length * state.unit_mm(); }
   /// Program coordinates that the axis words ask for (G90/G91, G53, polar). Error: axis not there.

@@ -57,9 +57,9 @@ struct Dialect {
 
 // Places in the order of execution (manual: "G-code Order of Execution").
 inline constexpr std::int16_t kOrderComment = 10;
+inline constexpr std::int16_t kOrderSpindleMode = 15;
 inline constexpr std::int16_t kOrderFeedMode = 20;
 inline constexpr std::int16_t kOrderFeed = 30;
-inline constexpr std::int16_t kOrderSpindleMode = 35;
 inline constexpr std::int16_t kOrderSpeed = 40;
 inline constexpr std::int16_t kOrderTool = 50;
 inline constexpr std::int16_t kOrderIo = 60;
@@ -72,10 +72,10 @@ inline constexpr std::int16_t kOrderUser = 120;
 inline constexpr std::int16_t kOrderDwell = 130;
 inline constexpr std::int16_t kOrderPlane = 140;
 inline constexpr std::int16_t kOrderUnits = 150;
+inline constexpr std::int16_t kOrderLathe = 155;
 inline constexpr std::int16_t kOrderCutterComp = 160;
 inline constexpr std::int16_t kOrderToolOffset = 170;
 inline constexpr std::int16_t kOrderCoordSystem = 180;
-inline constexpr std::int16_t kOrderLathe = 185;
 inline constexpr std::int16_t kOrderPath = 190;
 inline constexpr std::int16_t kOrderDistance = 200;
 inline constexpr std::int16_t kOrderRetract = 210;

@@ -60,6 +60,8 @@ void Core::expand_text(std::string_view text, std::string& result) {
     } else if (value.text != nullptr) {
       result += *value.text;
     } else {
+      // Rounding noise reads as 0, as the peer prints it.
+      if (std::fabs(value.number) < 1e-4) value.number = 0;
       char number[352];
       std::snprintf(number, sizeof number, "%.*f", decimals, value.number);
       result += number;

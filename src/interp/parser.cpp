@@ -216,7 +216,8 @@ bool Parser::parse(std::string_view line, ParsedBlock& out) {
   depth_ = 0;
   std::size_t first = 0;
   while (first < line.size() && is_blank(line[first])) ++first;
-  if (first < line.size() && line[first] == '%') {
+  if (first < line.size() && line[first] == '%' &&
+      line.find_first_not_of(" \t\r", first + 1) == std::string_view::npos) {
     out.percent = true;
     return true;
   }

@@ -74,6 +74,9 @@ void TextCanon::set_g5x_offset(int system, const Pose& offset) {
 void TextCanon::set_g92_offset(const Pose& offset) { pose("SET_G92_OFFSET", offset); }
 void TextCanon::set_xy_rotation(double degrees) { line("SET_XY_ROTATION(%.4f)", degrees); }
 void TextCanon::use_tool_length_offset(const Pose& o) {
+  if (!offset_changed_) offset_of_last_motion_ = tool_offset_;
+  offset_changed_ = true;
+  tool_offset_ = o;
   line("USE_TOOL_LENGTH_OFFSET(%.4f %.4f %.4f, %.4f %.4f %.4f, %.4f %.4f %.4f)", length(o.x),
        length(o.y), length(o.z), o.a, o.b, o.c, length(o.u), length(o.v), length(o.w));
 }
@@ -100,9 +103,16 @@ void TextCanon::start_speed_feed_sync(int, double mm_per_revolution, bool veloci
 }
 void TextCanon::stop_speed_feed_sync() { line("STOP_SPEED_FEED_SYNCH()"); }
 
-void TextCanon::straight_traverse(const Pose& end) { pose("STRAIGHT_TRAVERSE", end); }
-void TextCanon::straight_feed(const Pose& end) { pose("STRAIGHT_FEED", end); }
+void TextCanon::straight_traverse(const Pose& end) {
+  offset_changed_ = false;
+  pose("STRAIGHT_TRAVERSE", end);
+}
+void TextCanon::straight_feed(const Pose& end) {
+  offset_changed_ = false;
+  pose("STRAIGHT_FEED", end);
+}
 void TextCanon::arc_feed(const Arc& arc) {
+  offset_changed_ = false;
   const std::size_t first = arc.plane == Plane::xy ? 0 : arc.plane == Plane::xz ? 2 : 1;
   const std::size_t second = (first + 1) % 3, normal = (first + 2) % 3;
   char* to = begin("ARC_FEED(");
@@ -125,7 +135,10 @@ void TextCanon::arc_feed(const Arc& arc) {
   }
   end(put(to, ")\n"));
 }
-void TextCanon::straight_probe(const Pose& end, ProbeKind) { pose("STRAIGHT_PROBE", end); }
+void TextCanon::straight_probe(const Pose& end, ProbeKind) {
+  offset_changed_ = false;
+  pose("STRAIGHT_PROBE", end);
+}
 void TextCanon::turn_probe_on() { line("TURN_PROBE_ON()"); }
 void TextCanon::turn_probe_off() { line("TURN_PROBE_OFF()"); }
 void TextCanon::rigid_tap(const Pose& end, double) {
@@ -154,14 +167,27 @@ void TextCanon::wait_orient_complete(int spindle, double timeout_s) {
   line("SPINDLE.%d.WAIT_ORIENT_COMPLETE(%.4f)", spindle, timeout_s);
 }
 
-void TextCanon::select_tool(int number) { line("SELECT_TOOL(%d)", number); }
-void TextCanon::change_tool() { line("CHANGE_TOOL()"); }
+void TextCanon::select_tool(int number) {
+  selected_tool_ = number;
+  line("SELECT_TOOL(%d)", number);
+}
+void TextCanon::change_tool() {
+  spindle_tool_ = selected_tool_;
+  line("CHANGE_TOOL()");
+}
 void TextCanon::change_tool_number(int number) { line("CHANGE_TOOL_NUMBER(%d)", number); }
+// The row of the tool in the spindle is printed again as that of pocket 0; before the first change that is pocket 1.
 void TextCanon::set_tool_table_entry(const Tool& t) {
   const Pose& o = t.offset;
-  line("SET_TOOL_TABLE_ENTRY(%d, %d, %.4f %.4f %.4f %.4f %.4f %.4f %.4f %.4f %.4f, %.4f, %.4f, %d)",
-       t.pocket, t.number, length(o.x), length(o.y), length(o.z), o.a, o.b, o.c, length(o.u),
-       length(o.v), length(o.w), t.front_angle_deg, t.back_angle_deg, t.orientation);
+  const double unit = machine_unit_mm_;
+  const bool in_spindle = spindle_tool_ < 0 ? t.pocket == 1 : t.number == spindle_tool_;
+  for (int row = 0; row < (in_spindle ? 2 : 1); ++row) {
+    line(
+        "SET_TOOL_TABLE_ENTRY(%d, %d, %.4f %.4f %.4f %.4f %.4f %.4f %.4f %.4f %.4f, %.4f, %.4f, "
+        "%d)",
+        row == 0 ? t.pocket : 0, t.number, o.x / unit, o.y / unit, o.z / unit, o.a, o.b, o.c,
+        o.u / unit, o.v / unit, o.w / unit, t.front_angle_deg, t.back_angle_deg, t.orientation);
+  }
 }
 void TextCanon::reload_tooldata() { line("RELOAD_TOOLDATA()"); }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <string>
 
 #include "interp/canon.hpp"
@@ -16,8 +17,17 @@ namespace kerf::interp {
 /// Lengths are printed in the program's units (G20: inches). Calls that the format does not have print nothing.
 class TextCanon final : public Canon {
  public:
-  /// `out` stays open; the caller flushes it.
-  explicit TextCanon(std::FILE* out) : out_(out) {}
+  /// `out` stays open; the caller flushes it. Rows of the tool table are printed in machine units.
+  explicit TextCanon(std::FILE* out, double machine_unit_mm = 1.0)
+      : out_(out), machine_unit_mm_(machine_unit_mm) {}
+
+  /// Where the peer's listing takes the machine to be when it asks after a tool change: it does not see that a tool offset moves the
+  /// program's zero. The tool offset at the end of the last motion, when another one is on; asking forgets it.
+  [[nodiscard]] std::optional<Pose> take_offset_of_last_motion() {
+    if (!offset_changed_) return std::nullopt;
+    offset_changed_ = false;
+    return offset_of_last_motion_;
+  }
 
   void next_block(const SourceLine& source) override { sequence_ = source.sequence; }
   void use_length_units(Units units) override;
@@ -121,6 +131,10 @@ class TextCanon final : public Canon {
   std::int32_t sequence_{-1};
   std::uint32_t counter_{0};
   std::array<bool, kMaxSpindles> css_{};
+  double machine_unit_mm_;
+  int selected_tool_{0}, spindle_tool_{-1};
+  bool offset_changed_{false};
+  Pose tool_offset_, offset_of_last_motion_;
   std::array<Word, 6> pose_words_;
   std::array<Word, 8> arc_words_;
   char line_[16 * kLongestFixed]{};  ///< the line being made

@@ -21,7 +21,11 @@ void feed_override(Core& c, bool on) {
 }
 
 bool speed_override(Core& c, const Block& b, int otherwise, const char* command, bool on) {
-  int first = 0, last = 0;
+  int first = 0, last = 0, number = 0;
+  if (!c.integer(b, '$', otherwise, number)) return false;
+  if (number < -1 || number >= c.settings.spindles)
+    return c.fail('$', "[TRAJ]SPINDLES says how many spindles there are",
+                  "Invalid spindle ($) number in %s command", command);
   if (!spindle_range(c, b, otherwise, command, first, last)) return false;
   for (int i = first; i <= last; ++i) {
     c.state.speed_override[static_cast<std::size_t>(i)] = on;
@@ -91,9 +95,8 @@ bool wait_input(Core& c, const Block& b, int) {
   if (analog && l != 0)
     return c.fail('l', "Only L0 works with E",
                   "Can't select analog input with wait type != immediate return");
-  const double timeout = b.get('q', 0);
-  if (timeout < 0) return c.fail('q', "", "Negative Q word with M66");
-  if (l != 0 && timeout == 0)
+  const double timeout = l != 0 ? b.get('q', 0) : 0;  // Q means nothing to L0
+  if (l != 0 && timeout <= 0)
     return c.fail(b.has('q') ? 'q' : 'l', "Write Q with the longest wait in seconds",
                   "Zero timeout with wait type != immediate return");
   c.out.call<&Canon::wait_input>(analog ? e : p, analog, static_cast<WaitMode>(l), timeout);

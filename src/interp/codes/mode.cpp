@@ -46,6 +46,7 @@ bool arc_distance(Core& c, const Block&, int code) {
 }
 
 bool lathe(Core& c, const Block&, int code) {
+  if (c.state.lathe_diameter == (code == 70)) return true;
   c.state.lathe_diameter = code == 70;
   c.comment(code == 70 ? "interpreter: Lathe diameter mode changed to diameter"
                        : "interpreter: Lathe diameter mode changed to radius");

@@ -1,5 +1,6 @@
 // Work offsets and reference points: G10, G28, G30, G52, G54-G59.3, G92.
 // Manual: "G10", "G28", "G30", "G52", "G54-G59.3", "G92", "Coordinate Systems".
+#include <algorithm>
 #include <cmath>
 
 #include "interp/codes/families.hpp"
@@ -29,20 +30,16 @@ bool coord_system(Core& c, const Block&, int code) {
     return c.fail(0, "Write G40 before",
                   "Cannot change coordinate systems with cutter radius compensation on");
   const int system = code <= 590 ? code / 10 - 53 : code - 590 + 6;
-  const CanonFrame f = frame_of(c, system);
-  if (system == c.state.coord_system && f == c.state.frame) {
+  // A system that is on already stays as it is, parameters written by hand included.
+  if (system == c.state.coord_system) {
     c.comment("interpreter: continuing to use same coordinate system");
     return true;
   }
   c.state.coord_system = system;
   c.params.set(kCoordSystem, system);
-  c.set_frame(f);
+  c.set_frame(frame_of(c, system));
   announce_system(c, true);
   return true;
-}
-
-double word_mm(const Core& c, const Block& b, std::size_t axis) {
-  return rtapi::is_rotary(axis) ? b.axis(axis) : c.mm(b.axis(axis));
 }
 
 void store_system(Core& c, int system, const Pose& g5x) {
@@ -55,8 +52,20 @@ void store_system(Core& c, int system, const Pose& g5x) {
   }
 }
 
+/// P of G10; `absent` without it.
+bool g10_number(Core& c, const Block& b, int absent, int& number) {
+  double rounded = absent;
+  if (b.has('p') && !near_integer(b['p'], rounded))
+    return c.fail('p', "P is a whole number", "P value not an integer with G10");
+  number = static_cast<int>(std::clamp(rounded, -1e9, 1e9));
+  return true;
+}
+
 bool g10_system_word(Core& c, const Block& b, int l, int& system) {
-  if (!c.integer(b, 'p', -1, system)) return false;
+  if (b.has('i') || b.has('j'))
+    return c.fail(b.has('i') ? 'i' : 'j', "Tool angles belong to G10 L1",
+                  "I J words not allowed with G10 L2");
+  if (!g10_number(c, b, -1, system)) return false;
   if (system < 0 || system > 9)
     return c.fail('p', "P0 is the active system, P1 is G54, P9 is G59.3",
                   "P value out of range (0-9) with G10 L%d", l);
@@ -72,7 +81,7 @@ bool g10_l2(Core& c, const Block& b) {
   if (!g10_system_word(c, b, 2, system)) return false;
   Pose g5x = c.params.pose(base_of(system), c.settings.machine_unit_mm);
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-    if (b.has_axis(i)) g5x[i] = word_mm(c, b, i);
+    if (b.has_axis(i)) g5x[i] = c.axis_word(b, i);
   }
   if (b.has('r')) c.params.set(base_of(system) + 9, b['r']);
   store_system(c, system, g5x);
@@ -88,7 +97,7 @@ bool g10_l20(Core& c, const Block& b) {
   const Pose machine = c.machine_position();
   Pose wanted = f.to_program(machine);
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-    if (b.has_axis(i)) wanted[i] = word_mm(c, b, i);
+    if (b.has_axis(i)) wanted[i] = c.axis_word(b, i);
   }
   const Pose g5x = f.g5x() + machine - f.to_machine(wanted);
   store_system(c, system, g5x);
@@ -99,10 +108,10 @@ bool g10_l20(Core& c, const Block& b) {
 /// offset on, in the active system (L10) or in G59.3 (L11).
 bool g10_tool(Core& c, const Block& b, int l) {
   int number = 0;
-  if (!c.integer(b, 'p', -1, number)) return false;
+  if (!g10_number(c, b, -1, number)) return false;
   if (number < 1)
     return c.fail('p', "P is the tool number", "P value out of range with G10 L%d", l);
-  const auto found = c.env.find_tool(number);
+  const auto found = c.find_tool(number);
   if (!found)
     return c.fail('p', "Add the tool to the tool table, or choose another",
                   "Requested tool %d not found in the tool table", number);
@@ -117,7 +126,7 @@ bool g10_tool(Core& c, const Block& b, int l) {
   if (b.has('j')) t.back_angle_deg = b['j'];
   if (l == 1) {
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-      if (b.has_axis(i)) t.offset[i] = word_mm(c, b, i);
+      if (b.has_axis(i)) t.offset[i] = c.axis_word(b, i);
     }
   } else {
     CanonFrame f = c.state.frame;
@@ -126,7 +135,7 @@ bool g10_tool(Core& c, const Block& b, int l) {
     f.use_tool_length_offset({});
     Pose wanted = f.to_program(machine);
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-      if (b.has_axis(i)) wanted[i] = word_mm(c, b, i);
+      if (b.has_axis(i)) wanted[i] = c.axis_word(b, i);
     }
     const Pose offset = machine - f.to_machine(wanted);
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
@@ -134,6 +143,7 @@ bool g10_tool(Core& c, const Block& b, int l) {
     }
   }
   c.out.call<&Canon::set_tool_table_entry>(t);
+  c.tool_changes.push_back(t);
   if (c.spindle_tool.number == t.number) {
     const int pocket = c.spindle_tool.pocket;
     c.spindle_tool = t;
@@ -146,7 +156,10 @@ bool g10(Core& c, const Block& b, int) {
   int l = 0;
   if (!c.integer(b, 'l', -1, l)) return false;
   switch (l) {
-    case 0: c.out.call<&Canon::reload_tooldata>(); return true;
+    case 0:
+      c.out.call<&Canon::reload_tooldata>();
+      c.changed_tools.clear();
+      return true;
     case 1:
     case 10:
     case 11: return g10_tool(c, b, l);
@@ -214,7 +227,7 @@ bool g92(Core& c, const Block& b, int code) {
   Pose offset = c.state.frame.g92();
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     if (!b.has_axis(i)) continue;
-    const double v = word_mm(c, b, i);
+    const double v = c.axis_word(b, i);
     offset[i] = code == 520 ? v : offset[i] + c.state.position[i] - v;
   }
   apply_g92(c, offset, true);

@@ -8,6 +8,8 @@ namespace kerf::interp {
 bool spindle_range(Core& c, const Block& b, int otherwise, const char* command, int& first,
                    int& last) {
   int n = 0;
+  if (b.has('$') && !c.compat.spindle_word)
+    return c.fail('$', "[RS274NGC]COMPAT = 2.7 knows one spindle", "Bad character '$' used");
   if (!c.integer(b, '$', otherwise, n)) return false;
   if (n < -1 || n >= c.settings.spindles) {
     return c.fail('$', "[TRAJ]SPINDLES says how many spindles there are",
@@ -31,7 +33,11 @@ namespace {
 
 bool turn(Core& c, const Block& b, int code) {
   int first = 0, last = 0;
-  if (!spindle_range(c, b, 0, code == 3 ? "M3" : code == 4 ? "M4" : "M5", first, last))
+  if (!spindle_range(c, b, c.compat.absent_spindle,
+                     code == 3   ? "M3"
+                     : code == 4 ? "M4"
+                                 : "M5",
+                     first, last))
     return false;
   for (int i = first; i <= last; ++i) {
     const auto n = static_cast<std::size_t>(i);

@@ -94,6 +94,7 @@ void restore_path(Core& c, const ModalState& was) {
 
 void restore_switches(Core& c, const ModalState& was) {
   ModalState& s = c.state;
+  if (!was.mist && !was.flood && (s.mist || s.flood)) s.mist = s.flood = true;  // as M9
   if (s.mist != was.mist) c.out.call<&Canon::set_mist>(s.mist = was.mist);
   if (s.flood != was.flood) c.out.call<&Canon::set_flood>(s.flood = was.flood);
   if (s.feed_override != was.feed_override)
@@ -150,7 +151,7 @@ bool state_code(Core& c, const Block&, int code) {
 }
 
 constexpr CodeRow kRows[] = {
-    {'m', 70, 73, 16, kOrderSaveState, state_code, 0, AxisUse::none},
+    {'m', 70, 73, 7, kOrderSaveState, state_code, 0, AxisUse::none},
 };
 
 }  // namespace

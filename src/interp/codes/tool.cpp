@@ -21,13 +21,9 @@ bool offset_of_h(Core& c, const Block& b, Pose& offset) {
     offset = c.spindle_tool.offset;
     return true;
   }
-  if (h < 0) return c.fail('h', "", "Negative tool id (tool not found)");
-  if (h == 0 && !c.settings.random_toolchanger) {
-    offset = {};
-    return true;
-  }
-  const auto tool =
-      h == c.spindle_tool.number ? std::optional<Tool>(c.spindle_tool) : c.env.find_tool(h);
+  // H0 is the tool in the spindle, but tool 0 of the table on random changers (manual: "G43").
+  const bool in_spindle = h == c.spindle_tool.number || (h == 0 && !c.settings.random_toolchanger);
+  const auto tool = in_spindle ? std::optional<Tool>(c.spindle_tool) : c.find_tool(h);
   if (!tool)
     return c.fail('h', "Add the tool to the tool table, or choose another",
                   "Requested tool %d not found in the tool table", h);
@@ -46,13 +42,16 @@ bool tool_offset(Core& c, const Block& b, int code) {
       if (!b.has('h') && !b.has_axes())
         return c.fail(0, "Write H with a tool number, or axis words",
                       "G43.2: No axes specified and H word missing");
+      if (b.has('h') && b.has_axes())
+        return c.fail('h', "Write two lines: each adds its offset",
+                      "G43.2: Can not have both H and axis words");
       Pose more;
       if (b.has('h') && !offset_of_h(c, b, more)) return false;
       offset = offset + more;
     }
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
       if (!b.has_axis(i)) continue;
-      const double v = rtapi::is_rotary(i) ? b.axis(i) : c.mm(b.axis(i));
+      const double v = c.axis_word(b, i);
       offset[i] = code == 432 ? offset[i] + v : v;
     }
   }
@@ -80,7 +79,7 @@ bool change_tool(Core& c, const Block&, int) {
   // What synchronize() will confirm or correct.
   const bool none = number == 0 && !c.settings.random_toolchanger;
   c.spindle_tool = none ? Tool{0, 0, {}, 0, 0, 0, 0}
-                        : c.env.find_tool(number).value_or(Tool{number, 0, {}, 0, 0, 0, 0});
+                        : c.find_tool(number).value_or(Tool{number, 0, {}, 0, 0, 0, 0});
   if (c.settings.retain_g43 && c.state.tool_offset_code == 430)
     apply_offset(c, c.spindle_tool.offset, 430);
   c.ask_sync(SyncReason::tool_change);
@@ -93,8 +92,7 @@ bool set_tool_number(Core& c, const Block& b, int) {
   if (number < 0)
     return c.fail('q', "", "Need non-negative Q-word to specify tool number with M61");
   const bool none = number == 0 && !c.settings.random_toolchanger;
-  const auto tool =
-      none ? std::optional<Tool>(Tool{0, 0, {}, 0, 0, 0, 0}) : c.env.find_tool(number);
+  const auto tool = none ? std::optional<Tool>(Tool{0, 0, {}, 0, 0, 0, 0}) : c.find_tool(number);
   if (!tool)
     return c.fail('q', "Add the tool to the tool table, or choose another",
                   "Requested tool %d not found in the tool table", number);

@@ -41,8 +41,17 @@ Settings bench_settings() {
   return s;
 }
 
-ExternalState bench_answer(const Interpreter& interpreter, const Pose& start) {
+ExternalState bench_answer(const Interpreter& interpreter, const Pose& start, TextCanon& canon) {
   ExternalState state;
+  if (interpreter.sync_reason() == SyncReason::tool_change) {
+    if (const auto offset = canon.take_offset_of_last_motion(); offset) {
+      const CanonFrame& now = interpreter.modal().frame;
+      CanonFrame then = now;
+      then.use_tool_length_offset(*offset);
+      const Pose seen = then.to_program(now.to_machine(interpreter.modal().position));
+      state.machine_position = now.to_machine(seen);
+    }
+  }
   if (interpreter.sync_reason() != SyncReason::probe) return state;
   constexpr double kShort_mm = 0.254;
   const ModalState& modal = interpreter.modal();

@@ -8,6 +8,7 @@
 
 #include "interp/environment.hpp"
 #include "interp/interpreter.hpp"
+#include "interp/text_canon.hpp"
 #include "rtapi/base/result.hpp"
 
 namespace kerf::interp {
@@ -17,7 +18,8 @@ namespace kerf::interp {
 
 /// What the world did while a block waited, when there is no machine: what was asked for has happened. A probe move from
 /// `start` (program coordinates) touches nothing and stops .01 inch before its end, as the peer's rs274 has it.
-[[nodiscard]] ExternalState bench_answer(const Interpreter& interpreter, const Pose& start);
+[[nodiscard]] ExternalState bench_answer(const Interpreter& interpreter, const Pose& start,
+                                         TextCanon& canon);
 
 /// Subs are searched as NAME.ngc (as written, then NAME without suffix) in the given directories; there are no
 /// M-code programs and no HAL.

@@ -119,7 +119,10 @@ class IniSession {
 class Session {
  public:
   Session(const Rs274Options& options, const IniSession& ini, std::FILE* out)
-      : options_(options), out_(out), canon_(out), interp_(env_, canon_, ini.settings()) {
+      : options_(options),
+        out_(out),
+        canon_(out, ini.settings().machine_unit_mm),
+        interp_(env_, canon_, ini.settings()) {
     ini.prepare(env_);
   }
 
@@ -180,7 +183,9 @@ class Session {
     if (options_.stack) std::fprintf(stderr, "call level %d\n", e.call_level);
   }
 
-  void synchronize(const Pose& before) { interp_.synchronize(bench_answer(interp_, before)); }
+  void synchronize(const Pose& before) {
+    interp_.synchronize(bench_answer(interp_, before, canon_));
+  }
 
   int program() {
     for (;;) {

@@ -63,7 +63,7 @@ std::string interpret(const fs::path& dir) {
     if (fs::exists(dir / "tools.tbl")) {
       EXPECT_TRUE(world.load_tools((dir / "tools.tbl").string(), settings.machine_unit_mm).ok());
     }
-    TextCanon canon(out);
+    TextCanon canon(out, settings.machine_unit_mm);
     Interpreter interp(world, canon, settings);
     if (fs::exists(dir / "parameters.var")) {
       EXPECT_TRUE(ParameterFile((dir / "parameters.var").string()).load(interp.parameters()).ok());
@@ -74,7 +74,7 @@ std::string interpret(const fs::path& dir) {
     for (int i = 0; i < 100000; ++i) {
       const Pose before = interp.modal().position;
       const Outcome o = interp.execute_next();
-      if (o == Outcome::needs_sync) interp.synchronize(bench_answer(interp, before));
+      if (o == Outcome::needs_sync) interp.synchronize(bench_answer(interp, before, canon));
       if (o == Outcome::error) {
         const InterpError& e = interp.error();
         std::fprintf(out, "error in line %d, column %d: %s\nhelp: %s\n", e.line, e.column,
