@@ -188,7 +188,10 @@ class Session {
   }
 
   int program() {
-    for (;;) {
+    // Whoever reads the calls gets the first at once, and waits for none for longer than so many lines take.
+    constexpr unsigned kBlocksPerFlush = 16384;
+    for (unsigned blocks = 0;; ++blocks) {
+      if (blocks % kBlocksPerFlush == 0) std::fflush(out_);
       const Pose before = interp_.modal().position;
       switch (interp_.execute_next()) {
         case Outcome::ok: break;
@@ -265,8 +268,9 @@ int main(int argc, char** argv) {
     result = session.run();
   }
   if (std::fflush(out) != 0) result = 1;
-  if (out != stdout && std::fclose(out) != 0) result = 1;
   if (out == stdout)
     std::setvbuf(out, nullptr, _IONBF, 0);  // the buffer ends before the program does
+  else if (std::fclose(out) != 0)
+    result = 1;
   return result;
 }
