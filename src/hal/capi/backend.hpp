@@ -62,7 +62,8 @@ class Backend {
 
   // Only the realtime host has these.
   virtual rtapi::Status add_function(Component& owner, const std::string& name,
-                                     void (*function)(void*, long), void* argument) = 0;
+                                     void (*function)(void*, long), void* argument,
+                                     bool reentrant) = 0;
   virtual rtapi::Result<int> add_thread(const std::string& name, std::int64_t period_ns) = 0;
   virtual rtapi::Status remove_thread(const std::string& name) = 0;
 };

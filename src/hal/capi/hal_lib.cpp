@@ -263,7 +263,7 @@ int hal_unlink(const char* pin_name) {
 
 #ifdef RTAPI
 int hal_export_funct(const char* name, void (*funct)(void*, long), void* arg, int /*uses_fp*/,
-                     int /*reentrant*/, int comp_id) {
+                     int reentrant, int comp_id) {
   const Call call;
   if (call.error() != 0) return call.error();
   if (call.locked(HAL_LOCK_LOAD, "export_funct", "while HAL is locked")) return -EPERM;
@@ -271,7 +271,7 @@ int hal_export_funct(const char* name, void (*funct)(void*, long), void* arg, in
   if (funct == nullptr) return refuse(EINVAL, "function " + quoted(name) + " has no code");
   Component* component = call.open_component(comp_id, "export_funct");
   if (component == nullptr) return -EINVAL;
-  if (auto status = call->add_function(*component, name, funct, arg); !status.ok())
+  if (auto status = call->add_function(*component, name, funct, arg, reentrant != 0); !status.ok())
     return refuse(status.error());
   return 0;
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "hal/capi/hal_lib.hpp"
 #include "hal/capi/realtime_view.hpp"
@@ -344,6 +345,7 @@ int hal_list_funct(hal_query_t* q, hal_query_cb cb, void* arg) {
         out.funct.comp_id = static_cast<int>(f.owner_id);
         out.funct.comp = f.owner.c_str();
         out.funct.users = static_cast<int>(f.users);
+        out.funct.reentrant = f.reentrant ? 1 : 0;
         out.funct.funct = reinterpret_cast<hal_funct_t>(f.code);
         out.funct.arg = reinterpret_cast<void*>(f.argument);
       });
@@ -354,7 +356,11 @@ int hal_list_funct(hal_query_t* q, hal_query_cb cb, void* arg) {
 int hal_list_thread(hal_query_t* q, hal_query_cb cb, void* arg) {
   const Call call;
   if (call.error() != 0) return call.error();
-  for (const auto& thread : View(call->segment()).threads()) {
+  const View view(call->segment());
+  std::set<std::string> once;
+  for (const auto& f : view.functions())
+    if (f.runs_once) once.insert(f.name);
+  for (const auto& thread : view.threads()) {
     const auto fill_in = [&](hal_query_t& out) {
       out.name = thread.name.c_str();
       out.qtype = HAL_QTYPE_THREAD;
@@ -362,6 +368,7 @@ int hal_list_thread(hal_query_t* q, hal_query_cb cb, void* arg) {
       out.thread.comp_id = static_cast<int>(thread.owner_id);
       out.thread.comp = thread.owner.c_str();
       out.thread.period = thread.period_ns;
+      out.thread.priority = thread.priority;
     };
     if (const int result = answer(q, cb, arg, fill_in); result != 0) return result;
     int index = 0;
@@ -370,6 +377,7 @@ int hal_list_thread(hal_query_t* q, hal_query_cb cb, void* arg) {
         fill_in(out);
         out.qtype = HAL_QTYPE_THREAD_FUNCT;
         out.thread.functidx = index++;
+        out.thread.is_init = once.count(function) > 0 ? 1 : 0;
         out.thread.funct = function.c_str();
       });
       if (result != 0) return result;

@@ -83,8 +83,8 @@ class RealtimeBackend final : public Backend {
   }
   Status drop_memory(const std::string& name) override { return modules_.drop_memory(name); }
   Status add_function(Component& owner, const std::string& name, void (*function)(void*, long),
-                      void* argument) override {
-    return modules_.add_function(record_of(owner), name, function, argument);
+                      void* argument, bool reentrant) override {
+    return modules_.add_function(record_of(owner), name, function, argument, reentrant);
   }
   Result<int> add_thread(const std::string& name, std::int64_t period_ns) override {
     KERF_TRY(const ComponentRecord* record, modules_.add_thread(name, period_ns));
@@ -128,6 +128,10 @@ void start_realtime() noexcept {
 void use_host(Host& host) {
   the_backend() = std::make_unique<RealtimeBackend>(host);
   realtime_view() = {host.segment().base(), &host.clock()};
+}
+
+CModules* modules_of_host() noexcept {
+  return the_backend() == nullptr ? nullptr : &the_backend()->modules();
 }
 
 void forget_host() {

@@ -2,8 +2,9 @@
 #pragma once
 
 namespace kerf::hal {
+class CModules;
 class Host;
-}
+}  // namespace kerf::hal
 
 namespace kerf::hal::capi {
 
@@ -13,5 +14,7 @@ void start_realtime() noexcept;
 void use_host(Host& host);
 /// Before the host ends, when all modules are unloaded.
 void forget_host();
+/// nullptr without a host.
+CModules* modules_of_host() noexcept;
 
 }  // namespace kerf::hal::capi

@@ -75,14 +75,19 @@ int rtapi_shmem_new(int key, int /*module_id*/, unsigned long size) {
     return refuse(EINVAL, "shared memory with key " + std::to_string(key) + " has " +
                               std::to_string(found->bytes) + " bytes, not " + std::to_string(size));
   }
-  for (int i = 0; i < kMostBlocks; ++i) {
-    if (blocks[i].users == 0 || blocks[i].key != key) continue;
-    ++blocks[i].users;
-    return i + 1;
-  }
-  if (free == 0) return refuse(ENOMEM, "more than 64 blocks of shared memory");
+  int known = 0;
+  for (int i = 0; i < kMostBlocks; ++i)
+    if (blocks[i].users > 0 && blocks[i].key == key) known = i + 1;
+  if (free == 0 && known == 0) return refuse(ENOMEM, "more than 64 blocks of shared memory");
+  // Each use is counted with whom it is for, so that the memory lives as long as the last one.
   auto memory = call->add_memory(name, found ? found->bytes : size, kSharedMemoryAbi);
   if (!memory.ok()) return refuse(memory.error());
+  // A module that ended without giving its block back leaves a place that holds what is gone.
+  if (known > 0 && blocks[known - 1].memory.get() == *memory) {
+    ++blocks[known - 1].users;
+    return known;
+  }
+  if (known > 0) free = known;
   SharedBlock& block = blocks[free - 1];
   block.key = key;
   block.users = 1;
@@ -102,8 +107,7 @@ int rtapi_shmem_delete(int handle, int /*module_id*/) {
   if (call.error() != 0) return call.error();
   SharedBlock* block = block_of(handle);
   if (block == nullptr) return -EINVAL;
-  if (--block->users > 0) return 0;
-  block->memory.publish(nullptr);
+  if (--block->users == 0) block->memory.publish(nullptr);
   if (auto status = call->drop_memory(block_name(block->key)); !status.ok())
     return refuse(status.error());
   return 0;
@@ -159,63 +163,5 @@ void rtapi_argv_free(char** argv) { std::free(argv); }
 char* rtapi_kstrndup(const char* s, size_t most, rtapi_gfp_t /*flags*/) {
   return ::strndup(s, most);
 }
-
-#ifdef RTAPI
-
-// ---- tasks: HAL's threads are the only ones -------------------------------------------------------
-
-namespace {
-constexpr int kHighestPriority = 80;  ///< as RealDriver gives them
-constexpr int kLowestPriority = 50;
-}  // namespace
-
-int rtapi_prio_highest(void) { return kHighestPriority; }
-int rtapi_prio_lowest(void) { return kLowestPriority; }
-int rtapi_prio_next_higher(int prio) { return std::min(prio + 1, kHighestPriority); }
-int rtapi_prio_next_lower(int prio) { return std::max(prio - 1, kLowestPriority); }
-
-int rtapi_task_new(void (* /*taskcode*/)(void*), void* /*arg*/, int /*prio*/, int /*owner*/,
-                   unsigned long /*stacksize*/, int /*uses_fp*/) {
-  return refuse(ENOSYS, "rtapi_task_new: realtime tasks are HAL threads; use hal_create_thread");
-}
-int rtapi_task_delete(int /*task_id*/) { return -ENOSYS; }
-int rtapi_task_start(int /*task_id*/, unsigned long /*period_nsec*/) { return -ENOSYS; }
-int rtapi_task_resume(int /*task_id*/) { return -ENOSYS; }
-int rtapi_task_pause(int /*task_id*/) { return -ENOSYS; }
-int rtapi_wait(void) { return 0; }
-int rtapi_task_self_resync(void) { return 0; }
-
-int rtapi_task_self(void) {
-  static kerf::rtapi::Word<const void*> known[32];
-  if (in_ordinary_thread()) return -EINVAL;
-  const void* self = __builtin_thread_pointer();
-  // Only this thread writes its own pointer, so a place is free or taken by another for good.
-  static kerf::rtapi::Word<int> used{0};
-  for (int i = 0; i < 32; ++i) {
-    if (known[i].get() == self) return i;
-  }
-  const int mine = used.add(1) - 1;
-  if (mine >= 32) return -EINVAL;
-  known[mine].set(self);
-  return mine;
-}
-
-long long rtapi_task_pll_get_reference(void) { return 0; }
-int rtapi_task_pll_set_correction(long /*value*/) {
-  return in_ordinary_thread() ? -EINVAL : -ENOSYS;
-}
-
-long rtapi_clock_set_period(long nsec) {
-  const Call call;
-  if (call.error() != 0) return call.error();
-  long fastest = 0;
-  for (const auto& thread : View(call->segment()).threads()) {
-    if (fastest == 0 || thread.period_ns < fastest) fastest = static_cast<long>(thread.period_ns);
-  }
-  if (nsec == 0) return fastest;
-  return fastest == 0 && nsec > 0 ? nsec : -EINVAL;
-}
-
-#endif
 
 }  // extern "C"

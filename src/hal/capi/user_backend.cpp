@@ -121,7 +121,8 @@ class UserBackend final : public Backend {
   }
 
   Status add_function(Component& /*owner*/, const std::string& name,
-                      void (* /*function*/)(void*, long), void* /*argument*/) override {
+                      void (* /*function*/)(void*, long), void* /*argument*/,
+                      bool /*reentrant*/) override {
     return fail(Errc::bad_argument, "function '" + name + "': programs have none");
   }
   Result<int> add_thread(const std::string& name, std::int64_t /*period_ns*/) override {

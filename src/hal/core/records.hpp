@@ -123,6 +123,9 @@ struct FunctionRecord : Record {
   std::uint64_t code{0};       ///< addresses in the realtime host, for `show` only
   std::uint64_t argument{0};
   std::uint32_t users{0};  ///< threads that run it: 0 or 1
+  std::uint16_t reentrant{
+      0};  ///< 1: its maker says that two threads may run it at once; Kerf needs no such promise
+  std::uint16_t runs_once{0};  ///< 1: added by initf
   TimingRecord timing;
 };
 
@@ -145,6 +148,7 @@ struct ThreadRecord : Record {
   Word<std::uint64_t> cycles{0};
   /// 1: a thread of its own runs the cycles, so memory may be in use at any moment; 0: cycles run in the writer's thread.
   Word<std::uint32_t> ticking{0};
+  std::int32_t priority{0};  ///< SCHED_FIFO priority of that thread; 0 on the virtual clock
   /// Breadcrumb: the FunctionRecord that runs now, 0 between functions.
   Word<Offset> running{0};
   ThreadTimingRecord timing;        ///< of whole cycles
@@ -155,7 +159,7 @@ struct ThreadRecord : Record {
 /// The block "hal".
 struct Root {
   static constexpr const char* kBlock = "hal";
-  static constexpr std::uint64_t kAbi = 0x6b68616c'00000003ULL;
+  static constexpr std::uint64_t kAbi = 0x6b68616c'00000004ULL;
   static constexpr std::size_t kBuckets = 32768;
   Word<std::uint64_t> generation{0};  ///< odd: being changed
   std::int64_t writer_pid{0};

@@ -253,6 +253,7 @@ ThreadInfo View::info(const ThreadRecord& r) const {
   ThreadInfo out;
   out.name = r.name.view();
   out.period_ns = r.period_ns;
+  out.priority = r.priority;
   out.cycles = r.cycles.get();
   if (const auto* owner = at<ComponentRecord>(r.owner); owner != nullptr) {
     out.owner_id = owner->id;
@@ -277,6 +278,8 @@ FunctionInfo View::info(const FunctionRecord& r) const {
   out.code = r.code;
   out.argument = r.argument;
   out.users = r.users;
+  out.reentrant = r.reentrant != 0;
+  out.runs_once = r.runs_once != 0;
   return out;
 }
 

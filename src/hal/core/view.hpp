@@ -62,6 +62,8 @@ struct FunctionInfo {
   std::string owner;
   std::uint64_t code{0}, argument{0};
   std::uint32_t users{0};
+  bool reentrant{false};
+  bool runs_once{false};  ///< added by initf
 };
 
 struct ThreadInfo {
@@ -69,6 +71,7 @@ struct ThreadInfo {
   std::uint32_t owner_id{0};
   std::string owner;
   std::int64_t period_ns{0};
+  std::int32_t priority{0};  ///< 0: cycles run in no thread of their own
   std::uint64_t cycles{0};
   std::vector<std::string> functions;
 };

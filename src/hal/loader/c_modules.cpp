@@ -3,6 +3,8 @@
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 #include "hal/loader/c_parameters.hpp"
@@ -47,7 +49,10 @@ class CModules::Running {
   Host::Loaded* before_;
 };
 
-CModules::~CModules() = default;
+CModules::~CModules() {
+  for (TaskPlace& place : tasks_)
+    std::unique_ptr<rtapi::RealtimeTask>(place.task.observe()).reset();
+}
 
 // ---- Host's side --------------------------------------------------------------------------------
 
@@ -91,6 +96,7 @@ void CModules::stop(Host::Loaded& l) {
     l.c->started = false;
     if (auto exit = symbol<void (*)()>(l.c->library, "rtapi_app_exit"); exit != nullptr) exit();
   }
+  stop_tasks(l);
   while (!l.c->components.empty()) erase_component(l, *l.c->components.back().record);
   host_.remove_threads(l);
   for (auto it = blocks_.begin(); it != blocks_.end();) {
@@ -273,7 +279,7 @@ Result<ItemRecord*> CModules::add_item(ComponentRecord& owner, const ItemSpec& s
 }
 
 Status CModules::add_function(ComponentRecord& owner, const std::string& name,
-                              void (*code)(void*, long), void* argument) {
+                              void (*code)(void*, long), void* argument, bool reentrant) {
   Host::Loaded* l = owner_of(owner);
   if (l == nullptr) return fail(Errc::not_found, "component not found");
   CFunction& function = l->c->functions.emplace_back(CFunction{code, argument});
@@ -288,6 +294,7 @@ Status CModules::add_function(ComponentRecord& owner, const std::string& name,
   // For `show funct`: the module's code, not the thunk that calls it.
   l->functions.back()->code = reinterpret_cast<std::uintptr_t>(code);
   l->functions.back()->argument = reinterpret_cast<std::uintptr_t>(argument);
+  l->functions.back()->reentrant = reentrant ? 1 : 0;
   return {};
 }
 
@@ -306,6 +313,56 @@ Status CModules::remove_thread(const std::string& name) {
   KERF_CHECK(host_.publish_list(*thread, {}));
   host_.remove_thread(*thread);
   return {};
+}
+
+// ---- tasks --------------------------------------------------------------------------------------
+
+Result<rtapi::RealtimeTask*> CModules::add_task(void (*code)(void*), void* argument, int priority) {
+  KERF_TRY(Host::Loaded * l, running());
+  auto* const place = std::find_if(std::begin(tasks_), std::end(tasks_),
+                                   [](const TaskPlace& p) { return p.task.get() == nullptr; });
+  if (place == std::end(tasks_))
+    return fail(Errc::no_memory, "there are " + std::to_string(kTasks) + " realtime tasks already");
+  const int id = kFirstTask + static_cast<int>(place - std::begin(tasks_));
+  auto task = std::make_unique<rtapi::RealtimeTask>(
+      rtapi::RealtimeTask::Config{code, argument, priority, id, &host_.clock()});
+  if (host_.clock().is_virtual()) l->participants.push_back(task.get());
+  place->owner = l;
+  place->task.publish(task.release());
+  return place->task.get();
+}
+
+rtapi::RealtimeTask* CModules::find_task(int id) const noexcept {
+  if (id < kFirstTask || id >= kFirstTask + kTasks) return nullptr;
+  return tasks_[id - kFirstTask].task.observe();
+}
+
+Status CModules::remove_task(int id) {
+  rtapi::RealtimeTask* task = find_task(id);
+  if (task == nullptr) return fail(Errc::not_found, "no task " + std::to_string(id));
+  if (!task->stop())
+    return fail(Errc::busy, "the code of task " + std::to_string(id) + " does not call rtapi_wait");
+  TaskPlace& place = tasks_[id - kFirstTask];
+  std::erase(place.owner->participants, task);
+  place.task.publish(nullptr);
+  std::unique_ptr<rtapi::RealtimeTask>(task).reset();
+  return {};
+}
+
+void CModules::stop_tasks(const Host::Loaded& module) {
+  for (int i = 0; i < kTasks; ++i) {
+    if (tasks_[i].task.get() == nullptr || tasks_[i].owner != &module) continue;
+    if (auto status = remove_task(kFirstTask + i); !status.ok()) {
+      // It runs in code that goes away now.
+      std::fprintf(stderr, "%s: %s; the realtime host cannot go on\n", module.name.c_str(),
+                   status.error().message().c_str());
+      std::abort();
+    }
+  }
+}
+
+bool CModules::tasks_may_run() const {
+  return host_.driver_ == nullptr || !host_.driver_->declares_only();
 }
 
 }  // namespace kerf::hal

@@ -14,6 +14,8 @@
 
 #include "hal/loader/c_function.hpp"
 #include "hal/loader/host.hpp"
+#include "rtapi/sync/cell.hpp"
+#include "rtapi/thread/realtime_task.hpp"
 
 namespace kerf::hal {
 
@@ -61,12 +63,20 @@ class CModules {
   [[nodiscard]] bool owns(const void* memory, std::size_t bytes) const;
   rtapi::Result<ItemRecord*> add_item(ComponentRecord& owner, const ItemSpec& spec, bool pin);
   rtapi::Status add_function(ComponentRecord& owner, const std::string& name,
-                             void (*code)(void*, long), void* argument);
+                             void (*code)(void*, long), void* argument, bool reentrant);
   rtapi::Result<ComponentRecord*> add_thread(const std::string& name, std::int64_t period_ns);
   rtapi::Status remove_thread(const std::string& name);
   rtapi::Result<MemoryRecord*> add_memory(const std::string& name, std::size_t bytes,
                                           std::uint64_t abi);
   rtapi::Status drop_memory(const std::string& name);
+  /// A realtime task of the module that runs now, paused. It is ended with the module.
+  rtapi::Result<rtapi::RealtimeTask*> add_task(void (*code)(void*), void* argument, int priority);
+  /// @rt. nullptr: no such task.
+  [[nodiscard]] rtapi::RealtimeTask* find_task(int id) const noexcept;
+  /// busy: its code does not end.
+  rtapi::Status remove_task(int id);
+  /// False while modules are only looked at: their tasks must not run.
+  [[nodiscard]] bool tasks_may_run() const;
   /// A command as a client sends it, also from within loadrt.
   Reply command(std::span<const std::string> argv) { return host_.nested_command(argv); }
   [[nodiscard]] Host& host() noexcept { return host_; }
@@ -83,10 +93,18 @@ class CModules {
   void use(const void* memory, const Host::Loaded& user);
   rtapi::Status take_out_functions(Host::Loaded& module, const ComponentRecord* component);
   void erase_component(Host::Loaded& module, ComponentRecord& component);
+  void stop_tasks(const Host::Loaded& module);
 
   Host& host_;
   Host::Loaded* running_{nullptr};
   std::map<const std::byte*, Block> blocks_;
+  static constexpr int kTasks = 64;
+  static constexpr int kFirstTask = 64;  ///< ids of tasks; HAL's threads have the numbers before
+  struct TaskPlace {
+    rtapi::Word<rtapi::RealtimeTask*> task{nullptr};
+    Host::Loaded* owner{nullptr};
+  };
+  TaskPlace tasks_[kTasks];
 };
 
 }  // namespace kerf::hal

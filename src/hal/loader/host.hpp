@@ -199,6 +199,9 @@ class Host {
   Reply set_signal(Words argv);
   Reply add_function(Words argv);
   Reply add_init_function(Words argv);
+  Reply put_in_list(Words argv);
+  /// An initf that was taken out of its thread is an ordinary function again.
+  void run_always(FunctionRecord& function);
   Reply delete_function(Words argv);
   Reply start(Words argv);
   Reply stop(Words argv);

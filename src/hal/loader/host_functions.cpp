@@ -178,6 +178,21 @@ Status Host::drop_functions(const Loaded& loaded) {
 }
 
 Reply Host::add_function(Words argv) {
+  if (FunctionRecord* function = registry_->find_function(argv[0]); function != nullptr)
+    run_always(*function);
+  return put_in_list(argv);
+}
+
+void Host::run_always(FunctionRecord& function) {
+  if (function.users > 0 || function.runs_once == 0) return;
+  auto& entry = functions_.at(&function).entry;
+  const auto* once = static_cast<const OnceFunction*>(entry.object);
+  entry.object = once->object;
+  entry.thunk = once->thunk;
+  function.runs_once = 0;
+}
+
+Reply Host::put_in_list(Words argv) {
   FunctionRecord* function = registry_->find_function(argv[0]);
   if (function == nullptr) return no_function(*registry_, argv[0]);
   if (function->users > 0) {
@@ -209,16 +224,18 @@ Reply Host::add_function(Words argv) {
 
 Reply Host::add_init_function(Words argv) {
   FunctionRecord* function = registry_->find_function(argv[0]);
-  if (function == nullptr || function->users > 0) return add_function(argv);
+  if (function == nullptr || function->users > 0) return put_in_list(argv);
+  run_always(*function);
   auto& entry = functions_.at(function).entry;
   auto once = std::make_unique<OnceFunction>();
   once->thunk = entry.thunk;
   once->object = entry.object;
-  // What the list holds while the function is in it; delf puts its own code back.
+  // What the list holds while the function is in it; run_always() puts its own code back.
   entry.thunk = &run_once;
   entry.object = once.get();
-  Reply done = add_function(argv);
+  Reply done = put_in_list(argv);
   if (done.ok()) {
+    function->runs_once = 1;
     once_[function].push_back(std::move(once));
   } else {
     entry.thunk = once->thunk;
@@ -249,15 +266,8 @@ Reply Host::delete_function(Words argv) {
   }
   list.erase(it);
   auto status = publish_list(*thread, std::move(list));
-  if (status.ok()) {
-    auto& entry = functions_.at(function).entry;
-    // A thread may still be in the old list: the OnceFunction stays until the component goes.
-    if (entry.thunk == &run_once) {
-      const auto* once = static_cast<const OnceFunction*>(entry.object);
-      entry.object = once->object;
-      entry.thunk = once->thunk;
-    }
-  }
+  // A thread may still be in the old list: the OnceFunction stays until the component goes.
+  if (status.ok()) run_always(*function);
   return reply(status);
 }
 

@@ -1,6 +1,7 @@
 #include "hal/loader/realtime_host.hpp"
 
 #include "hal/loader/server.hpp"
+#include "rtapi/thread/cycle_now.hpp"
 
 namespace kerf::hal {
 
@@ -30,8 +31,11 @@ void RealtimeHost::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
     // Started just now: the first cycle comes at the next whole multiple, not for the time that was spent stopped.
     if (!running || !was_running_) due.at = (now / period + 1) * period;
     if (due.at <= now) {
+      rtapi::CycleNow cycle{due.at, period};
+      const rtapi::InCycle in_cycle(cycle);
       due.thread->run_cycle(due.at, now);
-      due.at = (now / period + 1) * period;
+      due.at = cycle.next();
+      if (due.at <= now) due.at += ((now - due.at) / period + 1) * period;
     }
     // Stopped threads have nothing to do; `start` comes as a request and wakes this participant.
     if (running) next.wake_at(due.at);

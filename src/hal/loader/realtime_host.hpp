@@ -12,7 +12,7 @@ namespace kerf::hal {
 
 class Server;
 
-/// Cycles fall on whole multiples of a thread's period. At one instant the faster thread runs before the slower one.
+/// Cycles fall on whole multiples of a thread's period, unless a function moves them (CycleNow). At one instant the faster thread runs before the slower one.
 class RealtimeHost final : public rtapi::Participant {
  public:
   explicit RealtimeHost(Host& host, Server* server = nullptr) : host_(host), server_(server) {}

@@ -85,6 +85,7 @@ rtapi::Status RealDriver::thread_added(ThreadRunner& thread) {
   config.cycle = &ThreadRunner::cycle;
   config.self = &thread;
   auto cyclic = std::make_unique<rtapi::CyclicThread>(config);
+  thread.record().priority = config.priority;
   thread.record().ticking.publish(1);
   const rtapi::NoSignalsInThreads no_signals;
   // Whole multiples of the period, so that the cycles of several threads keep their places, and apart from the kernel's own tick.

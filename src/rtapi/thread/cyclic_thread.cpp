@@ -19,6 +19,7 @@
 #include "rtapi/clock/real_clock.hpp"
 #include "rtapi/sync/cell.hpp"
 #include "rtapi/sync/seq_cell.hpp"
+#include "rtapi/thread/cycle_now.hpp"
 
 namespace kerf::rtapi {
 
@@ -133,16 +134,17 @@ struct CyclicThread::State {
       pthread_setaffinity_np(pthread_self(), sizeof cpus, &cpus);
     }
     touch_stack();
-    Nanos scheduled = first;
+    CycleNow now{first, config.period_ns};
+    const InCycle in_cycle(now);
     while (!stop.requested()) {
-      sleep_until(scheduled);
+      sleep_until(now.reference);
       if (stop.requested()) break;
       const Nanos begin = monotonic_now();
-      config.cycle(config.self, scheduled, begin);
+      config.cycle(config.self, now.reference, begin);
       const Nanos end = monotonic_now();
-      stats.wake_up.add(begin - scheduled);
+      stats.wake_up.add(begin - now.reference);
       stats.execution.add(end - begin);
-      scheduled += config.period_ns;
+      Nanos scheduled = now.next();
       if (end > scheduled) {
         ++stats.overruns;
         stats.last_overrun_cycle = stats.execution.count;
@@ -150,6 +152,8 @@ struct CyclicThread::State {
         // Cycles that are lost are lost: catching up would run the machine's time faster than the clock.
         scheduled += (end - scheduled) / config.period_ns * config.period_ns + config.period_ns;
       }
+      now.reference = scheduled;
+      now.correction = 0;
       published.write(stats);
     }
   }

@@ -122,21 +122,24 @@ extern int rtapi_prio_next_lower(int prio);
 #define RTAPI_NO_FP 0
 #define RTAPI_USES_FP 1
 
-/* Threads of HAL are made by hal_create_thread(). Tasks beside them are not offered: these four give -ENOSYS. */
+/* Tasks beside the threads of HAL, for rtapi_app_main() and rtapi_app_exit(). A task is made paused: rtapi_task_start() runs it each
+   period, rtapi_task_resume() without pause. Its code loops and calls rtapi_wait(), where it also stands after rtapi_task_pause() (which
+   may be called by anybody) and ends at rtapi_task_delete(); a module's tasks end after its rtapi_app_exit(). An id, or -EINVAL. */
 extern int rtapi_task_new(void (*taskcode)(void*), void* arg, int prio, int owner,
                           unsigned long stacksize, int uses_fp);
 extern int rtapi_task_delete(int task_id);
 extern int rtapi_task_start(int task_id, unsigned long period_nsec);
 extern int rtapi_task_resume(int task_id);
 extern int rtapi_task_pause(int task_id);
-/* Within a HAL function there is nothing to wait for: the thread does it. 0. */
+/* In a task: until its next period. Within a HAL function there is nothing to wait for, the thread does it. 0. realtime */
 extern int rtapi_wait(void);
-/* Number of the HAL thread that runs, or -EINVAL. realtime */
+/* Id of the task, or number of the HAL thread, that runs; otherwise -EINVAL. realtime */
 extern int rtapi_task_self(void);
+/* The task's periods count from now on. 0. realtime */
 extern int rtapi_task_self_resync(void);
 /* Start of the present cycle on the clock of rtapi_get_time(), 0 outside of one. realtime */
 extern long long rtapi_task_pll_get_reference(void);
-/* Moves the thread's next wake-up by `value` ns. -EINVAL outside a HAL thread, -ENOSYS here. realtime */
+/* Moves the thread's next wake-up by `value` ns, a hundredth of its period at most. -EINVAL outside a cycle. realtime */
 extern int rtapi_task_pll_set_correction(long value);
 /* Period of the fastest thread; a period given is granted when no thread exists yet. */
 extern long rtapi_clock_set_period(long nsec);
