@@ -21,6 +21,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 #include "rtapi/base/pose.hpp"
@@ -40,8 +41,9 @@ struct SourceLine {
   std::string_view text;       ///< the line as written, without the line end
 };
 
-enum class Plane : std::uint8_t { xy, xz, yz };  ///< G17, G18, G19; normals +Z, +Y, +X
-enum class Units : std::uint8_t { inch, mm };    ///< G20, G21
+/// G17, G18, G19 with normals +Z, +Y, +X; G17.1, G18.1, G19.1, in which only canned cycles work.
+enum class Plane : std::uint8_t { xy, xz, yz, uv, uw, vw };
+enum class Units : std::uint8_t { inch, mm };                               ///< G20, G21
 enum class PathMode : std::uint8_t { exact_path, exact_stop, continuous };  ///< G61, G61.1, G64
 enum class FeedMode : std::uint8_t {
   per_minute,
@@ -65,6 +67,11 @@ struct Arc {
   std::int32_t turns{
       1};  ///< > 0 counter-clockwise seen against the normal, < 0 clockwise; |turns| = number of started
   ///< turns: 1 is an arc of at most one full circle; start equal to end in the plane is a full circle
+};
+
+/// A control point of a spline, program coordinates, and its weight (greater than 0).
+struct SplinePoint {
+  double x{0}, y{0}, weight{1};
 };
 
 /// One row of the tool table. Number 0 with pocket 0 is "no tool" on non-random changers.
@@ -112,6 +119,8 @@ class Canon {
   virtual void set_motion_control_mode(PathMode mode, double tolerance_mm) = 0;
   /// G64 Q: lines within this distance of their chord may be merged; 0 = off.
   virtual void set_naivecam_tolerance(double tolerance_mm) = 0;
+  /// G64 R: `type` is the planner to use ([TRAJ]SMOOTH_PLANNER, 0 with R0), `corner_factor` the R word.
+  virtual void set_planner_mode(int type, double corner_factor) = 0;
   /// G33, G33.1, G76: moves follow the spindle until stopped. `velocity_mode` true = G95 (no index wait).
   virtual void start_speed_feed_sync(int spindle, double mm_per_revolution, bool velocity_mode) = 0;
   virtual void stop_speed_feed_sync() = 0;
@@ -120,6 +129,10 @@ class Canon {
   virtual void straight_traverse(const Pose& end) = 0;
   virtual void straight_feed(const Pose& end) = 0;
   virtual void arc_feed(const Arc& arc) = 0;
+  /// G5, G5.1 and G5.2-G5.3: in x and y along the NURBS of `order` (degree + 1) of these points, the other axes stand.
+  /// Its knots are `order` times 0, then 1, 2, ..., then `order` times n - order + 1 for n points, so it begins at the
+  /// first point, where the machine stands, and ends at the last. `NurbsCurve` (nurbs.hpp) computes it.
+  virtual void nurbs_feed(std::span<const SplinePoint> points, int order) = 0;
   /// G38.x. The interpreter then needs synchronize() with the probe result.
   virtual void straight_probe(const Pose& end, ProbeKind kind) = 0;
   /// Before and after a probe move.
@@ -137,7 +150,7 @@ class Canon {
   virtual void set_spindle_mode(int spindle, double css_max_rpm) = 0;
   virtual void start_spindle(int spindle, SpindleDirection direction) = 0;
   virtual void stop_spindle(int spindle) = 0;
-  /// M19. `mode`: 0 shortest way, 1 clockwise, 2 counter-clockwise. ORIENT_OFFSET is already added.
+  /// M19. `mode`: 0 shortest way, 1 clockwise, 2 counter-clockwise; G87 gives 2 and 3 as LinuxCNC does. ORIENT_OFFSET is already added.
   virtual void orient_spindle(int spindle, double angle_deg, int mode) = 0;
   /// M19 Q: following calls wait for spindle.N.is-oriented at most this long, else error.
   virtual void wait_orient_complete(int spindle, double timeout_s) = 0;

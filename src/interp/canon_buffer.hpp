@@ -5,6 +5,7 @@
 #include <cstring>
 #include <deque>
 #include <new>
+#include <span>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -30,11 +31,17 @@ class CanonBuffer {
     slot.assign(text);
     return slot;
   }
+  /// The same for control points.
+  [[nodiscard]] std::span<const SplinePoint> keep(std::span<const SplinePoint> points) {
+    points_.emplace_back(points.begin(), points.end());
+    return points_.back();
+  }
   [[nodiscard]] bool empty() const noexcept { return calls_.empty(); }
   [[nodiscard]] std::size_t size() const noexcept { return calls_.size(); }
   void clear() noexcept {
     calls_.clear();
     texts_used_ = 0;
+    if (!points_.empty()) points_.clear();
   }
   /// Announces the source line, makes the calls, forgets them.
   void deliver(Canon& canon, const SourceLine& source) {
@@ -71,6 +78,7 @@ class CanonBuffer {
   std::vector<Call> calls_;
   std::deque<std::string> texts_;
   std::size_t texts_used_{0};
+  std::deque<std::vector<SplinePoint>> points_;
 };
 
 }  // namespace kerf::interp

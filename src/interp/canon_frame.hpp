@@ -66,6 +66,9 @@ class CanonFrame {
       case Plane::xy: return {0, 0, 1};
       case Plane::xz: return direction_to_machine({0, 1, 0});
       case Plane::yz: return direction_to_machine({1, 0, 0});
+      case Plane::uv:
+      case Plane::uw:
+      case Plane::vw: break;  // no arcs there
     }
     return {0, 0, 1};
   }

@@ -236,6 +236,10 @@ Outcome Core::finish_block(const ParsedBlock& p) {
     }
     out.deliver(canon, source);
   }
+  return block_done();
+}
+
+Outcome Core::block_done() {
   if (ended) {
     drop_frames();
     return Outcome::program_end;
@@ -246,8 +250,14 @@ Outcome Core::finish_block(const ParsedBlock& p) {
 Outcome Core::next_repeat() {
   begin_block();
   current = nullptr;
+  const Block& b = repeats.block;
   const CodeRow* r = row('g', repeats.code);
-  if (r == nullptr || !r->run(*this, repeats.block, repeats.code)) {
+  bool ok = r != nullptr && r->run(*this, b, repeats.code);
+  for (int i = 0; ok && repeats.left == 0 && i < b.row_count; ++i) {
+    const auto n = static_cast<std::size_t>(i);
+    if (b.rows[n]->order > kOrderMotion) ok = b.rows[n]->run(*this, b, b.codes[n]);
+  }
+  if (!ok) {
     undo_block();
     error.file = repeats.file;
     error.source = repeats.text;
@@ -258,7 +268,7 @@ Outcome Core::next_repeat() {
   source.file = repeats.file;
   source.text = repeats.text;
   out.deliver(canon, source);
-  return Outcome::ok;
+  return block_done();
 }
 
 // --- execution ---
@@ -309,6 +319,7 @@ bool Core::run_steps(const Block& b, Steps& first, std::shared_ptr<RemapCall> ca
                     : s.code == 's'  ? speed_word(b)
                                      : tool_word(b);
     if (!ok) return false;
+    if (repeats.left > 0) return true;  // the stop of this block comes behind the last repeat
   }
   return true;
 }
@@ -388,7 +399,7 @@ bool Core::target(const Block& b, Pose& end) {
     double radius = std::hypot(state.position.x, state.position.y);
     double angle = std::atan2(state.position.y, state.position.x) * 180.0 / 3.14159265358979323846;
     if (state.distance == DistanceMode::incremental) {
-      if (radius < 1e-9 && !(b.has('@') && b.has('^')))
+      if (radius < 1e-9)
         return fail(
             b.has('@') ? '@' : '^', "",
             "Incremental motion with polar coordinates is indeterminate when at the origin");
@@ -458,10 +469,18 @@ void Core::synchronize(const ExternalState& external) {
   sync = SyncReason::none;
 }
 
+/// A stop in the midst of G5.2 ... G5.3 ends that block: its first control points are gone.
+void Core::drop_nurbs() {
+  if (state.nurbs_points == 0) return;
+  state.nurbs_points = 0;
+  state.motion = -1;
+}
+
 void Core::abort() {
   repeats.left = 0;
   flows.skip.active = false;
   drop_frames();
+  drop_nurbs();
   state.percent_file = false;
 }
 
@@ -469,6 +488,7 @@ void Core::restore(const ModalState& before) {
   const bool percent = state.percent_file;
   state = before;
   state.percent_file = percent;
+  drop_nurbs();
   params.begin();
   params.set(kCoordSystem, before.coord_system);
   params.set(kG92Applied, before.g92_applied ? 1 : 0);

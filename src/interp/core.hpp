@@ -135,7 +135,8 @@ class Core {
   bool ended{false};  ///< M2, M30 or % in this block
   Flows flows;
   Repeats repeats;
-  double sub_value{0};  ///< #<_value>
+  std::vector<SplinePoint> nurbs;  ///< of G5.2; ModalState::nurbs_points says how many count
+  double sub_value{0};             ///< #<_value>
   bool sub_value_returned{false};
 
   /// Remembers the error of this block; always false. `letter`: the word to blame, 0 for the whole line.
@@ -255,6 +256,7 @@ class Core {
   [[nodiscard]] bool glue(const std::string& function, RemapCall& call);
   [[nodiscard]] Outcome resume_block();
   [[nodiscard]] Outcome finish_block(const ParsedBlock& p);
+  [[nodiscard]] Outcome block_done();
   [[nodiscard]] Outcome next_repeat();
   [[nodiscard]] Outcome read_problem(LineRead r);
   [[nodiscard]] Outcome end_of_file();
@@ -264,6 +266,7 @@ class Core {
   void begin_flow();
   void save_modes();
   void undo_block();
+  void drop_nurbs();
   bool set_error(std::size_t at, bool known, const char* help, const char* format,
                  std::va_list args);
 

@@ -36,6 +36,7 @@ struct Settings {
   bool retain_g43{false};  ///< a tool change re-applies the new tool's offset while G43 is active
   double g64_default_tolerance_mm{0};
   double g64_default_naivecam_mm{0};
+  int smooth_planner{1};       ///< [TRAJ]SMOOTH_PLANNER: what G64 R chooses; 0 refuses R
   double g73_clearance_mm{0};  ///< 0 = the documented default (1 mm, .050 in)
   double g83_clearance_mm{0};
   bool ini_vars{true};                  ///< INI_VARS: #<_ini[section]key> may be read

@@ -6,6 +6,7 @@
 
 #include "interp/canon.hpp"
 #include "interp/canon_frame.hpp"
+#include "interp/letters.hpp"
 
 namespace kerf::interp {
 
@@ -19,11 +20,20 @@ enum class ProgramFeedMode : std::uint8_t {
 };                                                         ///< G93, G94, G95
 enum class RetractMode : std::uint8_t { old_z, r_plane };  ///< G98, G99
 
-/// What canned cycles remember while the motion code stays the same. mm, seconds.
+/// What canned cycles remember while the motion code stays the same: the sticky numbers, as written.
 struct CycleState {
-  double r{0}, clear{0}, bottom{0};  ///< as programmed: R, old position, Z (increments while G91)
-  double p{0}, q{0}, i{0}, j{0}, k{0};
-  bool r_known{false}, bottom_known{false}, p_known{false}, q_known{false};
+  double clear_mm{0};      ///< where the depth axis stood before the first cycle
+  double r{0}, bottom{0};  ///< increments while G91
+  double p{0}, q{0}, i{0}, j{0}, k{0}, d{0};
+  std::int32_t spindle{0};  ///< `$`
+  LetterMask known{0};      ///< letters given so far; z for the depth axis
+};
+
+/// Where the last G5 ended, for the direction of a G5 without I and J.
+struct SplineEnd {
+  Pose position;
+  double p_mm{0}, q_mm{0};
+  bool known{false};
 };
 
 /// Plain copyable; task attaches a copy to each queued item and gives it back to Interpreter::restore() after an abort.
@@ -33,8 +43,8 @@ struct ModalState {
   Pose position;                       ///< end of the last move, program coordinates
   CanonFrame frame;                    ///< active work offset, rotation, G92 offset, tool offset
   std::int32_t line{0};                ///< line of the block that made this state
-  std::int32_t motion{800};            ///< group 1: 0 10 20 30 ... 890; 800 = none
-  std::int32_t plane_code{170};        ///< 170 180 190
+  std::int32_t motion{800};            ///< group 1: 0 10 20 30 ... 890; 800 = none; -1: after G5.3
+  std::int32_t plane_code{170};        ///< 170 180 190; 171 181 191: G17.1 ...
   std::int32_t cutter_comp{400};       ///< 400 410 411 420 421
   std::int32_t tool_offset_code{490};  ///< 430 431 432 490
   std::int32_t last_stop{-1};          ///< 0 1 2 30 60, -1: none
@@ -55,6 +65,9 @@ struct ModalState {
   std::array<bool, kMaxSpindles> speed_override{true, true, true, true, true, true, true, true};
   std::array<bool, kMaxSpindles> orienting{};  ///< M19 is the active code of group 7
   CycleState cycle;
+  SplineEnd spline;
+  std::int32_t nurbs_points{0};  ///< control points of the G5.2 block in progress
+  std::int32_t nurbs_order{3};   ///< its L
   Units units{Units::mm};
   DistanceMode distance{DistanceMode::absolute};
   DistanceMode arc_distance{DistanceMode::incremental};
@@ -68,7 +81,14 @@ struct ModalState {
   bool percent_file{false};  ///< the program began with %
 
   [[nodiscard]] Plane plane() const noexcept {
-    return plane_code == 180 ? Plane::xz : plane_code == 190 ? Plane::yz : Plane::xy;
+    switch (plane_code) {
+      case 180: return Plane::xz;
+      case 190: return Plane::yz;
+      case 171: return Plane::uv;
+      case 181: return Plane::uw;
+      case 191: return Plane::vw;
+      default: return Plane::xy;
+    }
   }
   /// mm per program unit.
   [[nodiscard]] double unit_mm() const noexcept { return units == Units::inch ? 25.4 : 1.0; }

@@ -64,7 +64,8 @@ void TextCanon::use_length_units(Units units) {
 void TextCanon::select_plane(Plane plane) {
   line("SELECT_PLANE(CANON_PLANE_%s)", plane == Plane::xy   ? "XY"
                                        : plane == Plane::xz ? "XZ"
-                                                            : "YZ");
+                                       : plane == Plane::yz ? "YZ"
+                                                            : "UNKNOWN");
 }
 void TextCanon::set_g5x_offset(int system, const Pose& offset) {
   char before[16];
@@ -97,6 +98,9 @@ void TextCanon::set_motion_control_mode(PathMode mode, double tolerance_mm) {
 }
 void TextCanon::set_naivecam_tolerance(double tolerance_mm) {
   line("SET_NAIVECAM_TOLERANCE(%.4f)", length(tolerance_mm));
+}
+void TextCanon::set_planner_mode(int type, double corner_factor) {
+  line("SET_PLANNER_MODE(type=%d, peak_scale=%f)", type, corner_factor);
 }
 void TextCanon::start_speed_feed_sync(int, double mm_per_revolution, bool velocity_mode) {
   line("START_SPEED_FEED_SYNC(%f,%d)", length(mm_per_revolution), velocity_mode ? 1 : 0);
@@ -134,6 +138,9 @@ void TextCanon::arc_feed(const Arc& arc) {
     to = put(to, arc_words_[i], values[i]);
   }
   end(put(to, ")\n"));
+}
+void TextCanon::nurbs_feed(std::span<const SplinePoint> points, int) {
+  line("NURBS_G5_FEED(%zu, ...)", points.size());
 }
 void TextCanon::straight_probe(const Pose& end, ProbeKind) {
   offset_changed_ = false;

@@ -41,11 +41,13 @@ class TextCanon final : public Canon {
   void set_feed_reference() override;
   void set_motion_control_mode(PathMode mode, double tolerance_mm) override;
   void set_naivecam_tolerance(double tolerance_mm) override;
+  void set_planner_mode(int type, double corner_factor) override;
   void start_speed_feed_sync(int spindle, double mm_per_revolution, bool velocity_mode) override;
   void stop_speed_feed_sync() override;
   void straight_traverse(const Pose& end) override;
   void straight_feed(const Pose& end) override;
   void arc_feed(const Arc& arc) override;
+  void nurbs_feed(std::span<const SplinePoint> points, int order) override;
   void straight_probe(const Pose& end, ProbeKind kind) override;
   void turn_probe_on() override;
   void turn_probe_off() override;

@@ -103,26 +103,12 @@ class SetupReader {
     m.no_force_homing = r_.boolean("TRAJ", "NO_FORCE_HOMING", false);
     m.probe_error_inhibit_jog = r_.boolean("TRAJ", "NO_PROBE_JOG_ERROR", false);
     m.probe_error_inhibit_home = r_.boolean("TRAJ", "NO_PROBE_HOME_ERROR", false);
-    for (const char* key : {"DEFAULT_LINEAR_VELOCITY",
-                            "DEFAULT_LINEAR_ACCELERATION",
-                            "DEFAULT_ANGULAR_VELOCITY",
-                            "DEFAULT_ANGULAR_ACCELERATION",
-                            "MAX_ANGULAR_ACCELERATION",
-                            "MAX_LINEAR_JERK",
-                            "POSITION_FILE",
-                            "HOME",
-                            "TPMOD",
-                            "AXES",
-                            "ARC_BLEND_ENABLE",
-                            "ARC_BLEND_FALLBACK_ENABLE",
-                            "ARC_BLEND_OPTIMIZATION_DEPTH",
-                            "ARC_BLEND_GAP_CYCLES",
-                            "ARC_BLEND_RAMP_FREQ",
-                            "ARC_BLEND_KINK_RATIO",
-                            "PLANNER_TYPE",
-                            "SMOOTH_PLANNER",
-                            "SCURVE_PEAK_SCALE",
-                            "CYCLE_TIME"})
+    for (const char* key :
+         {"DEFAULT_LINEAR_VELOCITY", "DEFAULT_LINEAR_ACCELERATION", "DEFAULT_ANGULAR_VELOCITY",
+          "DEFAULT_ANGULAR_ACCELERATION", "MAX_ANGULAR_ACCELERATION", "MAX_LINEAR_JERK",
+          "POSITION_FILE", "HOME", "TPMOD", "AXES", "ARC_BLEND_ENABLE", "ARC_BLEND_FALLBACK_ENABLE",
+          "ARC_BLEND_OPTIMIZATION_DEPTH", "ARC_BLEND_GAP_CYCLES", "ARC_BLEND_RAMP_FREQ",
+          "ARC_BLEND_KINK_RATIO", "PLANNER_TYPE", "SCURVE_PEAK_SCALE", "CYCLE_TIME"})
       r_.known_key("TRAJ", key);
   }
 

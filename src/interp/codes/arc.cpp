@@ -116,6 +116,9 @@ bool turns_word(Core& c, const Block& b, int& turns) {
 
 bool arc(Core& c, const Block& b, int code) {
   const Plane plane = c.state.plane();
+  if (plane > Plane::yz)
+    return c.fail(0, "Write G17, G18 or G19 before",
+                  "Cannot do an arc in planes G17.1, G18.1, or G19.1");
   const PlaneRow& p = kPlanes[static_cast<std::size_t>(plane)];
   const bool center = b.has('i') || b.has('j') || b.has('k');
   if (!center && !b.has('r'))

@@ -10,7 +10,8 @@ namespace kerf::interp {
 
 [[nodiscard]] std::span<const CodeRow> motion_codes();  ///< G0 G1 G4 G38.x G53 G80
 [[nodiscard]] std::span<const CodeRow> arc_codes();     ///< G2 G3
-[[nodiscard]] std::span<const CodeRow> cycle_codes();   ///< G73 G81-G83 G85 G89
+[[nodiscard]] std::span<const CodeRow> cycle_codes();   ///< G73 G74 G81-G89
+[[nodiscard]] std::span<const CodeRow> spline_codes();  ///< G5 G5.1 G5.2 G5.3
 [[nodiscard]] std::span<const CodeRow>
 mode_codes();  ///< planes, units, distance, feed mode, path, retract
 [[nodiscard]] std::span<const CodeRow> offset_codes();   ///< G10 G28 G30 G52 G54-G59.3 G92

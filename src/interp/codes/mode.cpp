@@ -1,4 +1,4 @@
-// Modes: G7 G8, G17-G19, G20 G21, G61 G61.1 G64, G90 G91, G90.1 G91.1, G93-G95, G98 G99.
+// Modes: G7 G8, G17-G19.1, G20 G21, G61 G61.1 G64, G90 G91, G90.1 G91.1, G93-G95, G98 G99.
 // Manual: the sections of these names.
 #include "interp/codes/families.hpp"
 
@@ -77,6 +77,17 @@ bool feed_mode(Core& c, const Block& b, int code) {
   return true;
 }
 
+/// G64 R.
+bool planner(Core& c, const Block& b) {
+  const double r = b['r'];
+  if (r < 0) return c.fail('r', "R is 0 or more", "Negative R word used with G64");
+  if (r > 0 && c.settings.smooth_planner == 0)
+    return c.fail('r', "Set [TRAJ]SMOOTH_PLANNER to 1, or leave R out",
+                  "R word used with G64, but [TRAJ]SMOOTH_PLANNER is 0");
+  c.out.call<&Canon::set_planner_mode>(r > 0 ? c.settings.smooth_planner : 0, r);
+  return true;
+}
+
 bool path(Core& c, const Block& b, int code) {
   if (code != 640) {
     c.state.path = code == 610 ? PathMode::exact_path : PathMode::exact_stop;
@@ -90,7 +101,7 @@ bool path(Core& c, const Block& b, int code) {
   c.state.tolerance_mm = p > 0 ? p : 0;
   c.state.naivecam_tolerance_mm = q > 0 ? q : 0;
   announce_path_mode(c);
-  return true;
+  return !b.has('r') || planner(c, b);
 }
 
 bool retract(Core& c, const Block&, int code) {
@@ -108,13 +119,16 @@ constexpr CodeRow kRows[] = {
     row(70, 15, kOrderLathe, lathe),
     row(80, 15, kOrderLathe, lathe),
     row(170, 2, kOrderPlane, plane),
+    row(171, 2, kOrderPlane, plane),
     row(180, 2, kOrderPlane, plane),
+    row(181, 2, kOrderPlane, plane),
     row(190, 2, kOrderPlane, plane),
+    row(191, 2, kOrderPlane, plane),
     row(200, 6, kOrderUnits, units),
     row(210, 6, kOrderUnits, units),
     row(610, 13, kOrderPath, path),
     row(611, 13, kOrderPath, path),
-    row(640, 13, kOrderPath, path, letters("pq")),
+    row(640, 13, kOrderPath, path, letters("pqr")),
     row(900, 3, kOrderDistance, distance),
     row(910, 3, kOrderDistance, distance),
     row(901, 4, kOrderDistance, arc_distance),

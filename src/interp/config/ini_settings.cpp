@@ -163,6 +163,9 @@ InterpSetup read_interp_setup(Reader& reader, double unit_mm) {
   read_dialect(reader, s.settings);
   s.settings.log_level = static_cast<int>(
       reader.integer(kSection, "LOG_LEVEL", IntSpec{.fallback = -1, .min = -1, .max = 1000}));
+  s.settings.smooth_planner = static_cast<int>(
+      reader.integer("TRAJ", "SMOOTH_PLANNER",
+                     IntSpec{.fallback = s.settings.smooth_planner, .min = 0, .max = 1}));
   const std::string log = reader.string(kSection, "LOG_FILE", "");
   if (!log.empty()) s.settings.log_file = resolve_path(s.paths.ini_dir, log);
   s.startup_code = reader.string(kSection, "RS274NGC_STARTUP_CODE", "");

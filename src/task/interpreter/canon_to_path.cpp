@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <cstdio>
+#include <vector>
+
+#include "task/interpreter/spline_path.hpp"
 
 namespace kerf::task {
 
@@ -96,6 +99,13 @@ double CanonToPath::feed_mm_s(const Pose& end) const {
   return per_minute / 60.0;
 }
 
+double CanonToPath::linear_mm_s() const {
+  double per_minute = state_.linear_mm_min;
+  if (state_.feed_mode == interp::FeedMode::per_revolution)
+    per_minute *= state_.speed[static_cast<std::size_t>(state_.feed_spindle)];
+  return per_minute / 60.0;
+}
+
 void CanonToPath::traverse_machine(const Pose& end, MotionKind kind) {
   // A move of no length has no direction, hence no place on a path.
   if (end == state_.position) return;
@@ -129,13 +139,46 @@ void CanonToPath::arc_feed(const interp::Arc& arc) {
   }
   move.turns = std::abs(arc.turns);
   // The feed of an arc is that of XYZ, also of a full circle, whose ends are the same.
-  double per_minute = state_.linear_mm_min;
-  if (state_.feed_mode == interp::FeedMode::per_revolution)
-    per_minute *= state_.speed[static_cast<std::size_t>(state_.feed_spindle)];
-  move.vel_mm_s = per_minute / 60.0;
+  move.vel_mm_s = linear_mm_s();
   add_path(move);
   state_.position = move.end;
   state_.pending_outputs = 0;
+}
+
+void CanonToPath::nurbs_feed(std::span<const interp::SplinePoint> points, int order) {
+  // Offsets and rotation take lines to lines, so the curve of the moved control points is the moved curve.
+  std::vector<interp::SplinePoint> machine(points.begin(), points.end());
+  for (interp::SplinePoint& p : machine) {
+    const auto at = state_.frame.to_machine(interp::Vector3{p.x, p.y, 0});
+    p.x = at[0];
+    p.y = at[1];
+  }
+  const double velocity_mm_s = linear_mm_s();
+  for (const SplinePiece& piece : spline_pieces(interp::NurbsCurve(machine, order))) {
+    Pose end = state_.position;
+    end.x = piece.x;
+    end.y = piece.y;
+    if (piece.turn == 0) {
+      add_path(motion::LinearMove{end, velocity_mm_s, MotionKind::feed});
+    } else {
+      motion::ArcMove arc;
+      arc.end = end;
+      arc.centre[0] = piece.cx;
+      arc.centre[1] = piece.cy;
+      arc.centre[2] = end.z;
+      arc.normal[2] = piece.turn;
+      arc.vel_mm_s = velocity_mm_s;
+      add_path(arc);
+    }
+    state_.position = end;
+    state_.pending_outputs = 0;
+  }
+}
+
+void CanonToPath::set_planner_mode(int, double corner_factor) {
+  // There is one planner and it is the smooth one; only a wider corner would be something new.
+  if (corner_factor > 0)
+    add(ShowMessage{"G64 R has no effect: corners are always rounded within P", MessageKind::text});
 }
 
 void CanonToPath::straight_probe(const interp::Pose& end, interp::ProbeKind kind) {

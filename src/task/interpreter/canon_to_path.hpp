@@ -69,11 +69,13 @@ class CanonToPath final : public interp::Canon {
   void set_feed_reference() override {}
   void set_motion_control_mode(interp::PathMode mode, double tolerance_mm) override;
   void set_naivecam_tolerance(double tolerance_mm) override;
+  void set_planner_mode(int type, double corner_factor) override;
   void start_speed_feed_sync(int spindle, double mm_per_revolution, bool velocity_mode) override;
   void stop_speed_feed_sync() override {}
   void straight_traverse(const interp::Pose& end) override;
   void straight_feed(const interp::Pose& end) override;
   void arc_feed(const interp::Arc& arc) override;
+  void nurbs_feed(std::span<const interp::SplinePoint> points, int order) override;
   void straight_probe(const interp::Pose& end, interp::ProbeKind kind) override;
   void turn_probe_on() override {}
   void turn_probe_off() override {}
@@ -131,6 +133,7 @@ class CanonToPath final : public interp::Canon {
   void not_yet(const char* what);
   void frame_changed();
   [[nodiscard]] double feed_mm_s(const motion::Pose& end) const;
+  [[nodiscard]] double linear_mm_s() const;
   [[nodiscard]] motion::SpindleChange spindle_change(int spindle,
                                                      motion::SpindleChange::Action action) const;
 

@@ -22,11 +22,13 @@ class NullCanon : public Canon {
   void set_feed_reference() override {}
   void set_motion_control_mode(PathMode, double) override {}
   void set_naivecam_tolerance(double) override {}
+  void set_planner_mode(int, double) override {}
   void start_speed_feed_sync(int, double, bool) override {}
   void stop_speed_feed_sync() override {}
   void straight_traverse(const Pose&) override { ++moves; }
   void straight_feed(const Pose&) override { ++moves; }
   void arc_feed(const Arc&) override { ++moves; }
+  void nurbs_feed(std::span<const SplinePoint>, int) override { ++moves; }
   void straight_probe(const Pose&, ProbeKind) override { ++moves; }
   void turn_probe_on() override {}
   void turn_probe_off() override {}
