@@ -140,6 +140,7 @@ void TextCanon::arc_feed(const Arc& arc) {
   end(put(to, ")\n"));
 }
 void TextCanon::nurbs_feed(std::span<const SplinePoint> points, int) {
+  offset_changed_ = false;
   line("NURBS_G5_FEED(%zu, ...)", points.size());
 }
 void TextCanon::straight_probe(const Pose& end, ProbeKind) {
