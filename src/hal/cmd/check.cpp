@@ -10,6 +10,8 @@
 
 #include "hal/capi/realtime_backend.hpp"
 #include "hal/client/session.hpp"
+#include "hal/cmd/check_tcl.hpp"
+#include "hal/cmd/words.hpp"
 #include "hal/loader/host.hpp"
 #include "rtapi/base/suggest.hpp"
 #include "rtapi/shm/segment.hpp"
@@ -223,13 +225,14 @@ void ScriptCheck::enter(const std::string& file) {
   if (std::find(files_.begin(), files_.end(), file) == files_.end()) files_.push_back(file);
 }
 
-void ScriptCheck::run_file(const std::string& path) {
+void ScriptCheck::run_file(const std::string& path, const std::vector<std::string>& arguments) {
   enter(path);
-  if (std::filesystem::path(path).extension() == ".tcl") {
-    return add(Finding::Level::error, "tcl", {path, 0},
-               "a Tcl file can only be checked by running it: haltcl " + path);
-  }
   top_file_ = path;
+  if (std::filesystem::path(path).extension() == ".tcl") {
+    if (tcl_files_ == nullptr)
+      tcl_files_ = std::make_unique<TclFiles>(*this, machine_->session, ini_);
+    return tcl_files_->run(path, arguments);
+  }
   (void)machine_->commander.run_file(path);
 }
 
@@ -277,18 +280,14 @@ std::string ScriptCheck::hal_file(const ini::Entry& entry) {
   return {};
 }
 
-std::vector<std::string> ScriptCheck::hal_files(const char* key) {
-  std::vector<std::string> out;
+std::vector<ScriptCheck::HalFile> ScriptCheck::hal_files(const char* key) {
+  std::vector<HalFile> out;
   for (const ini::Entry* entry : ini_->find_all("HAL", key)) {
-    const std::string path = hal_file(*entry);
-    if (path.empty()) continue;
-    if (std::filesystem::path(path).extension() != ".tcl") {
-      out.push_back(path);
-      continue;
-    }
-    add(Finding::Level::warning, "tcl", {entry->at.file, entry->at.line},
-        path + " is a Tcl file and is not checked; names that it would make are taken as given");
-    strangers_ = true;
+    HalFile file{hal_file(*entry), {}};
+    if (file.path.empty()) continue;
+    if (auto words = split_words(entry->value); words.ok() && !words->empty())
+      file.arguments.assign(words->begin() + 1, words->end());
+    out.push_back(std::move(file));
   }
   return out;
 }
@@ -300,18 +299,18 @@ void ScriptCheck::run_commands(const char* key) {
   }
 }
 
-void ScriptCheck::run_two_pass(const std::vector<std::string>& files) {
-  std::vector<std::string> twice;
+void ScriptCheck::run_two_pass(const std::vector<HalFile>& files) {
+  std::vector<HalFile> twice;
   for (const auto& file : files) {
-    std::ifstream in(file);
+    std::ifstream in(file.path);
     const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
     if (tcl::is_excluded(text))
-      run_file(file);
+      run_file(file.path, file.arguments);
     else
       twice.push_back(file);
   }
   pass_ = Pass::gather;
-  for (const auto& file : twice) run_file(file);
+  for (const auto& file : twice) run_file(file.path, file.arguments);
   for (const auto& module : loads_.modules()) {
     std::vector<std::string> words = module.words();
     words.insert(words.begin(), "loadrt");
@@ -320,7 +319,7 @@ void ScriptCheck::run_two_pass(const std::vector<std::string>& files) {
       add(Finding::Level::error, "command", at, done->error().message());
   }
   pass_ = Pass::rest;
-  for (const auto& file : twice) run_file(file);
+  for (const auto& file : twice) run_file(file.path, file.arguments);
   pass_ = Pass::single;
 }
 
@@ -337,9 +336,9 @@ void ScriptCheck::run_ini_files() {
   if (two_pass != nullptr && !two_pass->value.empty())
     run_two_pass(files);
   else
-    for (const auto& file : files) run_file(file);
+    for (const auto& file : files) run_file(file.path, file.arguments);
   run_commands("HALCMD");
-  for (const auto& file : hal_files("POSTGUI_HALFILE")) run_file(file);
+  for (const auto& file : hal_files("POSTGUI_HALFILE")) run_file(file.path, file.arguments);
   run_commands("POSTGUI_HALCMD");
 }
 

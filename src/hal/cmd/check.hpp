@@ -78,7 +78,8 @@ class ScriptCheck {
 
   /// The files of [HAL]HALFILE, the commands of HALCMD, then POSTGUI_HALFILE and POSTGUI_HALCMD.
   void run_ini_files();
-  void run_file(const std::string& path);
+  /// Tcl files get their `arguments`.
+  void run_file(const std::string& path, const std::vector<std::string>& arguments = {});
   void run_text(std::string_view text, const std::string& name);
   /// All findings, by file in the order of reading, then by line.
   std::vector<Finding> finish();
@@ -93,6 +94,7 @@ class ScriptCheck {
   using Done = std::optional<rtapi::Status>;
   class Sink;
   class NoDevices;
+  class TclFiles;  ///< check_tcl.hpp
   struct Machine;
   struct Row;
 
@@ -121,17 +123,23 @@ class ScriptCheck {
   [[nodiscard]] bool is_unchecked(const std::string& name) const;
   void expect_unknown(const std::string& component);
   void add(Finding::Level level, const char* kind, const ScriptPlace& at, std::string text);
+  /// A HAL file that the INI file names, with its words.
+  struct HalFile {
+    std::string path;
+    std::vector<std::string> arguments;
+  };
   [[nodiscard]] std::string hal_file(const ini::Entry& entry);
-  /// The .hal files of a key, found; complaints about the others.
-  std::vector<std::string> hal_files(const char* key);
+  /// The files of a key that are there; complaints about the others.
+  std::vector<HalFile> hal_files(const char* key);
   void run_commands(const char* key);
   /// [HAL]TWOPASS: all loadrt first, those of one module as one.
-  void run_two_pass(const std::vector<std::string>& files);
+  void run_two_pass(const std::vector<HalFile>& files);
   void enter(const std::string& file);
 
   ModuleSource& modules_;
   const ini::IniFile* ini_;
   std::unique_ptr<Machine> machine_;
+  std::unique_ptr<TclFiles> tcl_files_;
   std::string top_file_;
   std::vector<std::string> files_;
   std::vector<Finding> findings_;

@@ -262,7 +262,8 @@ TclHal::Outcome TclHal::skip_or_run(std::vector<std::string> words, const Place&
                                     bool prefixed) {
   const std::string word = words[0];
   const bool loads = word == "loadrt" || word == "loadusr";
-  if (word == "source" && words.size() == 2 && pass_ != Pass::single && read_hal_file_) {
+  const bool left_to_reader = pass_ != Pass::single || observer_.intercept;
+  if (word == "source" && words.size() == 2 && left_to_reader && read_hal_file_) {
     if (const Status done = read_hal_file_(words[1]); !done.ok())
       return {false, done.error().message(), ""};
     return {};
@@ -282,7 +283,7 @@ TclHal::Outcome TclHal::skip_or_run(std::vector<std::string> words, const Place&
 }
 
 Place TclHal::place(Tcl_Interp* interpreter) const {
-  return pass_ == Pass::collect ? script_place(interpreter) : Place{};
+  return pass_ == Pass::collect || observer_.intercept ? script_place(interpreter) : Place{};
 }
 
 TclHal::Outcome TclHal::run(const std::vector<std::string>& words, const Place& at) {
@@ -297,7 +298,9 @@ TclHal::Outcome TclHal::run(const std::vector<std::string>& words, const Place& 
   busy_ = true;
   const bool good = (*halcmd)->run_exact(words, at.file.empty() ? "<tcl>" : at.file, at.line);
   busy_ = false;
-  return {good, without_newline(good ? sink_->said : sink_->complaints), sink_->printed};
+  Outcome outcome{good, without_newline(good ? sink_->said : sink_->complaints), sink_->printed};
+  if (!good && observer_.failed && observer_.failed(outcome.result, at)) return {};
+  return outcome;
 }
 
 TclHal::Outcome TclHal::source(const std::string& path) {
@@ -332,6 +335,7 @@ Result<Commander*> TclHal::commander() {
     KERF_TRY(const Attachment attached, attachment());
     commander_ = std::make_unique<Commander>(*attached.session, ini_, sink_.get());
     commander_->set_clock(attached.clock);
+    if (observer_.intercept) commander_->set_interceptor(observer_.intercept);
   }
   return commander_.get();
 }

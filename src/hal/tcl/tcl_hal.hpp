@@ -63,10 +63,19 @@ class TclHal {
   [[nodiscard]] Pass pass() const { return pass_; }
   /// What Pass::collect has found.
   [[nodiscard]] LoadrtMerge& loads() { return loads_; }
-  /// Called for `source FILE.hal` while a pass other than `single` is on.
+  /// Called for `source FILE.hal` while a pass other than `single` is on, or somebody looks on.
   void set_hal_file_reader(std::function<rtapi::Status(const std::string&)> read) {
     read_hal_file_ = std::move(read);
   }
+
+  /// Who looks on, for checks of scripts. Scripts' places are then known for all commands, and `source FILE.hal` is left to the reader
+  /// of HAL files.
+  struct Observer {
+    Commander::Interceptor intercept;
+    /// A command has failed; true: the script goes on as if it had not.
+    std::function<bool(const std::string& error, const Place& at)> failed;
+  };
+  void set_observer(Observer observer) { observer_ = std::move(observer); }
 
   /// What a command came to.
   struct Outcome {
@@ -104,6 +113,7 @@ class TclHal {
   Pass pass_{Pass::single};
   LoadrtMerge loads_;
   std::function<rtapi::Status(const std::string&)> read_hal_file_;
+  Observer observer_;
   bool after_on_clock_{false};
   bool busy_{false};
 };

@@ -62,6 +62,54 @@ py::object item_value(Link& at, const std::string& name) {
   return to_python(item->type, item->raw, at.segment());
 }
 
+/// The value as the slot has it; nothing when only setp's reader of texts can tell.
+std::optional<std::uint64_t> plain_raw(hal::Type type, py::handle value) {
+  if (type == hal::Type::floating && PyFloat_CheckExact(value.ptr()) != 0)
+    return hal::to_raw(PyFloat_AS_DOUBLE(value.ptr()));
+  if (PyLong_Check(value.ptr()) == 0) return std::nullopt;
+  int overflow = 0;
+  const std::int64_t n = PyLong_AsLongLongAndOverflow(value.ptr(), &overflow);
+  if (overflow != 0) return std::nullopt;
+  const auto within = [n](std::int64_t least, std::int64_t most) {
+    return n >= least && n <= most;
+  };
+  switch (type) {
+    case hal::Type::bit: return within(0, 1) ? std::optional(hal::to_raw(n != 0)) : std::nullopt;
+    case hal::Type::s32:
+      return within(INT32_MIN, INT32_MAX) ? std::optional(hal::to_raw(n)) : std::nullopt;
+    case hal::Type::u32:
+      return within(0, UINT32_MAX) ? std::optional(hal::to_raw(n)) : std::nullopt;
+    case hal::Type::s64: return hal::to_raw(n);
+    case hal::Type::u64: return within(0, INT64_MAX) ? std::optional(hal::to_raw(n)) : std::nullopt;
+    default: return std::nullopt;
+  }
+}
+
+/// From now on the slots whose place this process knows are not used for anything else while it lives.
+bool holds_values(const std::shared_ptr<Link>& at) {
+  static std::weak_ptr<Link> held;  // under the GIL
+  if (held.lock() == at) return true;
+  if (!at->ask({"hold-values"}).ok()) return false;
+  held = at;
+  return true;
+}
+
+/// An unlinked pin whose value is a number is written where it stands, without asking the realtime host. False: ask it, also for what is
+/// wrong with the call.
+bool set_pin_directly(const std::shared_ptr<Link>& at, const std::string& name, py::handle value) {
+  const hal::View view = at->view();
+  if ((view.lock_bits() & hal::lock_params) != 0) return false;
+  const auto pin = view.find_pin(name);
+  if (!pin || pin->dir == hal::Dir::out || !pin->signal.empty() || view.find_param(name))
+    return false;
+  const auto raw = plain_raw(pin->type, value);
+  if (!raw || !holds_values(at)) return false;
+  const auto slot = view.pin_slot(name);
+  if (slot.link == nullptr) return false;
+  hal::Io<std::uint64_t>(slot).set(*raw);
+  return true;
+}
+
 py::object signal_value(Link& at, const std::string& name) {
   const auto signal = at.view().find_signal(name);
   if (!signal) return py::none();
@@ -150,7 +198,10 @@ void add_functions(py::module_& m) {
       },
       py::arg("pin"), "Unlinks a pin. True when it failed.");
   m.def(
-      "set_p", [](const std::string& n, const py::object& v) { return set("set_p", "setp", n, v); },
+      "set_p",
+      [](const std::string& n, const py::object& v) {
+        return set_pin_directly(link(), n, v) || set("set_p", "setp", n, v);
+      },
       py::arg("name"), py::arg("value"), "Sets a parameter or an unlinked pin.");
   m.def(
       "set_s", [](const std::string& n, const py::object& v) { return set("set_s", "sets", n, v); },
