@@ -105,6 +105,7 @@ void Core::begin_flow() {
   sync = SyncReason::none;
   ended = false;
   block_.source = nullptr;
+  compensation.undo();
 }
 
 void Core::undo_block() {
@@ -118,6 +119,7 @@ void Core::undo_block() {
   sync = SyncReason::none;
   ended = false;
   repeats.left = 0;
+  compensation.undo();
 }
 
 Outcome Core::execute_next() {
@@ -193,6 +195,10 @@ Outcome Core::execute_block(ParsedBlock& b) {
       undo_block();
       return Outcome::error;
     }
+    if (!compensation.end_program(false)) {
+      undo_block();
+      return Outcome::error;
+    }
     out.call<&Canon::finish>();
     ended = true;
     return finish_block(b);
@@ -221,7 +227,8 @@ Outcome Core::finish_block(const ParsedBlock& p) {
     std::erase_if(changed_tools, [&](const Tool& t) { return t.number == tool.number; });
     changed_tools.push_back(tool);
   }
-  if (!out.empty()) {
+  const bool compensated = compensation.busy();
+  if (!out.empty() || compensated) {
     SourceLine source;
     source.file_id = block_program_;
     source.line = p.place.line + 1;
@@ -234,7 +241,10 @@ Outcome Core::finish_block(const ParsedBlock& p) {
       repeats.file = source.file;
       repeats.text = source.text;
     }
-    out.deliver(canon, source);
+    if (compensated)
+      compensation.finish(source);
+    else
+      out.deliver(canon, source);
   }
   return block_done();
 }
@@ -274,6 +284,7 @@ Outcome Core::next_repeat() {
 // --- execution ---
 
 bool Core::run_rows(const Block& b) {
+  if (state.cutter_comp != 400 && refused_by_compensation(*this, b)) return false;
   Steps steps;  // NOLINT(*-member-init): filled below
   const auto add = [&](std::int16_t order, int code, const CodeRow* r) {
     int at = steps.count++;
@@ -458,8 +469,10 @@ void Core::synchronize(const ExternalState& external) {
     params.set_pose(kProbe, p, state.unit_mm());
     params.set(kProbeSuccess, external.probe->tripped ? 1 : 0);
   }
-  if (external.machine_position)
+  if (external.machine_position) {
     state.position = state.frame.to_program(*external.machine_position);
+    compensation.start_again();
+  }
   if (external.input_value) params.set(kInputValue, *external.input_value);
   if (external.toolchanger_fault) {
     params.set(kChangerFault, *external.toolchanger_fault != 0 ? 1 : 0);
@@ -478,6 +491,8 @@ void Core::drop_nurbs() {
 
 void Core::abort() {
   repeats.left = 0;
+  compensation.drop();
+  state.cutter_comp = 400;
   flows.skip.active = false;
   drop_frames();
   drop_nurbs();
@@ -489,6 +504,9 @@ void Core::restore(const ModalState& before) {
   state = before;
   state.percent_file = percent;
   drop_nurbs();
+  // The tool no longer stands beside a path.
+  compensation.drop();
+  state.cutter_comp = 400;
   params.begin();
   params.set(kCoordSystem, before.coord_system);
   params.set(kG92Applied, before.g92_applied ? 1 : 0);
@@ -506,6 +524,7 @@ void Core::init() {
   flows.subs.clear();
   drop_frames();
   const Units machine_units = settings.machine_unit_mm == 25.4 ? Units::inch : Units::mm;
+  compensation.drop();
   state = ModalState{};
   state.units = settings.start_units.value_or(machine_units);
   params.begin();

@@ -13,6 +13,7 @@
 
 #include "interp/block.hpp"
 #include "interp/canon_buffer.hpp"
+#include "interp/compensation/compensation.hpp"
 #include "interp/dialect.hpp"
 #include "interp/dialects/compat.hpp"
 #include "interp/interpreter.hpp"
@@ -126,6 +127,8 @@ class Core {
   ModalState state;
   ParameterTable params;
   CanonBuffer out;
+  Compensation compensation{*this};
+  const ModalState* shown{nullptr};  ///< state of the block in delivery when it is an earlier one
   Tool spindle_tool{0, 0, {}, 0, 0, 0, 0};  ///< row of the tool in the spindle
   std::vector<Tool> tool_changes;           ///< by G10 in this block
   std::vector<Tool> changed_tools;          ///< by G10, until the tool table is heard of again
@@ -162,6 +165,8 @@ class Core {
   void comment(std::string_view text) { out.call<&Canon::comment>(out.keep(text)); }
   void ask_sync(SyncReason reason) { sync = reason; }
   [[nodiscard]] Pose machine_position() const { return state.frame.to_machine(state.position); }
+  /// Program coordinates of the tool, which cutter compensation keeps beside the programmed position.
+  [[nodiscard]] Pose tool_position() const { return compensation.tool_position(state.position); }
   /// Offsets changed: the machine stands where it stood, its program coordinates are others.
   void set_frame(const CanonFrame& frame);
   /// Value of #number as the program sees it.
@@ -233,6 +238,7 @@ class Core {
   [[nodiscard]] bool build(const ParsedBlock& p, Block& b);
   [[nodiscard]] bool add_code(Block& b, char letter, double value, int code);
   [[nodiscard]] bool undefined_name(std::uint32_t id, std::size_t at);
+  [[nodiscard]] bool position_unknown(std::size_t at);
   [[nodiscard]] std::string nearest_codes(char letter, int code) const;
   [[nodiscard]] bool check_word(char name, double v);
   [[nodiscard]] bool assign(const ParsedBlock& p);

@@ -9,6 +9,8 @@ namespace kerf::interp {
 
 namespace {
 
+/// #5420 to #5428.
+constexpr bool is_position(int index) { return index >= kPosition && index <= kPositionLast; }
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 /// Brackets are limited by the parser; each can hold back one operand per level of precedence.
 constexpr int kStack = 512;
@@ -102,7 +104,8 @@ double Core::parameter(int index) const {
   if (index == kToolLast) return spindle_tool.orientation;
   if (index >= kPosition) {
     const auto axis = static_cast<std::size_t>(index - kPosition);
-    return rtapi::is_rotary(axis) ? state.position[axis] : state.position[axis] / state.unit_mm();
+    const double v = tool_position()[axis];
+    return rtapi::is_rotary(axis) ? v : v / state.unit_mm();
   }
   return params.get(index);
 }
@@ -149,6 +152,11 @@ bool Core::undefined_name(std::uint32_t id, std::size_t at) {
   return fail_at(at, help.c_str(), "Named parameter #<%s> not defined", name.c_str());
 }
 
+bool Core::position_unknown(std::size_t at) {
+  return fail_at(at, "#<_x> to #<_w> tell where the tool is going to stand",
+                 "Cannot read current position with cutter radius compensation on");
+}
+
 bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
   double stack[kStack];
   double* top = stack - 1;  // the last operand
@@ -157,10 +165,16 @@ bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
     if (top >= stack + kStack - 1) return fail_at(op->at, "", "Expression nested too deeply");
     switch (op->op) {
       case Op::number: *++top = op->value; continue;
-      case Op::parameter_at: *++top = parameter(static_cast<int>(op->id)); continue;
+      case Op::parameter_at: {
+        const int index = static_cast<int>(op->id);
+        if (is_position(index) && state.cutter_comp != 400) return position_unknown(op->at);
+        *++top = parameter(index);
+        continue;
+      }
       case Op::parameter: {
         const int index = whole_index(*top);
         if (index > 0) {
+          if (is_position(index) && state.cutter_comp != 400) return position_unknown(op->at);
           *top = parameter(index);
           continue;
         }

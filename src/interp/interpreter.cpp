@@ -47,7 +47,9 @@ bool Interpreter::mdi_active() const { return core_->flows.mdi; }
 SyncReason Interpreter::sync_reason() const { return core_->sync; }
 void Interpreter::synchronize(const ExternalState& state) { core_->synchronize(state); }
 void Interpreter::abort() { core_->abort(); }
-const ModalState& Interpreter::modal() const { return core_->state; }
+const ModalState& Interpreter::modal() const {
+  return core_->shown != nullptr ? *core_->shown : core_->state;
+}
 void Interpreter::restore(const ModalState& state) { core_->restore(state); }
 const InterpError& Interpreter::error() const { return core_->error; }
 ParameterTable& Interpreter::parameters() { return core_->params; }

@@ -16,7 +16,7 @@ double relative(const Core& c) {
 }
 template <std::size_t Axis>
 double absolute(const Core& c) {
-  const double v = c.machine_position()[Axis];
+  const double v = c.state.frame.to_machine(c.tool_position())[Axis];
   return rtapi::is_rotary(Axis) ? v : v / c.state.unit_mm();
 }
 

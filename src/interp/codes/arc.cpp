@@ -148,7 +148,14 @@ bool arc(Core& c, const Block& b, int code) {
   a.center[p.e2] = f.c2;
   a.plane = plane;
   a.turns = turns;
-  c.out.call<&Canon::arc_feed>(a);
+  if (c.compensation.leaving())
+    return c.fail(
+        0, "Write a G0 or G1 behind G40",
+        "The move just after exiting cutter compensation mode must be straight, not an arc");
+  if (!c.compensation.bends())
+    c.out.call<&Canon::arc_feed>(a);
+  else if (!c.compensation.arc(a))
+    return false;
   c.state.position = end;
   c.state.motion = code;
   return true;

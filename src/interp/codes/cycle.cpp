@@ -285,8 +285,6 @@ bool check_modes(Core& c) {
     return c.fail(0, "Write F with a feed, here or before", "Cannot feed with zero feed rate");
   if (c.state.feed_mode == ProgramFeedMode::inverse_time)
     return c.fail(0, "Write G94 before", "Cannot use inverse time feed with canned cycles");
-  if (c.state.cutter_comp != 400)
-    return c.fail(0, "Write G40 before", "Cannot use canned cycles with cutter compensation on");
   return true;
 }
 

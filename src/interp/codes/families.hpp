@@ -15,13 +15,18 @@ namespace kerf::interp {
 [[nodiscard]] std::span<const CodeRow>
 mode_codes();  ///< planes, units, distance, feed mode, path, retract
 [[nodiscard]] std::span<const CodeRow> offset_codes();   ///< G10 G28 G30 G52 G54-G59.3 G92
-[[nodiscard]] std::span<const CodeRow> tool_codes();     ///< G40 G43 G49 M6 M61
+[[nodiscard]] std::span<const CodeRow> tool_codes();     ///< G43 G49 M6 M61
+[[nodiscard]] std::span<const CodeRow> comp_codes();     ///< G40 G41 G42 G41.1 G42.1
 [[nodiscard]] std::span<const CodeRow> spindle_codes();  ///< G96 G97 M3-M5 M19
 [[nodiscard]] std::span<const CodeRow> thread_codes();   ///< G33 G33.1 G76
 [[nodiscard]] std::span<const CodeRow> io_codes();       ///< M7-M9 M48-M53 M62-M68
 [[nodiscard]] std::span<const CodeRow> program_codes();  ///< M0-M2 M30 M60 M100-M199
 [[nodiscard]] std::span<const CodeRow> state_codes();    ///< M70-M73
 
+/// True after core.fail(): the block has a code that must not be used with compensation on.
+[[nodiscard]] bool refused_by_compensation(Core& c, const Block& b);
+/// M72: compensation as it was; the radius is that of the tool in the spindle.
+[[nodiscard]] bool restore_compensation(Core& c, int code);
 /// Refuses a missing feed. `what`: "g1", "arc"; `zero_feed`: the message for F0.
 [[nodiscard]] bool check_feed(Core& c, const Block& b, const char* what, const char* zero_feed);
 /// In G93: the feed of this move, from its length in mm, else in degrees.

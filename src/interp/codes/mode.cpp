@@ -48,8 +48,9 @@ bool arc_distance(Core& c, const Block&, int code) {
 bool lathe(Core& c, const Block&, int code) {
   if (c.state.lathe_diameter == (code == 70)) return true;
   c.state.lathe_diameter = code == 70;
-  c.comment(code == 70 ? "interpreter: Lathe diameter mode changed to diameter"
-                       : "interpreter: Lathe diameter mode changed to radius");
+  c.out.call_at_once<&Canon::comment>(
+      c.out.keep(code == 70 ? "interpreter: Lathe diameter mode changed to diameter"
+                            : "interpreter: Lathe diameter mode changed to radius"));
   return true;
 }
 

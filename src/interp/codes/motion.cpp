@@ -42,8 +42,10 @@ bool straight(Core& c, const Block& b, int code) {
   // Without axis words: a move to where the machine stands, which sets the motion mode.
   Pose end;
   if (!c.target(b, end)) return false;
+  const bool bends = c.compensation.bends();
+  if (c.compensation.leaving()) c.compensation.left();
   if (code == 0) {
-    c.out.call<&Canon::straight_traverse>(end);
+    if (!bends) c.out.call<&Canon::straight_traverse>(end);
   } else {
     if (!check_feed(c, b, "g1", "Cannot do g1 with zero feed rate")) return false;
     if (c.state.feed_mode == ProgramFeedMode::inverse_time) {
@@ -51,16 +53,15 @@ bool straight(Core& c, const Block& b, int code) {
       feed_length(c.state.position, end, linear, angular);
       inverse_time_feed(c, b, linear, angular);
     }
-    c.out.call<&Canon::straight_feed>(end);
+    if (!bends) c.out.call<&Canon::straight_feed>(end);
   }
+  if (bends && !c.compensation.straight(end, code == 0)) return false;
   c.state.position = end;
   c.state.motion = code;
   return true;
 }
 
 bool probe(Core& c, const Block& b, int code) {
-  if (c.state.cutter_comp != 400)
-    return c.fail(0, "Write G40 before", "Cannot probe with cutter radius comp on");
   if (c.state.feed_mode == ProgramFeedMode::inverse_time)
     return c.fail(0, "Write G94 before", "Cannot probe in inverse time feed mode");
   if (c.state.feed == 0)

@@ -26,9 +26,6 @@ CanonFrame frame_of(const Core& c, int system) {
 }
 
 bool coord_system(Core& c, const Block&, int code) {
-  if (c.state.cutter_comp != 400)
-    return c.fail(0, "Write G40 before",
-                  "Cannot change coordinate systems with cutter radius compensation on");
   const int system = code <= 590 ? code / 10 - 53 : code - 590 + 6;
   // A system that is on already stays as it is, parameters written by hand included.
   if (system == c.state.coord_system) {
@@ -70,9 +67,9 @@ bool g10_system_word(Core& c, const Block& b, int l, int& system) {
     return c.fail('p', "P0 is the active system, P1 is G54, P9 is G59.3",
                   "P value out of range (0-9) with G10 L%d", l);
   if (system == 0) system = c.state.coord_system;
-  if (c.state.cutter_comp != 400)
+  if (c.state.cutter_comp != 400 && system == c.state.coord_system)
     return c.fail(0, "Write G40 before",
-                  "Cannot change coordinate systems with cutter radius compensation on");
+                  "Cannot change the active coordinate system with cutter radius compensation on");
   return true;
 }
 
@@ -94,7 +91,7 @@ bool g10_l20(Core& c, const Block& b) {
   if (b.has('r')) return c.fail('r', "Use G10 L2 for the rotation", "R not allowed in G10 L20");
   if (!g10_system_word(c, b, 20, system)) return false;
   CanonFrame f = frame_of(c, system);
-  const Pose machine = c.machine_position();
+  const Pose machine = c.state.frame.to_machine(c.tool_position());
   Pose wanted = f.to_program(machine);
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     if (b.has_axis(i)) wanted[i] = c.axis_word(b, i);
@@ -131,7 +128,7 @@ bool g10_tool(Core& c, const Block& b, int l) {
   } else {
     CanonFrame f = c.state.frame;
     if (l == 11) f = frame_of(c, 9), f.set_g92_offset({});
-    const Pose machine = c.machine_position();
+    const Pose machine = c.state.frame.to_machine(c.tool_position());
     f.use_tool_length_offset({});
     Pose wanted = f.to_program(machine);
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
@@ -171,9 +168,6 @@ bool g10(Core& c, const Block& b, int) {
 
 // By way of the point of the axis words; the axes named there (all without words) then go to the stored position.
 bool go_reference(Core& c, const Block& b, int code) {
-  if (c.state.cutter_comp != 400)
-    return c.fail(0, "Write G40 before",
-                  "Cannot use g28 or g30 with cutter radius compensation on");
   Pose between;
   if (!c.target(b, between)) return false;
   const Pose home = c.state.frame.to_program(
@@ -205,8 +199,6 @@ void apply_g92(Core& c, const Pose& offset, bool applied) {
 }
 
 bool g92(Core& c, const Block& b, int code) {
-  if (c.state.cutter_comp != 400)
-    return c.fail(0, "Write G40 before", "Cannot change axis offsets with cutter radius comp");
   const double unit = c.settings.machine_unit_mm;
   if (code == 922) {
     apply_g92(c, {}, false);

@@ -50,6 +50,7 @@ void default_work_offset(Core& c) {
 
 bool end_program(Core& c, int code) {
   ModalState& s = c.state;
+  if (!c.compensation.end_program(true)) return false;
   default_work_offset(c);
   if (s.plane_code != 170) {
     s.plane_code = 170;

@@ -64,7 +64,8 @@ bool run(Core& c, int g_code) {
 
 bool restore_geometry(Core& c, const ModalState& was, int tool_then) {
   ModalState& s = c.state;
-  if (s.cutter_comp != was.cutter_comp && !run(c, was.cutter_comp)) return false;
+  const bool comp_changes = s.cutter_comp != was.cutter_comp;
+  if (comp_changes && s.cutter_comp != 400 && !restore_compensation(c, 400)) return false;
   if (s.plane_code != was.plane_code && !run(c, was.plane_code)) return false;
   if (s.lathe_diameter != was.lathe_diameter && !run(c, was.lathe_diameter ? 70 : 80)) return false;
   // G43 without H is the length of the tool in the spindle, which may be another one now.
@@ -78,7 +79,9 @@ bool restore_geometry(Core& c, const ModalState& was, int tool_then) {
     c.out.call<&Canon::use_tool_length_offset>(f.tool());
   }
   constexpr int kSystemCodes[10] = {540, 540, 550, 560, 570, 580, 590, 591, 592, 593};
-  return s.coord_system == was.coord_system || run(c, kSystemCodes[was.coord_system]);
+  if (s.coord_system != was.coord_system && !run(c, kSystemCodes[was.coord_system])) return false;
+  // Last: while it is on the others must not change.
+  return !comp_changes || was.cutter_comp == 400 || restore_compensation(c, was.cutter_comp);
 }
 
 void restore_path(Core& c, const ModalState& was) {

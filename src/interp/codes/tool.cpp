@@ -59,15 +59,7 @@ bool tool_offset(Core& c, const Block& b, int code) {
   return true;
 }
 
-bool cutter_comp_off(Core& c, const Block&, int) {
-  c.state.cutter_comp = 400;
-  c.comment("interpreter: cutter radius compensation off");
-  return true;
-}
-
 bool change_tool(Core& c, const Block&, int) {
-  if (c.state.cutter_comp != 400)
-    return c.fail(0, "Write G40 before", "Cannot change tools with cutter radius compensation on");
   const int number = c.state.selected_tool < 0 ? 0 : c.state.selected_tool;
   c.out.call<&Canon::start_change>();
   for (int i = 0; i < c.settings.spindles; ++i) {
@@ -103,7 +95,6 @@ bool set_tool_number(Core& c, const Block& b, int) {
 }
 
 constexpr CodeRow kRows[] = {
-    {'g', 400, 400, 7, kOrderCutterComp, cutter_comp_off, 0, AxisUse::none},
     {'g', 430, 430, 8, kOrderToolOffset, tool_offset, letters("h"), AxisUse::none},
     {'g', 431, 431, 8, kOrderToolOffset, tool_offset, 0, AxisUse::optional},
     {'g', 432, 432, 8, kOrderToolOffset, tool_offset, letters("h"), AxisUse::optional},
