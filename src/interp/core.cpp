@@ -284,7 +284,6 @@ Outcome Core::next_repeat() {
 // --- execution ---
 
 bool Core::run_rows(const Block& b) {
-  if (state.cutter_comp != 400 && refused_by_compensation(*this, b)) return false;
   Steps steps;  // NOLINT(*-member-init): filled below
   const auto add = [&](std::int16_t order, int code, const CodeRow* r) {
     int at = steps.count++;
@@ -325,6 +324,9 @@ bool Core::run_steps(const Block& b, Steps& first, std::shared_ptr<RemapCall> ca
       }
     }
     ++steps->next;
+    if (state.cutter_comp != 400 && s.row != nullptr &&
+        refused_by_compensation(*this, b, s.row->letter, s.code))
+      return false;
     const bool ok = s.row != nullptr ? s.row->run(*this, b, s.code)
                     : s.code == 'f'  ? feed_word(b)
                     : s.code == 's'  ? speed_word(b)
@@ -426,6 +428,8 @@ bool Core::target(const Block& b, Pose& end) {
     end.y = radius * std::sin(angle * 3.14159265358979323846 / 180.0);
   }
   if (b.g53) {
+    if (state.cutter_comp != 400)
+      return fail(0, "Write G40 before", "Cannot use g53 with cutter radius comp");
     if (state.distance == DistanceMode::incremental)
       return fail(0, "Write G90 before G53", "Cannot use g53 incremental");
     // Axes that are not named stay; an offset rotation mixes X and Y, so go through machine coordinates.

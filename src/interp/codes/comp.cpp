@@ -91,6 +91,8 @@ struct Refusal {
   std::int16_t first, last;
   const char* text;
 };
+constexpr const char* kNoAnalogWait =
+    "Cannot wait for analog input with cutter radius compensation on";
 constexpr Refusal kRefusals[] = {
     {'g', 50, 51, "Cannot convert spline with cutter radius compensation"},
     {'g', 280, 280, "Cannot use g28 or g30 with cutter radius comp"},
@@ -100,9 +102,10 @@ constexpr Refusal kRefusals[] = {
     {'g', 380, 389, "Cannot probe with cutter radius comp on"},
     {'g', 430, 490, "Cannot change tool offset with cutter radius compensation on"},
     {'g', 520, 520, "Cannot change axis offsets with cutter radius comp"},
-    {'g', 530, 530, "Cannot use g53 with cutter radius comp"},
     {'g', 540, 593, "Cannot change coordinate systems with cutter radius compensation on"},
     {'g', 610, 640, "Cannot change control mode with cutter radius compensation on"},
+    {'g', 330, 330, "Cannot use g33 with cutter radius compensation on"},
+    {'g', 331, 331, "Cannot use g33.1 with cutter radius compensation on"},
     {'g', 730, 740, "Cannot use canned cycles with cutter compensation on"},
     {'g', 760, 760, "Cannot use G76 threading cycle with cutter radius compensation on"},
     {'g', 810, 890, "Cannot use canned cycles with cutter compensation on"},
@@ -113,30 +116,19 @@ constexpr Refusal kRefusals[] = {
     {'m', 49, 53, "Cannot disable overrides with cutter radius compensation on"},
     {'m', 62, 63, "Cannot set motion output with cutter radius compensation on"},
     {'m', 64, 65, "Cannot set auxiliary digital output with cutter radius compensation on"},
+    {'m', 66, 66, "Cannot wait for digital input with cutter radius compensation on"},
     {'m', 67, 67, "Cannot set motion analog output with cutter radius compensation on"},
     {'m', 68, 68, "Cannot set auxiliary analog output with cutter radius compensation on"},
 };
 
 }  // namespace
 
-bool refused_by_compensation(Core& c, const Block& b) {
-  for (int i = 0; i <= b.row_count; ++i) {
-    const auto n = static_cast<std::size_t>(i);
-    const bool modal = i == b.row_count;
-    if (modal && !b.motion_is_modal) break;
-    const char letter = modal ? 'g' : b.rows[n]->letter;
-    const int code = modal ? b.motion_code : b.codes[n];
-    if (letter == 'm' && code == 66) {
-      c.fail(0, "Write G40 before",
-             b.has('e') ? "Cannot wait for analog input with cutter radius compensation on"
-                        : "Cannot wait for digital input with cutter radius compensation on");
-      return true;
-    }
-    for (const Refusal& r : kRefusals) {
-      if (r.letter != letter || code < r.first || code > r.last) continue;
-      c.fail(0, "Write G40 before", "%s", r.text);
-      return true;
-    }
+bool refused_by_compensation(Core& c, const Block& b, char letter, int code) {
+  for (const Refusal& r : kRefusals) {
+    if (r.letter != letter || code < r.first || code > r.last) continue;
+    const bool analog = code == 66 && b.has('e');
+    c.fail(0, "Write G40 before", "%s", analog ? kNoAnalogWait : r.text);
+    return true;
   }
   return false;
 }

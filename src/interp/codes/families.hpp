@@ -23,8 +23,8 @@ mode_codes();  ///< planes, units, distance, feed mode, path, retract
 [[nodiscard]] std::span<const CodeRow> program_codes();  ///< M0-M2 M30 M60 M100-M199
 [[nodiscard]] std::span<const CodeRow> state_codes();    ///< M70-M73
 
-/// True after core.fail(): the block has a code that must not be used with compensation on.
-[[nodiscard]] bool refused_by_compensation(Core& c, const Block& b);
+/// True after core.fail(): the code must not be used with compensation on.
+[[nodiscard]] bool refused_by_compensation(Core& c, const Block& b, char letter, int code);
 /// M72: compensation as it was; the radius is that of the tool in the spindle.
 [[nodiscard]] bool restore_compensation(Core& c, int code);
 /// Refuses a missing feed. `what`: "g1", "arc"; `zero_feed`: the message for F0.

@@ -79,9 +79,6 @@ bool synchronised(Core& c, const Block& b, int code) {
                   "I word must be greater than 0 with g33.1");
   if (tap && (b.mask & letters("abcuvw")) != 0)
     return c.fail(0, "G33.1 moves X, Y and Z", "Cannot move rotary axes or UVW with g33.1");
-  if (c.state.cutter_comp != 400)
-    return c.fail(0, "Write G40 before", "Cannot use %s with cutter radius compensation on",
-                  tap ? "g33.1" : "g33");
   Pose end;
   if (!c.target(b, end)) return false;
   const double pitch = c.mm(b['k']);
@@ -231,8 +228,6 @@ bool thread(Core& c, const Block& b, int code) {
   if (!turning(c, t.spindle))
     return c.fail(0, "Write S and M3 or M4 before", "Chosen spindle (%d) not turning in G76",
                   t.spindle);
-  if (c.state.cutter_comp != 400)
-    return c.fail(0, "Write G40 before", "Cannot use g76 with cutter radius compensation on");
   Pose end;
   if (!c.target(b, end)) return false;
   const double across = c.state.lathe_diameter ? 0.5 : 1.0;
