@@ -94,7 +94,6 @@ struct Refusal {
 constexpr const char* kNoAnalogWait =
     "Cannot wait for analog input with cutter radius compensation on";
 constexpr Refusal kRefusals[] = {
-    {'g', 50, 51, "Cannot convert spline with cutter radius compensation"},
     {'g', 280, 280, "Cannot use g28 or g30 with cutter radius comp"},
     {'g', 281, 281, "Cannot set reference point with cutter compensation in effect"},
     {'g', 300, 300, "Cannot use g28 or g30 with cutter radius comp"},
