@@ -49,7 +49,8 @@ class LookPrograms : public testing::Test {
     return text.str();
   }
   static Outcome run(const std::string& command) {
-    std::FILE* pipe = ::popen((command + " 2>&1 </dev/null").c_str(), "r");
+    const bool piped = command.rfind("cat ", 0) == 0;
+    std::FILE* pipe = ::popen((command + " 2>&1" + (piped ? "" : " </dev/null")).c_str(), "r");
     Outcome out{-1, {}};
     char buffer[4096];
     while (const std::size_t n = std::fread(buffer, 1, sizeof buffer, pipe))
@@ -104,6 +105,15 @@ TEST_F(LookPrograms, GraphMakesPicturesOrSaysWhatIsMissing) {
   EXPECT_EQ(run(kBin + "halcmd graph --from good.hal -o x.svg").status, 0);
   EXPECT_THAT(read("x.svg"), HasSubstr("<svg"));
   EXPECT_THAT(read("x.svg"), HasSubstr("and2.0"));
+}
+
+TEST_F(LookPrograms, TheyAreCommandsOfAnInteractiveHalcmdToo) {
+  write("bad.hal", "loadrt adn2\n");
+  write("lines", std::string(kGood) + "graph\ncheck bad.hal\ngetp and2.0.in0\n");
+  const auto said = run("cat lines | " + kBin + "halrun -k -I");
+  EXPECT_THAT(said.text, HasSubstr("\"and2.0\":\"and2.0.out\":e"));
+  EXPECT_THAT(said.text, HasSubstr("bad.hal:1: error: no component 'adn2'"));
+  EXPECT_THAT(said.text, HasSubstr("\nTRUE\n"));
 }
 
 TEST_F(LookPrograms, GraphOfTheRunningHal) {

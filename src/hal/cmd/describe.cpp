@@ -7,8 +7,10 @@
 #include <new>
 #include <sstream>
 
+#include "hal/cmd/check.hpp"
 #include "hal/core/records.hpp"
 #include "hal/core/value_text.hpp"
+#include "hal/loader/c_parameters.hpp"
 #include "rtapi/clock/clock.hpp"
 
 namespace kerf::hal {
@@ -160,9 +162,7 @@ Result<std::unique_ptr<Describer::Recorder>> Describer::declare(const std::strin
     KERF_TRY(const Module* module, modules_.open(name));
     if (module->c_library != nullptr) {
       modules_.close(module);
-      return fail(Errc::bad_argument, "'" + name +
-                                          "' is written in C, and such components do not describe "
-                                          "themselves; load it and ask halcmd show pin");
+      return fail(Errc::bad_argument, "'" + name + "' is written in C");
     }
     auto recorder = std::make_unique<Recorder>(*this, *module, name);
     recorder->create();
@@ -185,7 +185,61 @@ void Describer::find_provider(const std::string& service) {
   }
 }
 
-Result<Declaration> Describer::describe(const std::string& name) {
+Result<Declaration> Describer::describe_c(const std::string& name,
+                                          const std::vector<std::string>& loadrt_words) {
+  Declaration d;
+  d.name = name;
+  d.summary = "component written in C";
+  d.singleton = true;  // count= and its like are parameters of its own, if it has them
+  KERF_TRY(const Module* module, modules_.open(name));
+  for (const auto& p : c_parameters(module->c_library)) {
+    const std::string what =
+        p.elements > 0 ? p.type + "s, up to " + std::to_string(p.elements) : p.type;
+    d.arguments.push_back(
+        {p.name, p.default_text,
+         p.description.empty() ? "(" + what + ")" : p.description + " (" + what + ")"});
+  }
+  modules_.close(module);
+  // Compilers put them into the module in any order.
+  std::sort(d.arguments.begin(), d.arguments.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
+  std::string line = "loadrt " + name;
+  for (const auto& word : loadrt_words) {
+    line += " " + word;
+    d.example += (d.example.empty() ? "" : " ") + word;
+  }
+  ScriptCheck load(modules_, nullptr);
+  load.run_text(line + "\n", name);
+  for (const auto& finding : load.finish()) {
+    if (finding.kind != "device" && finding.kind != "command") continue;
+    d.incomplete = finding.text + "; name the parameters that it needs, as for loadrt";
+    break;
+  }
+  const View& view = load.view();
+  std::set<std::string> own;  // of functions and threads: every one has them
+  for (const auto& function : view.functions()) {
+    d.functions.push_back({function.name, ""});
+    for (const char* item : {".time", ".tmax", ".tmax-increased"}) own.insert(function.name + item);
+  }
+  for (const auto& thread : view.threads()) {
+    d.threads.push_back({thread.name, thread.period_ns});
+    for (const char* item : {".time", ".tmax", ".threadbeat"}) own.insert(thread.name + item);
+  }
+  for (const auto& items : {view.pins(), view.params()}) {
+    for (const auto& item : items) {
+      if (own.count(item.name) == 0)
+        d.items.push_back({item.name, item.type, item.dir, item.raw, ""});
+    }
+  }
+  return d;
+}
+
+Result<Declaration> Describer::describe(const std::string& name,
+                                        const std::vector<std::string>& loadrt_words) {
+  KERF_TRY(const Module* module, modules_.open(name));
+  const bool in_c = module->c_library != nullptr;
+  modules_.close(module);
+  if (in_c) return describe_c(name, loadrt_words);
   KERF_TRY(const auto recorder, declare(name));
   return recorder->declaration();
 }
@@ -251,8 +305,11 @@ std::vector<ItemGroup> grouped(const Declaration& d, bool pins) {
       best.name = rest;
       const std::string m(width > 1 ? width : 1, 'M');
       best.name.replace(best.name.find('\0'), 1, m);
-      best.range = m + " from " + std::string(width - std::to_string(first).size(), '0') +
-                   std::to_string(first) + " to " + std::to_string(last);
+      const auto padded = [width = width](std::size_t n) {
+        const std::string digits = std::to_string(n);
+        return std::string(width - std::min(width, digits.size()), '0') + digits;
+      };
+      best.range = m + " from " + padded(first) + " to " + padded(last);
       best_members = members;
     }
     for (const std::size_t j : best_members) told[j] = true;

@@ -58,13 +58,17 @@ class Describer {
   Describer(const Describer&) = delete;
   Describer& operator=(const Describer&) = delete;
 
-  /// Nothing runs and no device is touched (Builder::declares_only). Components that this one needs are made too.
-  rtapi::Result<Declaration> describe(const std::string& name);
+  /// Nothing runs and no device is touched (Builder::declares_only). Components that this one needs are made too. One written in C
+  /// cannot declare itself: it is loaded into a HAL of its own, with the words of `loadrt` that are given, and what it made is told.
+  rtapi::Result<Declaration> describe(const std::string& name,
+                                      const std::vector<std::string>& loadrt_words = {});
 
  private:
   class Recorder;
   rtapi::Result<std::unique_ptr<Recorder>> declare(const std::string& name);
   void find_provider(const std::string& service);
+  rtapi::Result<Declaration> describe_c(const std::string& name,
+                                        const std::vector<std::string>& loadrt_words);
 
   ModuleSource& modules_;
   std::map<std::string, void*, std::less<>> services_;

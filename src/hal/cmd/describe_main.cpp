@@ -38,6 +38,12 @@ Status write_file(const std::string& path, const std::string& text) {
   return {};
 }
 
+/// A component, and the words that loadrt would have behind it.
+struct Wanted {
+  std::string name;
+  std::vector<std::string> words;
+};
+
 Status write_pages(const std::vector<std::string>& names, const Form& form,
                    const std::string& folder) {
   DlopenSource modules;
@@ -47,8 +53,17 @@ Status write_pages(const std::vector<std::string>& names, const Form& form,
     if (error) return fail(Errc::system, folder + ": " + error.message());
   }
   Describer describer(modules);
-  for (const auto& name : names.empty() ? modules.names() : names) {
-    const auto declaration = describer.describe(name);
+  std::vector<Wanted> wanted;
+  for (const auto& word : names.empty() ? modules.names() : names) {
+    if (word.find('=') == std::string::npos)
+      wanted.push_back({word, {}});
+    else if (!wanted.empty())
+      wanted.back().words.push_back(word);
+    else
+      return fail(Errc::bad_argument, word + ": a component comes before its parameters");
+  }
+  for (const auto& [name, words] : wanted) {
+    const auto declaration = describer.describe(name, words);
     if (!declaration.ok() && names.empty()) {
       rtapi::log_error(declaration.error());
       continue;
@@ -73,7 +88,8 @@ int describe_main(std::span<const std::string> words) {
   std::string folder;
   bool all = false;
   bool chosen[std::size(kForms)]{};
-  app.add_option("COMPONENT", names, "as loadrt takes it");
+  app.add_option("COMPONENT", names,
+                 "as loadrt takes it; one written in C may have its parameters behind it");
   app.add_flag("--all", all, "every component there is");
   app.add_option("-o", folder, "write a file for each into this folder");
   for (std::size_t i = 0; i < std::size(kForms); ++i)

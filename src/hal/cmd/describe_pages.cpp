@@ -177,7 +177,8 @@ std::string markdown_page(const Declaration& d) {
   }
   if (!d.functions.empty()) {
     out += "\n## Functions\n\n";
-    for (const auto& f : d.functions) out += "* `" + f.name + "`: " + f.doc + "\n";
+    for (const auto& f : d.functions)
+      out += "* `" + f.name + (f.doc.empty() ? "`" : "`: ") + f.doc + "\n";
   }
   out += markdown_items(d, true) + markdown_items(d, false);
   if (!d.example.empty())
@@ -209,7 +210,8 @@ std::string wrapped(const std::string& text, std::size_t indent) {
 }
 
 std::string text_entry(const std::string& first, const std::string& after, const std::string& doc) {
-  return "  " + first + (after.empty() ? "" : "  " + after) + "\n" + wrapped(doc, 6);
+  return "  " + first + (after.empty() ? "" : "  " + after) + "\n" +
+         (doc.empty() ? "" : wrapped(doc, 6));
 }
 
 }  // namespace

@@ -2,12 +2,18 @@
 
 #include <editline/readline.h>
 #include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -137,9 +143,35 @@ std::string history_file() {
   return home == nullptr || *home == '\0' ? std::string() : std::string(home) + "/.halcmd_history";
 }
 
+/// `check` and `graph` are done by another program, beside this one: they load components into a HAL of their own.
+std::optional<rtapi::Status> run_beside(std::span<const std::string> words) {
+  if (words[0] != "check" && words[0] != "graph") return std::nullopt;
+  std::error_code ignored;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  std::string program = (self.parent_path() / "hal").string();
+  std::vector<std::string> texts(words.begin(), words.end());
+  std::vector<char*> argv{program.data()};
+  for (auto& text : texts) argv.push_back(text.data());
+  argv.push_back(nullptr);
+  std::fflush(stdout);
+  pid_t pid = -1;
+  if (const int error =
+          ::posix_spawn(&pid, program.c_str(), nullptr, nullptr, argv.data(), environ);
+      error != 0)
+    return rtapi::fail(rtapi::Errc::not_found, program + ": " + std::strerror(error));
+  int status = 0;
+  while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  // It has said itself what is wrong.
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return rtapi::fail(rtapi::Errc::ok, "");
+  return rtapi::Status{};
+}
+
 }  // namespace
 
 bool run_interactive(Commander& commander) {
+  commander.set_interceptor([](std::span<const std::string> words, const std::string& /*file*/,
+                               int /*line*/) { return run_beside(words); });
   if (::isatty(STDIN_FILENO) == 0) return commander.run_file("-");
   completing = &commander;
   rl_readline_name = "halcmd";

@@ -91,6 +91,27 @@ Status set(const Parameter& p, const std::string& word, const std::string& text,
 
 }  // namespace
 
+std::vector<CParameter> c_parameters(void* library) {
+  std::vector<CParameter> out;
+  for (const auto& p : parameters(library)) {
+    CParameter& own = out.emplace_back();
+    own.name = p.name;
+    own.description = p.description == nullptr ? "" : p.description;
+    own.elements = p.count;
+    own.type = p.type == 's' ? "text" : "number";
+    if (p.count > 0) continue;
+    if (p.type == 's') {
+      const char* text = *static_cast<char**>(p.address);
+      own.default_text = text == nullptr ? "" : text;
+    } else if (p.type == 'l') {
+      own.default_text = std::to_string(*static_cast<long*>(p.address));
+    } else {
+      own.default_text = std::to_string(*static_cast<int*>(p.address));
+    }
+  }
+  return out;
+}
+
 Status set_c_parameters(void* library, std::span<const std::string> words,
                         std::vector<std::unique_ptr<char[]>>& texts) {
   const auto known = parameters(library);
