@@ -20,6 +20,11 @@ bool near_integer(double v, double& rounded) {
 }
 
 bool Core::build(const ParsedBlock& p, Block& b) {
+  return read_words(p, b) && assign(p) && choose_motion(b) && check_letters(b);
+}
+
+// Values of the words, and rows of the codes.
+bool Core::read_words(const ParsedBlock& p, Block& b) {
   b.mask = 0;
   b.row_count = 0;
   b.motion = nullptr;
@@ -43,7 +48,7 @@ bool Core::build(const ParsedBlock& p, Block& b) {
     b.at[w.letter] = w.at;
     if (!check_word(name, v)) return false;
   }
-  return assign(p) && choose_motion(b) && check_letters(b);
+  return true;
 }
 
 // What is wrong with a word whatever the codes are.

@@ -127,6 +127,7 @@ Outcome Core::execute_next() {
   if (flows.resume != nullptr) return resume_block();
   if (flows.skip.active) return continue_skip();
   if (flows.frames.empty()) return Outcome::idle;
+  if (flows.profile != nullptr) return profile_step();
   ParsedBlock* b = nullptr;
   const LineRead r = read_block(b);
   if (r == LineRead::bad) return Outcome::error;

@@ -196,7 +196,7 @@ class Core {
   [[nodiscard]] bool end_sub(const ParsedBlock& b, double value);
   [[nodiscard]] bool call_sub(ParsedBlock& b, Label label);
   [[nodiscard]] bool right_call(const FileAndPlace& where);
-  [[nodiscard]] bool find_and_enter(ParsedBlock& b, Label label);
+  [[nodiscard]] bool find_and_enter(const ParsedBlock& b, Label label);
   bool not_found(const char* help, std::string_view file);
   [[nodiscard]] Outcome run_numbered(ParsedBlock& b);
   [[nodiscard]] bool numbered_alone(const Block& b);
@@ -218,6 +218,10 @@ class Core {
   [[nodiscard]] ParsedBlock* cache_block(const ParsedBlock& b);
   void forget_blocks(std::uint32_t program);
 
+  // --- lathe cycles (codes/lathe.cpp) ---
+  /// G70-G72: begins to read the profile from its sub.
+  [[nodiscard]] bool begin_profile(const Block& b, int code);
+
   // --- remapped codes (remap_call.cpp) ---
   /// Bodies of remapped codes in progress: #<_remap_level>.
   [[nodiscard]] int remap_level() const;
@@ -236,6 +240,11 @@ class Core {
  private:
   [[nodiscard]] Outcome execute_block(ParsedBlock& b);
   [[nodiscard]] bool build(const ParsedBlock& p, Block& b);
+  [[nodiscard]] bool read_words(const ParsedBlock& p, Block& b);
+  /// One block of a profile's sub, or the cycle when the sub is done.
+  [[nodiscard]] Outcome profile_step();
+  [[nodiscard]] bool profile_move(const Block& b);
+  [[nodiscard]] Outcome run_profile();
   [[nodiscard]] bool add_code(Block& b, char letter, double value, int code);
   [[nodiscard]] bool undefined_name(std::uint32_t id, std::size_t at);
   [[nodiscard]] bool position_unknown(std::size_t at);

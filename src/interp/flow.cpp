@@ -162,6 +162,7 @@ Outcome Core::execute_mdi(std::string_view text) {
   for (Frame& f : flows.frames) f.link = nullptr;  // it may have been one of those subs
   flows.parked = std::move(flows.frames);
   flows.parked_resume = std::move(flows.resume);
+  flows.parked_profile = std::move(flows.profile);
   flows.frames.clear();
   flows.frames.emplace_back().first_loop = flows.loops.size();
   flows.mdi = true;
@@ -178,9 +179,11 @@ void Core::drop_frames() {
   flows.skip.active = false;
   flows.resume.reset();
   if (!flows.frames.empty()) flows.loops.resize(flows.frames[0].first_loop);
+  flows.profile.reset();
   if (flows.mdi) {
     flows.frames = std::move(flows.parked);
     flows.resume = std::move(flows.parked_resume);
+    flows.profile = std::move(flows.parked_profile);
     flows.parked.clear();
     flows.mdi = false;
     return;

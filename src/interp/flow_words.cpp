@@ -295,7 +295,7 @@ bool Core::call_sub(ParsedBlock& b, Label label) {
   return find_and_enter(b, label);
 }
 
-bool Core::find_and_enter(ParsedBlock& b, Label label) {
+bool Core::find_and_enter(const ParsedBlock& b, Label label) {
   Skip& s = flows.skip;
   s.label = label;
   if (const auto hit = flows.subs.find(label); hit != flows.subs.end())

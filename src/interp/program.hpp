@@ -42,6 +42,7 @@ class BlockCache {
 };
 
 struct RemapCall;
+struct ProfileReading;
 
 /// Labels of O-words remembered per file, to find one that is used twice; further ones are not checked.
 inline constexpr std::size_t kMostLabels = 50000;
@@ -161,6 +162,8 @@ struct Flows {
   std::shared_ptr<RemapCall> resume;  ///< a block whose remapped code is done: its rest comes next
   std::vector<Frame> parked;          ///< the main program while an MDI line runs
   std::shared_ptr<RemapCall> parked_resume;
+  std::shared_ptr<ProfileReading> profile;  ///< a lathe cycle that reads its sub
+  std::shared_ptr<ProfileReading> parked_profile;
   bool mdi{false};
 };
 

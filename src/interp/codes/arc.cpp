@@ -168,6 +168,17 @@ constexpr CodeRow kRows[] = {
 
 }  // namespace
 
+bool arc_center_xz(Core& c, const Block& b, std::array<double, 2> from, std::array<double, 2> to,
+                   bool ccw, double& center_z, double& center_x) {
+  const PlaneRow& p = kPlanes[static_cast<std::size_t>(Plane::xz)];
+  Flat f{from[0], from[1], to[0], to[1], 0, 0};
+  const bool center = b.has(p.c1) || b.has(p.c2);
+  if (!(center ? center_form(c, b, p, f) : radius_form(c, b, ccw, f))) return false;
+  center_z = f.c1;
+  center_x = f.c2;
+  return true;
+}
+
 std::span<const CodeRow> arc_codes() { return kRows; }
 
 }  // namespace kerf::interp

@@ -1,6 +1,7 @@
 // The families of codes: each file lists its rows and defines their handlers.
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "interp/core.hpp"
@@ -19,6 +20,7 @@ mode_codes();  ///< planes, units, distance, feed mode, path, retract
 [[nodiscard]] std::span<const CodeRow> comp_codes();     ///< G40 G41 G42 G41.1 G42.1
 [[nodiscard]] std::span<const CodeRow> spindle_codes();  ///< G96 G97 M3-M5 M19
 [[nodiscard]] std::span<const CodeRow> thread_codes();   ///< G33 G33.1 G76
+[[nodiscard]] std::span<const CodeRow> lathe_codes();    ///< G70 G71 G72
 [[nodiscard]] std::span<const CodeRow> io_codes();       ///< M7-M9 M48-M53 M62-M68
 [[nodiscard]] std::span<const CodeRow> program_codes();  ///< M0-M2 M30 M60 M100-M199
 [[nodiscard]] std::span<const CodeRow> state_codes();    ///< M70-M73
@@ -27,6 +29,10 @@ mode_codes();  ///< planes, units, distance, feed mode, path, retract
 [[nodiscard]] bool refused_by_compensation(Core& c, const Block& b, char letter, int code);
 /// M72: compensation as it was; the radius is that of the tool in the spindle.
 [[nodiscard]] bool restore_compensation(Core& c, int code);
+/// Centre of an arc in the ZX plane from its I and K (G90.1, G91.1) or R word; s is Z, h is X.
+[[nodiscard]] bool arc_center_xz(Core& c, const Block& b, std::array<double, 2> from,
+                                 std::array<double, 2> to, bool ccw, double& center_z,
+                                 double& center_x);
 /// Refuses a missing feed. `what`: "g1", "arc"; `zero_feed`: the message for F0.
 [[nodiscard]] bool check_feed(Core& c, const Block& b, const char* what, const char* zero_feed);
 /// In G93: the feed of this move, from its length in mm, else in degrees.

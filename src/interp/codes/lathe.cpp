@@ -1,0 +1,329 @@
+// G70, G71-G71.2, G72-G72.2: lathe cycles on a profile in a sub. Manual: "G70 Lathe finishing cycle",
+// "G71 G72 Lathe roughing cycles".
+//
+// The sub is interpreted with its expressions, loops and calls, but of its blocks only the moves count (G0-G3 with X Z U W,
+// I K R, and the corners A and C). So every check of the profile comes before the first canonical call of the cycle.
+#include <cmath>
+
+#include "interp/codes/families.hpp"
+#include "interp/lathe/passes.hpp"
+#include "interp/lathe/reading.hpp"
+
+namespace kerf::interp {
+
+namespace {
+
+using lathe::Move;
+using lathe::Path;
+using lathe::Point;
+
+/// A profile has no more moves; more are a loop without an end.
+constexpr std::size_t kMostProfileMoves = 10000;
+constexpr int kMostFinishingPasses = 1000;
+
+constexpr bool facing(int code) { return code >= 720; }
+constexpr bool finishing(int code) { return code == 700; }
+
+/// Turns (s, h) of a path that runs forward, above the part, into Z and X (and back). Facing swaps the axes.
+struct Orientation {
+  bool swap{false};
+  double s{1}, h{1};
+
+  [[nodiscard]] Point from_zx(Point p) const {
+    return swap ? Point{p.h * s, p.s * h} : Point{p.s * s, p.h * h};
+  }
+  [[nodiscard]] Point to_zx(Point p) const {
+    return swap ? Point{p.h * h, p.s * s} : Point{p.s * s, p.h * h};
+  }
+  [[nodiscard]] bool mirrors() const { return swap != (s * h < 0); }
+  [[nodiscard]] Path from_zx(const Path& moves) const {
+    Path out = moves;
+    for (Move& m : out) {
+      m.from = from_zx(m.from);
+      m.to = from_zx(m.to);
+      m.center = from_zx(m.center);
+      if (mirrors()) m.ccw = !m.ccw;
+    }
+    return out;
+  }
+};
+
+/// Makes canonical moves of the cycle's.
+class CycleTool final : public lathe::Tool {
+ public:
+  CycleTool(Core& c, const Orientation& o) : c_(c), o_(o) {}
+  void rapid(Point to) override {
+    place(to);
+    c_.out.call<&Canon::straight_traverse>(c_.state.position);
+  }
+  void feed(Point to) override {
+    place(to);
+    c_.out.call<&Canon::straight_feed>(c_.state.position);
+  }
+  void arc(const Move& m) override {
+    place(m.to);
+    const Point center = o_.to_zx(m.center);
+    Arc a;
+    a.end = c_.state.position;
+    a.center = {center.h, 0, center.s};
+    a.plane = Plane::xz;
+    a.turns = m.ccw != o_.mirrors() ? 1 : -1;
+    c_.out.call<&Canon::arc_feed>(a);
+  }
+
+ private:
+  void place(Point p) {
+    const Point zx = o_.to_zx(p);
+    c_.state.position.z = zx.s;
+    c_.state.position.x = zx.h;
+  }
+  Core& c_;
+  const Orientation& o_;
+};
+
+/// Direction of the profile along its axis, and the side on which the cycle begins.
+Orientation orientation(const Path& moves, Point start, bool swap) {
+  Orientation o;
+  o.swap = swap;
+  const Point first = o.from_zx(moves.front().from), last = o.from_zx(moves.back().to);
+  const Point from = o.from_zx(start);
+  if (last.s < first.s) o.s = -1;
+  const double above =
+      std::fabs(from.h - first.h) > lathe::kNothing ? from.h - first.h : from.h - last.h;
+  if (above < 0) o.h = -1;
+  return o;
+}
+
+bool not_monotonic(Core& c, const char* axis) {
+  return c.fail(0, axis, "G7X error: Not monotonic");
+}
+
+/// The profile without the way to it, corners rounded; Z and X.
+bool rounded_profile(Core& c, const ProfileReading& p, Path& profile) {
+  if (p.moves.size() < 2)
+    return c.fail('q', "The sub needs at least two moves: to the profile, and along it",
+                  "G7X error: The profile has no moves");
+  auto rounded = lathe::round_corners(p.moves);
+  if (!rounded)
+    return not_monotonic(c, "A fillet or chamfer (A, C) is too large for the moves beside it");
+  profile = std::move(*rounded);
+  profile.erase(profile.begin());
+  if (profile.empty())
+    return c.fail('q', "All moves of the sub end at the same point",
+                  "G7X error: The profile has no moves");
+  return true;
+}
+
+bool finish(Core& c, const ProfileReading& p, const Path& profile) {
+  const Point start{p.start.z, p.start.x};
+  Orientation o = orientation(profile, start, false);
+  Path path = o.from_zx(profile);
+  if (!lathe::runs_forward(path)) {
+    o = orientation(profile, start, true);
+    path = o.from_zx(profile);
+    if (!lathe::runs_forward(path))
+      return not_monotonic(c, "Z or X of the profile must not turn back on the way");
+  }
+  const Block& b = p.block;
+  const double from = c.mm(b.get('d', 0)), to = c.mm(b.get('e', 0));
+  const double passes = std::nearbyint(b.get('p', 1));
+  const Point begin = o.from_zx(start);
+  CycleTool tool(c, o);
+  tool.rapid(begin);
+  for (double pass = passes; pass >= 1; --pass) {
+    const Path way = lathe::allowance(path, (pass - 1) * (from - to) / passes + to);
+    // Down to the profile from beside its beginning, never slanting over it.
+    tool.rapid({std::min(begin.s, way.front().from.s), begin.h});
+    tool.rapid(way.front().from);
+    lathe::follow(way, tool);
+    const Point end = way.back().to;
+    if (pass < 2) break;
+    if (!lathe::clear_of(way, end, begin)) tool.rapid({end.s, std::max(begin.h, end.h)});
+    if (begin.s > way.front().from.s) tool.rapid(begin);
+  }
+  return true;
+}
+
+bool rough(Core& c, const ProfileReading& p, const Path& profile) {
+  const Block& b = p.block;
+  const Point start{p.start.z, p.start.x};
+  const Orientation o = orientation(profile, start, facing(p.code));
+  const Path path = o.from_zx(profile);
+  if (!lathe::runs_forward(path))
+    return not_monotonic(c, facing(p.code) ? "X of the profile must not turn back on the way"
+                                           : "Z of the profile must not turn back on the way");
+  lathe::Roughing cycle;
+  cycle.start = o.from_zx(start);
+  cycle.cut = c.mm(b.get('i', 1));
+  cycle.retract = c.mm(b.get('r', 0.5));
+  cycle.pockets = p.code % 10 == 0   ? lathe::Pockets::all
+                  : p.code % 10 == 1 ? lathe::Pockets::none
+                                     : lathe::Pockets::only;
+  CycleTool tool(c, o);
+  tool.rapid(cycle.start);
+  if (!lathe::rough(lathe::allowance(path, c.mm(b.get('d', 0))), cycle, tool))
+    return c.fail('i', "Write a larger I", "G7X error: More than %d moves", lathe::kMostMoves);
+  return true;
+}
+
+bool check_cycle(Core& c, const Block& b, int code, int& sub) {
+  const int g = code / 10, tenth = code % 10;
+  if (c.state.plane_code != 180)
+    return c.fail(0, "Write G18 before", "G%d.%d can only be used in XZ plane (G18)", g, tenth);
+  if (c.state.cutter_comp != 400)
+    return c.fail(0, "Write G40 before", "G%d.%d cannot be used with cutter compensation enabled",
+                  g, tenth);
+  if (!b.has('q'))
+    return c.fail(0, "Write Q with the number of the sub that has the profile",
+                  "G7x.x  requires a Q word");
+  if (!c.integer(b, 'q', 0, sub)) return false;
+  if (sub < 0) return c.fail('q', "", "Bad format unsigned integer");
+  if (b.get('i', 1) <= 0)
+    return c.fail('i', "I is the depth of one cut", "G7X error: I must be greater than zero.");
+  for (const char word : {'d', 'e', 'r'}) {
+    if (b.get(word, 0) < 0)
+      return c.fail(word, "", "G7X error: %c must not be negative.", static_cast<char>(word - 32));
+  }
+  int passes = 1;
+  if (!c.integer(b, 'p', 1, passes)) return false;
+  if (passes < 1 || passes > kMostFinishingPasses)
+    return c.fail('p', "P is the number of passes", "G7X error: P must be between 1 and %d.",
+                  kMostFinishingPasses);
+  if (b.code_of('m', 4) >= 0)
+    return c.fail(0, "Write the M code on a line of its own",
+                  "G%d.%d cannot be used with M0, M1, M2, M30 or M60", g, tenth);
+  if (c.state.feed_mode == ProgramFeedMode::inverse_time)
+    return c.fail(0, "Write G94 before", "F word missing with inverse time g1 move");
+  return check_feed(c, b, "g1", "Cannot do g1 with zero feed rate");
+}
+
+bool cycle(Core& c, const Block& b, int code) { return c.begin_profile(b, code); }
+
+constexpr CodeRow kRows[] = {
+    {'g', 700, 700, 1, kOrderMotion, cycle, letters("qdep"), AxisUse::optional},
+    {'g', 710, 712, 1, kOrderMotion, cycle, letters("qdir"), AxisUse::optional},
+    {'g', 720, 722, 1, kOrderMotion, cycle, letters("qdir"), AxisUse::optional},
+};
+
+}  // namespace
+
+std::span<const CodeRow> lathe_codes() { return kRows; }
+
+bool Core::begin_profile(const Block& b, int code) {
+  if (flows.profile != nullptr)
+    return fail(0, "", "G7X error: a cycle cannot begin inside a profile");
+  int sub = 0;
+  if (current == nullptr || !check_cycle(*this, b, code, sub)) return false;
+  auto p = std::make_shared<ProfileReading>();
+  if (!target(b, p->start)) return false;
+  p->code = code;
+  p->block = b;
+  p->block.source = nullptr;
+  p->source.file_id = block_program_;
+  p->source.line = current->place.line + 1;
+  p->source.sequence = current->sequence;
+  p->source.call_level = block_level_;
+  p->file = flows.programs[block_program_].path;
+  p->text = current->text;
+  p->level = flows.frames.size();
+  p->at = {p->start.z, p->start.x};
+  p->motion = state.motion <= 30 ? state.motion : 10;
+  flows.skip.begin_call();
+  if (!find_and_enter(*current, flows.labels.number(sub))) return false;
+  flows.profile = std::move(p);
+  return true;
+}
+
+Outcome Core::profile_step() {
+  if (flows.frames.size() <= flows.profile->level) return run_profile();
+  ParsedBlock* b = nullptr;
+  const LineRead r = read_block(b);
+  Outcome o = Outcome::error;
+  if (r == LineRead::line) {
+    if (b->skip && block_delete) return Outcome::ok;
+    begin_block();
+    current = b;
+    if (b->flow != Flow::none) {
+      o = run_flow(*b);
+    } else if (read_words(*b, block_) && assign(*b) && store(*b) && profile_move(block_)) {
+      o = Outcome::ok;
+    } else {
+      undo_block();
+    }
+  } else if (r != LineRead::bad) {
+    o = read_problem(r);
+  }
+  if (o == Outcome::error && flows.profile != nullptr) {
+    while (flows.frames.size() > flows.profile->level) leave_sub(false, 0);
+    flows.profile.reset();
+  }
+  return o;
+}
+
+bool Core::profile_move(const Block& b) {
+  ProfileReading& p = *flows.profile;
+  const int code = b.code_of('g', 1);
+  if (code >= 0 && code != 0 && code != 10 && code != 20 && code != 30) return true;
+  if (code >= 0) p.motion = code;
+  if (!b.has('x') && !b.has('z') && !b.has('u') && !b.has('w')) return true;
+  for (const auto& [absolute, step] : {std::pair{'x', 'u'}, std::pair{'z', 'w'}}) {
+    if (b.has(absolute) && b.has(step))
+      return fail(step, "Use either", "G7x error: Cannot use %c and %c in the same block",
+                  static_cast<char>(step - 32), static_cast<char>(absolute - 32));
+  }
+  if (b.has('a') && b.has('c'))
+    return fail('c', "A is a fillet, C a chamfer: use either",
+                "G7X error: Both A and C parameters on a corner");
+  if (p.moves.size() == kMostProfileMoves)
+    return fail(0, "Look for a loop without an end", "G7X error: More than %d moves in the profile",
+                static_cast<int>(kMostProfileMoves));
+  const bool incremental = state.distance == DistanceMode::incremental;
+  const double across = state.lathe_diameter ? 0.5 : 1.0;
+  Move m;
+  m.from = m.to = p.at;
+  if (b.has('x')) m.to.h = mm(b['x']) * across + (incremental ? p.at.h : 0);
+  if (b.has('u')) m.to.h += mm(b['u']) * across;
+  if (b.has('z')) m.to.s = mm(b['z']) + (incremental ? p.at.s : 0);
+  if (b.has('w')) m.to.s += mm(b['w']);
+  m.chamfer = b.has('c');
+  m.corner = std::fabs(mm(b.get(m.chamfer ? 'c' : 'a', 0)));
+  m.arc = p.motion >= 20 && !p.moves.empty();  // the first move leads to the profile
+  if (m.arc) {
+    if (!b.has('i') && !b.has('k') && !b.has('r'))
+      return fail(0, "Write the centre (I, K) or the radius (R)",
+                  "G7X error: either I or K must be present for arc");
+    m.ccw = p.motion == 30;
+    if (!arc_center_xz(*this, b, {m.from.s, m.from.h}, {m.to.s, m.to.h}, m.ccw, m.center.s,
+                       m.center.h))
+      return false;
+  }
+  p.at = m.to;
+  p.moves.push_back(m);
+  return true;
+}
+
+// The sub is read: the cycle itself, as a block of its line.
+Outcome Core::run_profile() {
+  const std::shared_ptr<ProfileReading> p = std::exchange(flows.profile, nullptr);
+  begin_block();
+  current = nullptr;
+  state.line = p->source.line;
+  Path profile;
+  const bool good = rounded_profile(*this, *p, profile) &&
+                    (finishing(p->code) ? finish(*this, *p, profile) : rough(*this, *p, profile));
+  if (!good) {
+    undo_block();
+    error.file = p->file;
+    error.source = p->text;
+    error.line = p->source.line;
+    return Outcome::error;
+  }
+  state.motion = 10;
+  SourceLine source = p->source;
+  source.file = p->file;
+  source.text = p->text;
+  out.deliver(canon, source);
+  return Outcome::ok;
+}
+
+}  // namespace kerf::interp
