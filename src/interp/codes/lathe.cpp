@@ -65,7 +65,7 @@ class CycleTool final : public lathe::Tool {
     const Point center = o_.to_zx(m.center);
     Arc a;
     a.end = c_.state.position;
-    a.center = {center.h, 0, center.s};
+    a.center = {no_dust(center.h), 0, no_dust(center.s)};
     a.plane = Plane::xz;
     a.turns = m.ccw != o_.mirrors() ? 1 : -1;
     c_.out.call<&Canon::arc_feed>(a);
@@ -74,9 +74,11 @@ class CycleTool final : public lathe::Tool {
  private:
   void place(Point p) {
     const Point zx = o_.to_zx(p);
-    c_.state.position.z = zx.s;
-    c_.state.position.x = zx.h;
+    c_.state.position.z = no_dust(zx.s);
+    c_.state.position.x = no_dust(zx.h);
   }
+  /// Sums that should be 0 but are not quite would be shown as -0.
+  static double no_dust(double v) { return std::fabs(v) < lathe::kNothing ? 0.0 : v; }
   Core& c_;
   const Orientation& o_;
 };
@@ -114,6 +116,17 @@ bool rounded_profile(Core& c, const ProfileReading& p, Path& profile) {
   return true;
 }
 
+/// What the tool follows at this distance. Error: it cannot, or cannot get to its beginning.
+bool way_beside(Core& c, const Path& path, double distance, Point start, Path& way) {
+  way = lathe::allowance(path, distance);
+  if (way.empty())
+    return c.fail('d', "Write a smaller D", "G7X error: The profile is too narrow for D");
+  const double begin = way.front().from.s;
+  if (start.s <= begin || lathe::clear_of(way, {begin, start.h}, start)) return true;
+  return c.fail(0, "Begin further away, beside the beginning of the profile",
+                "G7X error: The cycle begins inside the part");
+}
+
 bool finish(Core& c, const ProfileReading& p, const Path& profile) {
   const Point start{p.start.z, p.start.x};
   Orientation o = orientation(profile, start, false);
@@ -129,16 +142,21 @@ bool finish(Core& c, const ProfileReading& p, const Path& profile) {
   const double passes = std::nearbyint(b.get('p', 1));
   const Point begin = o.from_zx(start);
   CycleTool tool(c, o);
+  Path way;
   tool.rapid(begin);
   for (double pass = passes; pass >= 1; --pass) {
-    const Path way = lathe::allowance(path, (pass - 1) * (from - to) / passes + to);
+    if (!way_beside(c, path, (pass - 1) * (from - to) / passes + to, begin, way)) return false;
     // Down to the profile from beside its beginning, never slanting over it.
     tool.rapid({std::min(begin.s, way.front().from.s), begin.h});
     tool.rapid(way.front().from);
     lathe::follow(way, tool);
     const Point end = way.back().to;
     if (pass < 2) break;
-    if (!lathe::clear_of(way, end, begin)) tool.rapid({end.s, std::max(begin.h, end.h)});
+    if (!lathe::clear_of(way, end, begin)) {
+      const double top = std::max(begin.h, lathe::highest(way));
+      tool.rapid({end.s, top});
+      if (top > begin.h) tool.rapid({std::min(begin.s, way.front().from.s), top});
+    }
     if (begin.s > way.front().from.s) tool.rapid(begin);
   }
   return true;
@@ -159,9 +177,11 @@ bool rough(Core& c, const ProfileReading& p, const Path& profile) {
   cycle.pockets = p.code % 10 == 0   ? lathe::Pockets::all
                   : p.code % 10 == 1 ? lathe::Pockets::none
                                      : lathe::Pockets::only;
+  Path way;
+  if (!way_beside(c, path, c.mm(b.get('d', 0)), cycle.start, way)) return false;
   CycleTool tool(c, o);
   tool.rapid(cycle.start);
-  if (!lathe::rough(lathe::allowance(path, c.mm(b.get('d', 0))), cycle, tool))
+  if (!lathe::rough(way, cycle, tool))
     return c.fail('i', "Write a larger I", "G7X error: More than %d moves", lathe::kMostMoves);
   return true;
 }

@@ -227,6 +227,17 @@ bool rough(const Path& path, const Roughing& cycle, Tool& tool) {
   return Rougher(path, cycle, tool).run();
 }
 
+namespace {
+/// Height of one move over s; where it is vertical the highest.
+double height_on(const Move& m, double s) {
+  if (m.to.s - m.from.s < kNothing) return std::max(m.from.h, m.to.h);
+  if (!m.arc) return m.from.h + (m.to.h - m.from.h) * (s - m.from.s) / (m.to.s - m.from.s);
+  const double r = radius_of(m), d = s - m.center.s;
+  const double y = std::sqrt(std::max(0.0, r * r - d * d));
+  return m.center.h + (m.ccw ? -y : y);
+}
+}  // namespace
+
 bool clear_of(const Path& path, Point a, Point b) {
   if (a.s > b.s) std::swap(a, b);
   const auto line = [&](double s) {
@@ -235,10 +246,20 @@ bool clear_of(const Path& path, Point a, Point b) {
   for (const Move& m : path) {
     const double from = std::max(m.from.s, a.s), to = std::min(m.to.s, b.s);
     if (from > to) continue;
-    const double highest = std::max({m.from.h, m.to.h, falling(m).from.h, rising(m).to.h});
-    if (highest > std::min(line(from), line(to)) + kNothing) return false;
+    const double left = height_on(m, from), right = height_on(m, to);
+    if (left > line(from) + kNothing || right > line(to) + kNothing) return false;
+    // Between the ends an arc may stand higher.
+    const bool over_top = m.arc && !m.ccw && from < m.center.s && m.center.s < to;
+    const double top = over_top ? m.center.h + radius_of(m) : std::max(left, right);
+    if (m.arc && !m.ccw && top > std::min(line(from), line(to)) + kNothing) return false;
   }
   return true;
+}
+
+double highest(const Path& path) {
+  double top = path.front().from.h;
+  for (const Move& m : path) top = std::max({top, m.to.h, falling(m).from.h});
+  return top;
 }
 
 void follow(const Path& path, Tool& tool) {

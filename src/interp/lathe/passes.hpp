@@ -38,8 +38,10 @@ struct Roughing {
 /// layer higher than `cut`. False: more than kMostMoves, the tool has got a part of them.
 [[nodiscard]] bool rough(const Path& path, const Roughing& cycle, Tool& tool);
 
-/// The straight way from a to b stays above the path. May say no though it does, where the path slopes along it.
+/// The straight way from a to b stays above the path. May say no where an arc of the path bulges towards a slope.
 [[nodiscard]] bool clear_of(const Path& path, Point a, Point b);
+
+[[nodiscard]] double highest(const Path& path);
 
 /// Follows the path from its beginning, where the tool stands.
 void follow(const Path& path, Tool& tool);

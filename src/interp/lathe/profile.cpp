@@ -208,6 +208,7 @@ Path allowance(const Path& moves, double distance) {
   const Point n1 = normal(moves.back(), moves.back().to);
   const Point start{moves.front().from.s + n0.s * distance, moves.front().from.h + n0.h * distance};
   const Point end{moves.back().to.s + n1.s * distance, moves.back().to.h + n1.h * distance};
+  if (end.s - start.s < kNothing) return {};
   Path path;
   path.push_back({start, start});  // the place to append to
   for (const Span& whole : e.spans()) {

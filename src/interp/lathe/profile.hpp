@@ -43,7 +43,7 @@ using Path = std::vector<Move>;
 
 /// The way of a tool that leaves `distance` (not negative) on the profile, as a path that runs forward. `moves` must run
 /// forward. Where the profile is too narrow for the distance, the way stays outside; it begins and ends
-/// beside the ends of the profile.
+/// beside the ends of the profile. Empty: the profile is too narrow for the distance everywhere.
 [[nodiscard]] Path allowance(const Path& moves, double distance);
 
 /// Height of a path that runs forward at s: the highest point where it is vertical.
