@@ -180,7 +180,7 @@ class Rougher {
         at = layers(i, down, base);
       }
       along(m, at, m.to);
-      highest = std::max(highest, m.to.h);
+      if (i >= open) highest = std::max(highest, m.to.h);
     }
   }
 
