@@ -161,6 +161,17 @@ bool arc(Core& c, const Block& b, int code) {
   return true;
 }
 
+bool center_xz(Core& c, const Block& b, std::array<double, 2> from, std::array<double, 2> to,
+               bool ccw, double& center_z, double& center_x) {
+  const PlaneRow& p = kPlanes[static_cast<std::size_t>(Plane::xz)];
+  Flat f{from[0], from[1], to[0], to[1], 0, 0};
+  const bool center = b.has(p.c1) || b.has(p.c2);
+  if (!(center ? center_form(c, b, p, f) : radius_form(c, b, ccw, f))) return false;
+  center_z = f.c1;
+  center_x = f.c2;
+  return true;
+}
+
 constexpr CodeRow kRows[] = {
     {'g', 20, 20, 1, kOrderMotion, arc, letters("ijkrp"), AxisUse::optional},
     {'g', 30, 30, 1, kOrderMotion, arc, letters("ijkrp"), AxisUse::optional},
@@ -170,13 +181,7 @@ constexpr CodeRow kRows[] = {
 
 bool arc_center_xz(Core& c, const Block& b, std::array<double, 2> from, std::array<double, 2> to,
                    bool ccw, double& center_z, double& center_x) {
-  const PlaneRow& p = kPlanes[static_cast<std::size_t>(Plane::xz)];
-  Flat f{from[0], from[1], to[0], to[1], 0, 0};
-  const bool center = b.has(p.c1) || b.has(p.c2);
-  if (!(center ? center_form(c, b, p, f) : radius_form(c, b, ccw, f))) return false;
-  center_z = f.c1;
-  center_x = f.c2;
-  return true;
+  return center_xz(c, b, from, to, ccw, center_z, center_x);
 }
 
 std::span<const CodeRow> arc_codes() { return kRows; }

@@ -37,7 +37,7 @@ const Dialect& linuxcnc_dialect() {
   static const std::array<std::span<const CodeRow>, 14> families = {
       motion_codes(), arc_codes(),     cycle_codes(), mode_codes(),    offset_codes(),
       tool_codes(),   spindle_codes(), io_codes(),    program_codes(), state_codes(),
-      thread_codes(), spline_codes(),  comp_codes(),    lathe_codes(),
+      thread_codes(), spline_codes(),  comp_codes(),  lathe_codes(),
   };
   static const Dialect dialect{"linuxcnc", families, kLetterRows, true,        true,
                                199,        999,      10,          kLongestLine};
