@@ -159,7 +159,7 @@ bool Core::position_unknown(std::size_t at) {
 
 bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
   double stack[kStack];
-  double* top = stack - 1;  // the last operand
+  double* top = stack;  // the last operand; the first place stays empty
   const ExprOp* op = b.ops.data() + e.first;
   for (const ExprOp* const end = op + e.count; op != end; ++op) {
     if (top >= stack + kStack - 1) return fail_at(op->at, "", "Expression nested too deeply");
@@ -226,7 +226,7 @@ bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
       return fail_at(op->at, "", "%s", why);
     }
   }
-  value = top >= stack ? *top : 0;
+  value = top > stack ? *top : 0;
   if (!std::isfinite(value))
     return fail_at(b.ops[e.first].at, "The values lead to no number that can be used",
                    "Calculation resulted in '%s'", std::isnan(value) ? "not a number" : "infinity");
