@@ -58,7 +58,8 @@ PURE = r"src/(motion/(api|core)|interp)/"
 OS_HEADERS = (r"(thread|mutex|shared_mutex|condition_variable|future|chrono|semaphore|pthread\.h|sched\.h|unistd\.h|fcntl\.h"
               r"|signal\.h|csignal|time\.h|ctime|poll\.h|sys/.*)$")
 # interp reads its files itself (pread), so plain file calls are its own.
-PURE_EXCEPTIONS = [(r"src/interp/", r"(unistd\.h|fcntl\.h|sys/stat\.h|sys/types\.h|ctime)$")]
+PURE_EXCEPTIONS = [(r"src/interp/python/", r"(thread|mutex|condition_variable|chrono)$"),  # embedded Python has its own thread
+                   (r"src/interp/", r"(unistd\.h|fcntl\.h|sys/stat\.h|sys/types\.h|ctime)$")]
 # Realtime arithmetic does no stream or stdio at all.
 RT_PURE = r"(src/motion/(core|motmod)|components)/"
 IO_HEADERS = r"(iostream|fstream|sstream|ostream|istream|iomanip|cstdio|stdio\.h|regex|filesystem)$"

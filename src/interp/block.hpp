@@ -117,7 +117,8 @@ enum class CommentKind : std::uint8_t {
   log_open,
   log_append,
   log_close,
-  abort
+  abort,
+  script
 };
 
 /// Place of a line in a file.

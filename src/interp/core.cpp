@@ -7,6 +7,7 @@
 
 #include "interp/codes/families.hpp"
 #include "interp/flow_internal.hpp"
+#include "interp/script_self.hpp"
 
 namespace kerf::interp {
 
@@ -16,6 +17,7 @@ Core::Core(Environment& environment, Canon& sink, const Settings& config, const 
       settings(config),
       dialect(rows),
       compat(compat_row(config.compat)),
+      scripts(environment.scripts()),
       parser_(rows, params, flows.labels) {
   for (const auto& family : dialect.families) {
     for (const CodeRow& r : family) {
@@ -122,7 +124,9 @@ void Core::undo_block() {
   compensation.undo();
 }
 
-Outcome Core::execute_next() {
+Outcome Core::execute_next() { return attached_ ? execute_scripted() : execute_one(); }
+
+Outcome Core::execute_one() {
   if (repeats.left > 0) return next_repeat();
   if (flows.resume != nullptr) return resume_block();
   if (flows.skip.active) return continue_skip();
@@ -157,6 +161,11 @@ Outcome Core::read_problem(LineRead r) {
 }
 
 Outcome Core::end_of_file() {
+  if (flows.frames.back().phase == ScriptPhase::execute) {
+    leave_sub(false, 0);
+    answer_ = {};
+    return Outcome::ok;
+  }
   if (flows.mdi && flows.frames.size() == 1) {
     drop_frames();
     return Outcome::idle;
@@ -556,6 +565,12 @@ void Core::init() {
   out.call<&Canon::set_g92_offset>(f.g92());
   out.call<&Canon::set_xy_rotation>(f.rotation_deg());
   out.call<&Canon::set_feed_reference>();
+  out.deliver(canon, {});
+  if (scripts == nullptr || attached_) return;
+  if (self_ == nullptr) self_ = std::make_unique<CoreSelf>(*this);
+  script_problem_ = scripts->attach(*self_);
+  attached_ = script_problem_.empty();
+  if (!attached_) env.warning(script_problem_);
   out.deliver(canon, {});
 }
 

@@ -21,6 +21,7 @@
 #include "interp/parser.hpp"
 #include "interp/predefined.hpp"
 #include "interp/program.hpp"
+#include "interp/script.hpp"
 
 namespace kerf::interp {
 
@@ -90,6 +91,7 @@ struct RemapCall {
 };
 
 class Core;
+class CoreSelf;
 
 /// A canned cycle block in progress: each execute_next does one repeat.
 struct Repeats {
@@ -107,6 +109,9 @@ struct Repeats {
 class Core {
  public:
   Core(Environment& environment, Canon& sink, const Settings& config, const Dialect& rows);
+  ~Core();
+  Core(const Core&) = delete;
+  Core& operator=(const Core&) = delete;
 
   // --- what Interpreter offers ---
   void init();
@@ -230,6 +235,15 @@ class Core {
   [[nodiscard]] bool tool_word(const Block& b);
   [[nodiscard]] bool set_local(std::string_view name, double value);
   [[nodiscard]] double local(std::string_view name, double otherwise);
+  // --- functions in Python (script_run.cpp) ---
+  ScriptHost* const scripts;  ///< null: the machine has none
+  [[nodiscard]] bool is_script(std::string_view module, std::string_view function) const;
+  /// Enters an O-word sub that is a function.
+  [[nodiscard]] bool enter_function(const ParsedBlock& b, Label label);
+  [[nodiscard]] bool run_statement(std::string_view text);
+  /// Value of a named parameter that is a function.
+  [[nodiscard]] bool script_parameter(const std::string& name, Value& value);
+
   /// Words of cycles made with cycle_prolog that stay from block to block, by code.
   std::map<int, std::array<std::optional<double>, kLetters>> sticky_words;
 
@@ -267,9 +281,18 @@ class Core {
   [[nodiscard]] bool check_remap_words(const Remap& r, const Block& b);
   void pass_remap_words(const Remap& r, const RemapCall& call);
   [[nodiscard]] bool enter_remap_sub(const Remap& r);
-  [[nodiscard]] bool end_remap(const Frame& body);
+  [[nodiscard]] bool end_remap(Frame& body);
   [[nodiscard]] bool glue(const std::string& function, RemapCall& call);
   [[nodiscard]] Outcome resume_block();
+  [[nodiscard]] Outcome execute_one();
+  [[nodiscard]] Outcome execute_scripted();
+  [[nodiscard]] Outcome go_on_script();
+  [[nodiscard]] Outcome end_script(const ScriptStep& step, const std::shared_ptr<RemapCall>& call);
+  [[nodiscard]] ScriptCall make_call(const Frame& f) const;
+  [[nodiscard]] bool script_failed(const ScriptStep& step);
+  void push_execute(const ScriptStep& step);
+  [[nodiscard]] Outcome answer_error();
+  [[nodiscard]] bool finish_return(bool has_value, double value);
   [[nodiscard]] Outcome finish_block(const ParsedBlock& p);
   [[nodiscard]] Outcome block_done();
   [[nodiscard]] Outcome next_repeat();
@@ -302,6 +325,10 @@ class Core {
   ParsedBlock scratch_;
   std::size_t cached_bytes_{0};
   std::string message_, held_text_;
+  std::unique_ptr<CoreSelf> self_;
+  ScriptAnswer answer_;
+  bool attached_{false};
+  std::string script_problem_;  ///< why the scripts cannot be used
   std::vector<std::pair<int, Value>> assigned_;
   friend class Interpreter;
 };

@@ -13,6 +13,8 @@
 
 namespace kerf::interp {
 
+class ScriptHost;
+
 /// Whose manual rules where the manuals of LinuxCNC differ ([RS274NGC]COMPAT = 2.7, 2.8).
 enum class Compat : std::uint8_t { v2_7, v2_8, newest };
 
@@ -50,6 +52,7 @@ struct Settings {
   int log_level{-1};                    ///< LOG_LEVEL
   std::string log_file;                 ///< LOG_FILE; "": standard error
   std::vector<Remap> remaps;            ///< REMAP
+  int debug_mask{0};                    ///< [EMC]DEBUG, for scripts
 };
 
 /// Outcome of a look-up of a user M-code.
@@ -86,6 +89,8 @@ class Environment {
   }
   /// Something that the program should not do and that is no error (OWORD_WARNONLY).
   virtual void warning(std::string_view text) { (void)text; }
+  /// Functions in Python, when the machine has them ([PYTHON]TOPLEVEL); must outlive the interpreter.
+  [[nodiscard]] virtual ScriptHost* scripts() { return nullptr; }
   /// #<_hal[name]>: pin, signal or parameter; nullopt: no such name.
   [[nodiscard]] virtual std::optional<double> hal_value(std::string_view name) {
     (void)name;

@@ -118,6 +118,7 @@ bool Core::read_named(std::uint32_t id, Value& value, bool& exists) {
   }
   if (params.is_global(id)) {
     const std::string& name = params.name(id);
+    if (attached_ && script_parameter(name, value)) return true;
     if (const Predefined::Getter get = predefined_.by_id(id, name); get != nullptr) {
       value = {get(*this), nullptr};
       return true;

@@ -175,6 +175,9 @@ Outcome Core::execute_mdi(std::string_view text) {
 // --- frames ---
 
 void Core::drop_frames() {
+  bool functions = false;
+  for (const Frame& f : flows.frames) functions = functions || f.started;
+  if (functions) scripts->abandon();
   while (flows.frames.size() > 1) leave_sub(false, 0);
   flows.skip.active = false;
   flows.resume.reset();
@@ -218,6 +221,11 @@ bool Core::enter_sub(const Sub& sub, ParsedBlock** link) {
 
 void Core::leave_sub(bool has_value, double value) {
   const Frame& f = flows.frames.back();
+  if (f.phase == ScriptPhase::execute) {  // it has no arguments and no names of its own
+    flows.loops.resize(f.first_loop);
+    flows.frames.pop_back();
+    return;
+  }
   if (!f.numbered) params.exchange_arguments(f.saved);
   params.begin();
   params.pop_scope();
@@ -228,17 +236,26 @@ void Core::leave_sub(bool has_value, double value) {
 }
 
 bool Core::return_from_sub(bool has_value, double value) {
+  sub_value = has_value ? value : 0;
+  sub_value_returned = has_value;
+  Frame& f = flows.frames.back();
+  if (f.remap != nullptr) {
+    save_modes();
+    if (!end_remap(f)) {
+      leave_sub(has_value, value);
+      return false;
+    }
+    if (f.phase == ScriptPhase::epilog) return true;  // a function, which comes first
+  }
+  return finish_return(has_value, value);
+}
+
+bool Core::finish_return(bool has_value, double value) {
   Frame& f = flows.frames.back();
   const std::unique_ptr<ModalState> was = f.restore_on_return ? std::move(f.saved_state) : nullptr;
   const int tool_then = f.saved_tool;
   const std::shared_ptr<RemapCall> remapped = f.remap;
-  if (was != nullptr || remapped != nullptr) save_modes();
-  sub_value = has_value ? value : 0;
-  sub_value_returned = has_value;
-  if (remapped != nullptr && !end_remap(f)) {
-    leave_sub(has_value, value);
-    return false;
-  }
+  if (was != nullptr) save_modes();
   leave_sub(has_value, value);
   if (remapped != nullptr && remapped->steps.next < remapped->steps.count) flows.resume = remapped;
   return was == nullptr || restore_modes(*this, *was, tool_then);

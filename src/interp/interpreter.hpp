@@ -46,6 +46,7 @@ enum class SyncReason : std::uint8_t {
   probe,       ///< G38.x: needs machine_position and probe
   tool_change,  ///< M6: needs tool_in_spindle, pocket_in_spindle, machine_position (the changer may move)
   user_mcode,    ///< M100-M199
+  script,        ///< a function in Python asked for it
   program_stop,  ///< M0, M1, M60: the operator may have changed offsets or jogged
 };
 

@@ -94,6 +94,7 @@ bool Core::run_comment(const ParsedBlock& b) {
     case CommentKind::log_append:
       out.call<&Canon::log_open>(keep(text), b.comment == CommentKind::log_append);
       break;
+    case CommentKind::script: return run_statement(text);
     case CommentKind::log_close: out.call<&Canon::log_close>(); break;
     case CommentKind::abort:
       expand_text(text, message_);

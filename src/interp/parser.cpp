@@ -102,9 +102,19 @@ constexpr CommentRow kComments[] = {
     {"logappend", CommentKind::log_append, true},
     {"logclose", CommentKind::log_close, false},
     {"abort", CommentKind::abort, true},
+    {"py", CommentKind::script, true},
 };
 
 }  // namespace
+
+/// What follows "py," in a comment behind a semicolon; empty: it is another one.
+static std::string_view statement_of(std::string_view comment) {
+  while (!comment.empty() && is_blank(comment.front())) comment.remove_prefix(1);
+  if (comment.size() < 4 || lower(comment[0]) != 'p' || lower(comment[1]) != 'y') return {};
+  comment.remove_prefix(2);
+  while (!comment.empty() && is_blank(comment.front())) comment.remove_prefix(1);
+  return comment.starts_with(",") ? comment.substr(1) : std::string_view();
+}
 
 CommentKind classify_comment(std::string_view text, std::string_view& rest) {
   char head[12];
@@ -181,11 +191,15 @@ int Parser::column_of(std::string_view line, std::size_t normalised) const {
 bool Parser::normalise(std::string_view line) {
   size_ = 0;
   pos_ = 0;
+  statement_ = {};
   if (buffer_.size() < line.size() + 2) buffer_.resize(line.size() + 2);
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
     if (is_blank(c)) continue;
-    if (c == ';') break;
+    if (c == ';') {
+      statement_ = statement_of(line.substr(i + 1));
+      break;
+    }
     if (c == '(') {
       const std::size_t end = line.find_first_of("()", i + 1);
       pos_ = size_;
@@ -228,6 +242,10 @@ bool Parser::parse(std::string_view line, ParsedBlock& out) {
   }
   if (!sequence() || !items()) return false;
   show(out);
+  if (!statement_.empty()) {
+    out.comment = CommentKind::script;
+    out.comment_text = statement_;
+  }
   return true;
 }
 
@@ -248,7 +266,11 @@ bool Parser::plain(std::string_view line, ParsedBlock& out) {
     while (p != end && is_blank(*p)) ++p;
   };
   for (blanks(); p != end; blanks()) {
-    if (*p == ';') break;
+    if (*p == ';') {
+      if (!statement_of(line.substr(static_cast<std::size_t>(p - line.data()) + 1)).empty())
+        return false;
+      break;
+    }
     const char letter = lower(*p);
     if (letter < 'a' || letter > 'z' || letter == 'o') return false;
     ParsedWord w;

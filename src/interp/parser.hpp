@@ -67,6 +67,7 @@ class Parser {
   std::vector<Expr> arguments_;
   std::size_t size_{0}, pos_{0}, at_{0};
   int depth_{0};
+  std::string_view statement_;  ///< behind ;py, in the line that is read
   char error_[200]{};
   std::string buffer_;  ///< the line without blanks, in small letters; at least size_ + 1 long
 };

@@ -86,6 +86,9 @@ struct Loop {
   std::int64_t left{0};         ///< repeats to do, this one included
 };
 
+/// What a frame of a script does: its function works as prolog, body or epilog, or lines that it asked for are executed.
+enum class ScriptPhase : std::uint8_t { none, prolog, body, epilog, execute };
+
 /// A sub call, or the main program.
 struct Frame {
   std::uint32_t program{0};
@@ -101,7 +104,9 @@ struct Frame {
   std::unique_ptr<ModalState> saved_state;    ///< M70, M73
   int saved_tool{0};                          ///< in the spindle then
   bool restore_on_return{false};              ///< M73
-  std::shared_ptr<RemapCall> remap;           ///< this is the body of a remapped code
+  std::shared_ptr<RemapCall> remap;  ///< this is the body of a remapped code, or a function
+  ScriptPhase phase{ScriptPhase::none};
+  bool started{false};  ///< the function of the phase
 
   [[nodiscard]] bool is_sub() const noexcept { return sub != Label::none; }
   void go_to(const Place& where) {

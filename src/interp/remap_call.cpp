@@ -62,7 +62,8 @@ RemapCall* Core::body_of(const Remap& r) const {
 
 int Core::remap_level() const {
   int level = 0;
-  for (const Frame& f : flows.frames) level += f.remap != nullptr ? 1 : 0;
+  for (const Frame& f : flows.frames)
+    level += f.remap != nullptr && f.remap->remap != nullptr ? 1 : 0;
   return level;
 }
 
@@ -100,14 +101,24 @@ bool Core::begin_remap(const Remap& r, const std::shared_ptr<RemapCall>& call) {
   ++call->steps.next;
   call->remap = &r;
   call->builtin_used = false;
-  if (!r.python.empty() && find_native_glue(r.python) != nullptr) return glue(r.python, *call);
+  const bool python = !r.python.empty();
+  if (python && !is_script("remap", r.python)) return glue(r.python, *call);
   flows.skip.begin_call();
   if (!enter_remap_sub(r)) return false;
   Frame& body = flows.frames.back();
   body.remap = call;
   pass_remap_words(r, *call);
-  if (r.prolog.empty() || glue(r.prolog, *call)) return true;
+  if (python || r.prolog.empty()) {
+    if (python) body.phase = ScriptPhase::body;
+    return true;
+  }
+  if (is_script("remap", r.prolog)) {
+    body.phase = ScriptPhase::prolog;
+    return true;
+  }
+  if (glue(r.prolog, *call)) return true;
   leave_sub(false, 0);
+  error.file = current_file();  // the line is the caller's
   return false;
 }
 
@@ -170,9 +181,14 @@ bool Core::glue(const std::string& function, RemapCall& call) {
               "'%s' is not a Python callable function", function.c_str());
 }
 
-bool Core::end_remap(const Frame& body) {
+bool Core::end_remap(Frame& body) {
   RemapCall& call = *body.remap;
-  return call.remap->epilog.empty() || glue(call.remap->epilog, call);
+  const std::string& epilog = call.remap->epilog;
+  if (epilog.empty()) return true;
+  if (!is_script("remap", epilog)) return glue(epilog, call);
+  body.phase = ScriptPhase::epilog;
+  body.started = false;
+  return true;
 }
 
 // The rest of a block, after the body of a remapped code in it.

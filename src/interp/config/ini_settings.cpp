@@ -1,5 +1,6 @@
 #include "interp/config/ini_settings.hpp"
 
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 
@@ -166,6 +167,8 @@ InterpSetup read_interp_setup(Reader& reader, double unit_mm) {
   s.settings.smooth_planner = static_cast<int>(
       reader.integer("TRAJ", "SMOOTH_PLANNER",
                      IntSpec{.fallback = s.settings.smooth_planner, .min = 0, .max = 1}));
+  s.settings.debug_mask = static_cast<int>(
+      std::strtoul(reader.string("EMC", "DEBUG", "0").c_str(), nullptr, 0) & 0x7FFFFFFFU);
   const std::string log = reader.string(kSection, "LOG_FILE", "");
   if (!log.empty()) s.settings.log_file = resolve_path(s.paths.ini_dir, log);
   s.startup_code = reader.string(kSection, "RS274NGC_STARTUP_CODE", "");

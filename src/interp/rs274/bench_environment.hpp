@@ -34,6 +34,9 @@ class BenchEnvironment final : public Environment {
   using IniReader = std::function<std::optional<double>(std::string_view, std::string_view)>;
   void set_ini(IniReader ini) { ini_ = std::move(ini); }
 
+  void set_scripts(ScriptHost* scripts) { scripts_ = scripts; }
+  [[nodiscard]] ScriptHost* scripts() override { return scripts_; }
+
   [[nodiscard]] std::optional<Tool> find_tool(int number) override;
   [[nodiscard]] std::optional<Tool> find_pocket(int pocket) override;
   [[nodiscard]] std::string find_sub(std::string_view name) override;
@@ -48,6 +51,7 @@ class BenchEnvironment final : public Environment {
   std::vector<std::string> directories_;
   std::map<int, Tool> tools_;
   IniReader ini_;
+  ScriptHost* scripts_{nullptr};
 };
 
 }  // namespace kerf::interp

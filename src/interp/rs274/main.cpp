@@ -11,6 +11,7 @@
 
 #include "ini/ini_file.hpp"
 #include "interp/config/ini_settings.hpp"
+#include "interp/config/script_library.hpp"
 #include "interp/interpreter.hpp"
 #include "interp/parameters.hpp"
 #include "interp/rs274/bench_environment.hpp"
@@ -88,7 +89,11 @@ class IniSession {
     kerf::ini::Reader reader(*file_);
     setup_ = read_interp_setup(reader, bench_settings().machine_unit_mm);
     for (const auto& d : reader.complaints()) std::fprintf(stderr, "%s\n", d.message().c_str());
-    return !reader.failed();
+    if (reader.failed()) return false;
+    auto scripts = open_scripts(setup_.python, {});
+    if (!scripts.ok()) std::fprintf(stderr, "%s\n", scripts.error().message().c_str());
+    if (scripts.ok()) scripts_ = std::move(*scripts);
+    return scripts.ok();
   }
   /// Units and axes are those of rs274 whatever the file says, as at the peer.
   [[nodiscard]] Settings settings() const {
@@ -100,8 +105,10 @@ class IniSession {
     s.axis_mask = bench.axis_mask;
     return s;
   }
-  void prepare(BenchEnvironment& environment) const {
-    if (!file_) return;
+  [[nodiscard]] BenchEnvironment environment() const {
+    BenchEnvironment environment;
+    if (!file_) return environment;
+    environment.set_scripts(scripts_.get());
     environment.add_directory(setup_.paths.program_prefix);
     for (const std::string& path : setup_.paths.subroutine_path) environment.add_directory(path);
     if (!setup_.paths.wizard_root.empty()) environment.add_directory(setup_.paths.wizard_root);
@@ -109,11 +116,13 @@ class IniSession {
       const auto value = kerf::ini::get_real(*file_, section, key);
       return value.found && value.ok() ? std::optional<double>(value.value) : std::nullopt;
     });
+    return environment;
   }
 
  private:
   std::optional<kerf::ini::IniFile> file_;
   InterpSetup setup_;
+  std::unique_ptr<ScriptHost> scripts_;
 };
 
 class Session {
@@ -121,10 +130,9 @@ class Session {
   Session(const Rs274Options& options, const IniSession& ini, std::FILE* out)
       : options_(options),
         out_(out),
+        env_(ini.environment()),
         canon_(out, ini.settings().machine_unit_mm),
-        interp_(env_, canon_, ini.settings()) {
-    ini.prepare(env_);
-  }
+        interp_(env_, canon_, ini.settings()) {}
 
   int run() {
     env_.add_directory("");
