@@ -298,7 +298,8 @@ bool Core::call_sub(ParsedBlock& b, Label label) {
 bool Core::find_and_enter(const ParsedBlock& b, Label label) {
   Skip& s = flows.skip;
   s.label = label;
-  if (!s.numbered && is_script("oword", bare(flows.labels.text(label)))) return enter_function(b, label);
+  if (!s.numbered && is_script("oword", bare(flows.labels.text(label))))
+    return enter_function(b, label);
   if (const auto hit = flows.subs.find(label); hit != flows.subs.end())
     return right_call(hit->second.where) && enter_sub(hit->second, &hit->second.body);
   if (flows.frames.size() > static_cast<std::size_t>(dialect.call_levels))

@@ -52,6 +52,7 @@ const ModalState& Interpreter::modal() const {
 }
 void Interpreter::restore(const ModalState& state) { core_->restore(state); }
 const InterpError& Interpreter::error() const { return core_->error; }
+const std::string& Interpreter::script_problem() const { return core_->script_problem_; }
 ParameterTable& Interpreter::parameters() { return core_->params; }
 void Interpreter::set_block_delete(bool on) { core_->block_delete = on; }
 

@@ -117,6 +117,8 @@ class Interpreter {
   void restore(const ModalState& state);
 
   [[nodiscard]] const InterpError& error() const;
+  /// Why Environment::scripts() cannot be used, or ""; after init().
+  [[nodiscard]] const std::string& script_problem() const;
   /// Numbered and named parameters; load it with ParameterFile before init().
   [[nodiscard]] ParameterTable& parameters();
 

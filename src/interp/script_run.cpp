@@ -113,9 +113,8 @@ bool Core::script_failed(const ScriptStep& step) {
 
 // Lines that a function wants executed are a program of their own; the scope of names is that of the function.
 void Core::push_execute(const ScriptStep& step) {
-  const std::uint32_t program =
-      add_program("(python " + std::to_string(flows.frames.size()) + ")",
-                  make_text_source(step.text, dialect.longest_line));
+  const std::uint32_t program = add_program("(python " + std::to_string(flows.frames.size()) + ")",
+                                            make_text_source(step.text, dialect.longest_line));
   Frame& f = flows.frames.emplace_back();
   f.program = program;
   f.place.line = step.line > 0 ? step.line - 1 : state.line - 1;

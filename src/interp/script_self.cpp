@@ -266,7 +266,7 @@ std::optional<std::string> CoreSelf::text(std::string_view name) {
   if (name == "filename") return std::string(c_.current_file());
   if (name == "linetext") {
     const RemapCall* call = block_of(0);
-    return std::string(call != nullptr      ? call->parsed.text
+    return std::string(call != nullptr         ? call->parsed.text
                        : c_.current != nullptr ? c_.current->text
                                                : std::string_view());
   }

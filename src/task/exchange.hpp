@@ -28,6 +28,19 @@ struct Order {
   std::string text;  ///< file or MDI line
 };
 
+/// Argument of [RS274NGC]ON_ABORT_COMMAND; the numbers are documented.
+enum AbortReason : std::uint32_t {
+  abort_none = 0,  ///< the command does not run
+  abort_exec_error = 1,
+  abort_aux_estop = 2,
+  abort_motion_error = 3,
+  abort_state_off = 4,
+  abort_state_estop = 6,
+  abort_user = 8,
+  abort_interpreter_error = 9,
+  abort_interpreter_error_mdi = 10,
+};
+
 /// Interpreter thread -> command thread.
 struct Report {
   enum class Kind : std::uint8_t {
@@ -40,6 +53,7 @@ struct Report {
   Kind kind{Kind::message};
   Ticket ticket{0};
   std::uint32_t epoch{0};  ///< of `failed`: nothing to abort when an abort has come since
+  std::uint32_t reason{abort_interpreter_error};  ///< of `failed`: for ON_ABORT_COMMAND
   CommandState state{CommandState::done};
   MessageKind message{MessageKind::text};
   std::string text;
@@ -137,9 +151,11 @@ class Exchange {
   // Switches of the operator: each word alone, written by the command thread.
   rtapi::Word<std::uint32_t> optional_stop{0};
   rtapi::Word<std::uint32_t> block_delete{0};
-  rtapi::Word<std::uint32_t> paused{0};      ///< the operator's pause: begin nothing new
-  rtapi::Word<std::uint32_t> resumes{0};     ///< a new value: go on after M0, M1, M60 or a step
-  rtapi::Word<std::uint32_t> stepping{0};    ///< stop after each block
+  rtapi::Word<std::uint32_t> paused{0};    ///< the operator's pause: begin nothing new
+  rtapi::Word<std::uint32_t> resumes{0};   ///< a new value: go on after M0, M1, M60 or a step
+  rtapi::Word<std::uint32_t> stepping{0};  ///< stop after each block
+  rtapi::Word<std::uint32_t> abort_reason{
+      0};  ///< AbortReason of the last abort, written before its epoch
   rtapi::Word<std::uint32_t> task_state{1};  ///< for the environment of user M-codes
   rtapi::Word<std::uint32_t> mode{1};
 

@@ -180,6 +180,7 @@ int run(const Options& options) {
   }
   while (!failed && !ending.wait(-1)) {
   }
+  task.end_scripts();
   for (auto& r : runners) r->stop();
   task.shut_down();
   return status;

@@ -1,6 +1,7 @@
 #include "task/task.hpp"
 
 #include "hal/core/view.hpp"
+#include "interp/config/script_library.hpp"
 #include "io/iocontrol.hpp"
 #include "rtapi/log/log.hpp"
 #include "task/api/message_reader.hpp"
@@ -29,9 +30,11 @@ struct Task::Parts {
   std::unique_ptr<io::IoLink> link;
   std::unique_ptr<io::IoControl> iocontrol;
   std::unique_ptr<Exchange> exchange;
+  std::unique_ptr<interp::ScriptHost> scripts;  // outlives the interpreter
   std::unique_ptr<TaskEnvironment> environment;
   std::unique_ptr<InterpreterParticipant> interpreter;
   std::unique_ptr<CommandParticipant> command;
+  rtapi::Word<std::uint32_t> ending{0};  ///< 1: whatever a script does is to end
 };
 
 namespace {
@@ -83,6 +86,8 @@ Task::Task(const ini::IniFile& ini, rtapi::Segment& segment, hal::Session* sessi
                        {},
                        nullptr,
                        nullptr,
+                       {},
+                       {},
                        {},
                        {},
                        {},
@@ -146,6 +151,12 @@ rtapi::Status Task::connect() {
   p.exchange = std::make_unique<Exchange>(p.shared->to_command, p.shared->to_interpreter);
   p.environment = std::make_unique<TaskEnvironment>(
       p.setup, p.ini, *p.tools, p.session != nullptr ? hal_reader(p.segment) : HalReader{});
+  auto scripts = interp::open_scripts(p.setup.python, [&p] {
+    return p.ending.get() != 0 || (p.interpreter && p.interpreter->abort_came());
+  });
+  if (!scripts.ok()) return rtapi::Failure{scripts.error()};
+  p.scripts = std::move(*scripts);
+  p.environment->set_scripts(p.scripts.get());
   p.interpreter = std::make_unique<InterpreterParticipant>(
       InterpreterParticipant::Parts{*p.motion, *p.shared, *p.exchange, *p.link, *p.tools, p.setup,
                                     *p.environment, p.segment.instance(), p.segment});
@@ -186,6 +197,8 @@ TaskShared& Task::shared() { return *parts_->shared; }
 std::vector<OperatorMessage> Task::messages(std::uint64_t& cursor) const {
   return read_messages(parts_->shared->messages, cursor);
 }
+
+void Task::end_scripts() { parts_->ending.set(1); }
 
 void Task::shut_down() {
   if (!parts_->command) return;

@@ -63,6 +63,8 @@ class Task {
   /// Operator messages behind a cursor.
   [[nodiscard]] std::vector<OperatorMessage> messages(std::uint64_t& cursor) const;
 
+  /// Functions in Python that are in progress are abandoned from now on; from any thread. Before the participants' threads are joined.
+  void end_scripts();
   /// Takes the enable away, stops everything, saves what outlives the power. After the participants have run for the last time.
   void shut_down();
 

@@ -425,7 +425,9 @@ class PythonHost final : public ScriptHost {
   static py::object find(const std::string& module, const std::string& function) {
     const py::dict modules = py::module_::import("sys").attr("modules");
     if (!modules.contains(module)) return py::none();
-    const py::object found = py::getattr(modules[py::str(module)], function.c_str(), py::none());
+    // What the module itself has: every module has an __init__ of its type.
+    const py::object found =
+        modules[py::str(module)].attr("__dict__").attr("get")(function, py::none());
     return PyCallable_Check(found.ptr()) != 0 ? found : py::object(py::none());
   }
 

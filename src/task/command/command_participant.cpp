@@ -106,7 +106,7 @@ void CommandParticipant::take_faults() {
     if (stop.empty() && ends_program(fault.fault)) stop = last_fault_;
   }
   if (stop.empty() || view_.idle) return;
-  abort_all();
+  abort_all(abort_motion_error);
   // Whoever asked for what was running learns why it ended.
   std::vector<Ticket> ended;
   for (const auto& [ticket, pending] : pending_)
@@ -142,7 +142,7 @@ void CommandParticipant::take_reports() {
         say(MessageKind::error, report.text, report.file, report.line);
         const auto at = pending_.find(report.ticket);
         if (at != pending_.end() && at->second.command != CommandId::mdi) ++programs_ended_;
-        if (report.epoch == epoch_) abort_all();
+        if (report.epoch == epoch_) abort_all(report.reason);
         reply(report.ticket, CommandState::error, report.text);
         break;
       }
@@ -322,7 +322,7 @@ void CommandParticipant::write_status() {
 }
 
 void CommandParticipant::shut_down() {
-  abort_all();
+  abort_all(abort_none);
   p_.motion.intent.enable.publish(0);
   p_.io.set_estop(true);
   for (auto& c : clients_)

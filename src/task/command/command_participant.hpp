@@ -123,7 +123,7 @@ class CommandParticipant final : public rtapi::Participant {
   /// "" while the machine may still turn on.
   [[nodiscard]] std::string why_not_on() const;
   void end_state_tickets(CommandState how, const std::string& text);
-  void abort_all();
+  void abort_all(std::uint32_t reason);
   void stop_jogs(int client);
   void go_estop(const char* why);
   void go_off();

@@ -92,7 +92,8 @@ void CommandParticipant::update_machine() {
   }
 }
 
-void CommandParticipant::abort_all() {
+void CommandParticipant::abort_all(std::uint32_t reason) {
+  p_.exchange.abort_reason.set(reason);
   p_.motion.intent.abort_epoch.publish(++epoch_);
   for (auto& seq : want_.spindle_stop_seq) ++seq;
   stop_jogs(kNobody);
@@ -106,7 +107,7 @@ void CommandParticipant::abort_all() {
 }
 
 void CommandParticipant::go_estop(const char* why) {
-  abort_all();
+  abort_all(why != nullptr ? abort_aux_estop : abort_state_estop);
   p_.motion.intent.enable.publish(0);
   p_.io.set_estop(true);
   enabling_ = resetting_ = false;
@@ -116,7 +117,7 @@ void CommandParticipant::go_estop(const char* why) {
 }
 
 void CommandParticipant::go_off() {
-  abort_all();
+  abort_all(abort_state_off);
   p_.motion.intent.enable.publish(0);
   if (enabling_) end_state_tickets(CommandState::aborted, "the machine was turned off");
   enabling_ = false;
@@ -142,7 +143,7 @@ void CommandParticipant::do_state(Ticket ticket, const Request& request) {
       return reply(ticket, CommandState::error,
                    "the machine is in estop: needs state estop-reset first");
     // A fresh epoch: what was queued while the drives were off is void.
-    abort_all();
+    abort_all(abort_none);
     enabling_ = true;
     pending.deadline = now_ + kStateTime;
     p_.motion.intent.enable.publish(1);

@@ -29,7 +29,7 @@ void CommandParticipant::execute(Ticket ticket, const Request& request, int clie
       p_.io.confirm();
       return reply(ticket, CommandState::done);
     case CommandId::abort: {
-      abort_all();
+      abort_all(abort_user);
       pending_[ticket].epoch = epoch_;
       return;
     }

@@ -67,6 +67,8 @@ rtapi::Status InterpreterParticipant::init() {
       loaded = {};  // the first start of a new machine
   }
   interp_.init();
+  if (loaded.ok() && !interp_.script_problem().empty())
+    loaded = rtapi::fail(rtapi::Errc::bad_argument, interp_.script_problem());
   if (loaded.ok() && !p_.setup.startup_code.empty()) {
     Outcome outcome = interp_.execute_mdi(p_.setup.startup_code);
     while (outcome == Outcome::ok) outcome = interp_.execute_next();
@@ -156,9 +158,10 @@ void InterpreterParticipant::resynchronise() {
   interp_.synchronize({.machine_position = status_.pos_cmd,
                        .tool_in_spindle = io.tool_in_spindle,
                        .pocket_in_spindle = io.pocket_in_spindle});
-  history_.reset(interp_.modal(), canon_.state());
   announce_ = true;
   aborting_ = false;
+  run_on_abort(p_.exchange.abort_reason.get());
+  history_.reset(interp_.modal(), canon_.state());
 }
 
 void InterpreterParticipant::work(rtapi::WaitSpec& next) {
@@ -251,7 +254,7 @@ void InterpreterParticipant::take_outcome(Outcome outcome, std::size_t items_bef
   if (outcome == Outcome::error) {
     const auto& error = interp_.error();
     list_.push_back(TaskItem{canon_.tag(), ProgramError{error.message(), error.file, error.line}});
-    run_.source_done = true;
+    run_.source_done = run_.read_error = true;
   }
   if (outcome == Outcome::idle || outcome == Outcome::program_end) run_.source_done = true;
   if (outcome == Outcome::needs_sync) run_.sync_pending = true;
@@ -416,12 +419,16 @@ void InterpreterParticipant::fail(const std::string& text, const std::string& fi
     news_ = {};
     interp_.abort();
     run_ = {};
+    run_on_abort(abort_interpreter_error_mdi);
     history_.reset(interp_.modal(), canon_.state());
     drop_mdi_orders();
     return;
   }
   report.kind = Report::Kind::failed;
   report.epoch = epoch_;
+  report.reason = run_.mdi                              ? abort_interpreter_error_mdi
+                  : run_.source_done && run_.read_error ? abort_interpreter_error
+                                                        : abort_exec_error;
   report.ticket = std::exchange(run_.ticket, 0);
   reports_.push_back(std::move(report));
   run_.failed = true;

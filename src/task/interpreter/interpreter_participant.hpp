@@ -52,6 +52,11 @@ class InterpreterParticipant final : public rtapi::Participant {
   [[nodiscard]] rtapi::Role role() const noexcept override { return rtapi::Role::task_interpreter; }
   void step(rtapi::Nanos now, rtapi::WaitSpec& next) override;
 
+  /// An abort was raised that is not followed yet.
+  [[nodiscard]] bool abort_came() const noexcept {
+    return p_.motion.intent.abort_epoch.observe() != epoch_;
+  }
+
   [[nodiscard]] const interp::Interpreter& interpreter() const noexcept { return interp_; }
 
  private:
@@ -61,6 +66,7 @@ class InterpreterParticipant final : public rtapi::Participant {
     bool mdi{false};
     bool mdi_begun{false};
     bool source_done{false};  ///< nothing more to read
+    bool read_error{false};   ///< ... since the interpreter found an error
     bool sync_pending{false};
     bool failed{false};  ///< told the command thread; an abort comes
     bool step_block_read{false};
@@ -117,6 +123,9 @@ class InterpreterParticipant final : public rtapi::Participant {
   void fail(const std::string& text, const std::string& file, std::int32_t line);
   void fail_here(const std::string& text);
   void fail_at(const motion::SourceTag& tag, const std::string& text);
+
+  // on_abort.cpp
+  void run_on_abort(std::uint32_t reason);
 
   // barriers.cpp
   bool pump(rtapi::WaitSpec& next);

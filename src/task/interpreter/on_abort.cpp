@@ -58,8 +58,9 @@ void InterpreterParticipant::run_on_abort(std::uint32_t reason) {
     if (allowed(item, drives))
       kept.push_back(std::move(item));
     else
-      moves = moves || (is_path(item) && !is_mode(item) &&
-                        !std::holds_alternative<motion::OutputChange>(std::get<PathBody>(item.body)));
+      moves =
+          moves || (is_path(item) && !is_mode(item) &&
+                    !std::holds_alternative<motion::OutputChange>(std::get<PathBody>(item.body)));
   }
   list_ = std::move(kept);
   if (moves) complain("an abort does not move the machine; its moves were left out");

@@ -21,6 +21,8 @@ class TaskEnvironment final : public interp::Environment {
                   HalReader hal)
       : setup_(setup), ini_(ini), tools_(tools), hal_(std::move(hal)) {}
 
+  void set_scripts(interp::ScriptHost* scripts) { scripts_ = scripts; }
+  interp::ScriptHost* scripts() override { return scripts_; }
   std::optional<interp::Tool> find_tool(int number) override;
   std::optional<interp::Tool> find_pocket(int pocket) override;
   std::string find_sub(std::string_view name) override;
@@ -36,6 +38,7 @@ class TaskEnvironment final : public interp::Environment {
   const ini::IniFile& ini_;
   io::ToolStore& tools_;
   HalReader hal_;
+  interp::ScriptHost* scripts_{nullptr};
 };
 
 /// User M-codes, as run by task: P and Q are their two arguments ("%f", -1.000000 when absent). Their environment has besides
