@@ -9,18 +9,14 @@ namespace kerf::components {
 class SamplerChannel : public hal::StreamChannelBase<hal::In<std::uint64_t>> {
  public:
   SamplerChannel(hal::Builder& b, std::size_t index, const hal::StreamChannel* configs) noexcept
-      : StreamChannelBase(b, "sampler.#", hal::kSamplerKey, index, configs, hal::Dir::in) {
+      : StreamChannelBase(b, "sampler.#", hal::kSamplerKey, index, configs) {
     if (!stream_.valid()) return;
-    curr_depth_ = hal::make_pin<hal::Out<std::int32_t>>(b, named("curr-depth"),
-                                                        "Samples that wait in the FIFO");
-    full_ = hal::make_pin<hal::Out<bool>>(b, named("full"),
-                                          "True while the FIFO has no room for a sample");
-    enable_ =
-        hal::make_pin<hal::In<bool>>(b, named("enable"), "True takes a sample at each call", true);
-    overruns_ = hal::make_pin<hal::Io<std::int32_t>>(
-        b, named("overruns"), "Samples lost for want of room; may be set back");
-    sample_num_ = hal::make_pin<hal::Io<std::int32_t>>(
-        b, named("sample-num"), "Number that the next sample gets; may be set back");
+    curr_depth_.declare(b, named("curr-depth"), "Samples that wait in the FIFO");
+    full_.declare(b, named("full"), "True while the FIFO has no room for a sample");
+    enable_.declare(b, named("enable"), "True takes a sample at each call", true);
+    overruns_.declare(b, named("overruns"), "Samples lost for want of room; may be set back");
+    sample_num_.declare(b, named("sample-num"),
+                        "Number that the next sample gets; may be set back");
     b.add_function(
         prefix(),
         [](void* object, const hal::Period&) noexcept {

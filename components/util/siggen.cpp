@@ -14,18 +14,6 @@ class SiggenChannel {
  public:
   SiggenChannel(hal::Builder& b, std::size_t index) noexcept
       : b_(&b), prefix_(index == 0 ? b.prefix() : hal::numbered("siggen.#", index)) {
-    frequency_ = make<hal::In<double>>("frequency",
-                                       "Frequency [Hz], bounded to half of the rate of calls", 1.0);
-    amplitude_ = make<hal::In<double>>("amplitude", "Peak of the waves above offset", 1.0);
-    offset_ = make<hal::In<double>>("offset", "Added to all waves", 0.0);
-    reset_ = make<hal::In<bool>>("reset",
-                                 "While true all waves stand in the middle of their period", false);
-    clock_ = make<hal::Out<bool>>("clock", "True in the second half of each period", false);
-    square_ = make<hal::Out<double>>("square", "Low in the first half of the period, then high", 0);
-    sine_ = make<hal::Out<double>>("sine", "Sine wave, from zero upwards", 0.0);
-    cosine_ = make<hal::Out<double>>("cosine", "Cosine wave, from the peak downwards", 0.0);
-    triangle_ = make<hal::Out<double>>("triangle", "Falls while square is low, then rises", 0.0);
-    sawtooth_ = make<hal::Out<double>>("sawtooth", "Rises over the period, then drops", 0.0);
     b.add_function(
         whole_name("update"),
         [](void* object, const hal::Period& period) noexcept {
@@ -72,10 +60,24 @@ class SiggenChannel {
 
   hal::Builder* b_;  // only while constructed
   hal::Name prefix_;
-  hal::In<double> frequency_, amplitude_, offset_;
-  hal::In<bool> reset_;
-  hal::Out<bool> clock_;
-  hal::Out<double> square_, sine_, cosine_, triangle_, sawtooth_;
+  hal::In<double> frequency_{make<hal::In<double>>(
+      "frequency", "Frequency [Hz], bounded to half of the rate of calls", 1.0)};
+  hal::In<double> amplitude_{
+      make<hal::In<double>>("amplitude", "Peak of the waves above offset", 1.0)};
+  hal::In<double> offset_{make<hal::In<double>>("offset", "Added to all waves", 0.0)};
+  hal::In<bool> reset_{make<hal::In<bool>>(
+      "reset", "While true all waves stand in the middle of their period", false)};
+  hal::Out<bool> clock_{
+      make<hal::Out<bool>>("clock", "True in the second half of each period", false)};
+  hal::Out<double> square_{
+      make<hal::Out<double>>("square", "Low in the first half of the period, then high", 0)};
+  hal::Out<double> sine_{make<hal::Out<double>>("sine", "Sine wave, from zero upwards", 0.0)};
+  hal::Out<double> cosine_{
+      make<hal::Out<double>>("cosine", "Cosine wave, from the peak downwards", 0.0)};
+  hal::Out<double> triangle_{
+      make<hal::Out<double>>("triangle", "Falls while square is low, then rises", 0.0)};
+  hal::Out<double> sawtooth_{
+      make<hal::Out<double>>("sawtooth", "Rises over the period, then drops", 0.0)};
   double phase_{0.0};  // place in the period, 0 to 1
 };
 

@@ -12,19 +12,14 @@ enum ClockMode : std::int32_t { each_call = 0, falling_edge = 1, rising_edge = 2
 class StreamerChannel : public hal::StreamChannelBase<hal::Out<std::uint64_t>> {
  public:
   StreamerChannel(hal::Builder& b, std::size_t index, const hal::StreamChannel* configs) noexcept
-      : StreamChannelBase(b, "streamer.#", hal::kStreamerKey, index, configs, hal::Dir::out) {
+      : StreamChannelBase(b, "streamer.#", hal::kStreamerKey, index, configs) {
     if (!stream_.valid()) return;
-    curr_depth_ = hal::make_pin<hal::Out<std::int32_t>>(
-        b, named("curr-depth"), "Rows in the FIFO before this call takes one");
-    empty_ = hal::make_pin<hal::Out<bool>>(b, named("empty"),
-                                           "True when this call found no row in the FIFO", true);
-    enable_ = hal::make_pin<hal::In<bool>>(b, named("enable"), "True lets rows through to the pins",
-                                           true);
-    underruns_ = hal::make_pin<hal::Io<std::int32_t>>(
-        b, named("underruns"), "Rows that were due and not there; may be set back");
-    clock_ = hal::make_pin<hal::In<bool>>(b, named("clock"),
-                                          "Edges on which a row is due, see clock-mode");
-    clock_mode_ = hal::make_pin<hal::In<std::int32_t>>(
+    curr_depth_.declare(b, named("curr-depth"), "Rows in the FIFO before this call takes one");
+    empty_.declare(b, named("empty"), "True when this call found no row in the FIFO", true);
+    enable_.declare(b, named("enable"), "True lets rows through to the pins", true);
+    underruns_.declare(b, named("underruns"), "Rows that were due and not there; may be set back");
+    clock_.declare(b, named("clock"), "Edges on which a row is due, see clock-mode");
+    clock_mode_.declare(
         b, named("clock-mode"),
         "When a row is due: 0 at each call, 1 at the falling edge of clock, 2 at the rising edge, "
         "3 at both");

@@ -50,16 +50,47 @@ struct Period {
 
 using FunctionThunk = void (*)(void* object, const Period& period) noexcept;
 
-/// Where a pin's value stands at present: `link` holds the way from itself to the slot, in bytes; the slot is the pin's own or its
-/// signal's. The registry's writer changes it when the pin is linked or unlinked. The way is the same wherever a process maps the
-/// segment, and a handle is one pointer: a thread's functions read little more than their values.
+/// The pointer of a realtime component's pin to its value, which is the pin's own or its signal's. It stands in the handle, in memory
+/// of the realtime host alone; the registry's writer changes it when the pin is linked or unlinked. So it has a fixed place, and a
+/// thread's functions read little more than their values.
+class PinCell {
+ public:
+  PinCell() = default;
+  PinCell(const PinCell&) = delete;
+  PinCell& operator=(const PinCell&) = delete;
+  /// @rt. The value itself is relaxed: each stands alone; nothing orders two pins across threads.
+  [[nodiscard]] std::atomic<std::uint64_t>& slot() const noexcept {
+    // Acquire: pairs with the writer's release store of a new address, so a new signal's first value is there before it is used.
+    // Both the old and the new slot exist until every thread has finished a cycle.
+    return *reinterpret_cast<std::atomic<std::uint64_t>*>(address_.load(std::memory_order_acquire));
+  }
+  /// For who makes the pin.
+  [[nodiscard]] std::uint64_t* word() noexcept {
+    return reinterpret_cast<std::uint64_t*>(&address_);
+  }
+  void point(std::atomic<std::uint64_t>& slot) noexcept {
+    address_.store(reinterpret_cast<std::uintptr_t>(&slot), std::memory_order_release);
+  }
+
+ private:
+  std::atomic<std::uint64_t> address_{0};
+};
+
+/// The value of a parameter, which stands where it is for ever.
+struct FixedSlot {
+  std::atomic<std::uint64_t>* value{nullptr};
+  /// @rt.
+  [[nodiscard]] std::atomic<std::uint64_t>& slot() const noexcept { return *value; }
+};
+
+/// The value of any item, from any process: `link` holds the way from itself to the slot, in bytes, which is the same wherever a
+/// process maps the segment.
 struct SlotRef {
   const std::atomic<std::uint64_t>* link{nullptr};
 
-  /// @rt. The value itself is relaxed: each stands alone; nothing orders two pins across threads.
+  /// @rt.
   [[nodiscard]] std::atomic<std::uint64_t>& slot() const noexcept {
-    // Acquire: pairs with the writer's release store of a new link, so a new signal's first value is there before it is used.
-    // Both the old and the new slot exist until every thread has finished a cycle.
+    // Acquire: as in PinCell.
     const std::uint64_t way = link->load(std::memory_order_acquire);
     return *reinterpret_cast<std::atomic<std::uint64_t>*>(reinterpret_cast<std::uintptr_t>(link) +
                                                           way);
@@ -82,10 +113,11 @@ struct Info {
 /// Names are whole HAL names. Errors latch: after the first, calls return harmless objects and do nothing.
 class Builder {
  public:
-  virtual SlotRef add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                          std::string_view doc) noexcept = 0;
-  virtual SlotRef add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                            std::string_view doc) noexcept = 0;
+  /// `cell` must stay where it is as long as the component lives. nullptr: the component does not touch the pin.
+  virtual void add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                       std::string_view doc, PinCell* cell) noexcept = 0;
+  virtual FixedSlot add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                              std::string_view doc) noexcept = 0;
   virtual void add_function(std::string_view name, FunctionThunk thunk, void* object,
                             std::string_view doc) noexcept = 0;
   /// Text of a loadrt parameter NAME=..., or "" when it was not given. Asking declares it; parameters that no component asked
@@ -132,91 +164,124 @@ class Builder {
 };
 
 namespace detail {
-template <class T>
+/// What all handles have. `Place` tells where the value stands: PinCell, FixedSlot or SlotRef.
+template <class T, Dir kDirection, class Place>
 class Handle {
  public:
   using Item = T;
-  constexpr Handle() = default;
-  explicit constexpr Handle(SlotRef ref) : ref_(ref) {}
+  static constexpr Dir kDir = kDirection;
+  static constexpr bool kIsOfAnyProcess = std::is_same_v<Place, SlotRef>;
+
+  Handle() = default;
+  /// A new item of the component.
+  Handle(Builder& b, std::string_view whole_name, std::string_view doc, T initial = {}) noexcept
+      requires(!kIsOfAnyProcess) {
+    declare(b, whole_name, doc, initial);
+  }
+  explicit Handle(SlotRef ref) noexcept requires kIsOfAnyProcess : place_(ref) {}
+
+  /// Makes the item of a handle that has none, once; for names that are known only in the constructor's body. `type` may differ from
+  /// T's when T is std::uint64_t, which reads and writes slots as they are.
+  void declare(Builder& b, std::string_view whole_name, std::string_view doc, T initial = {},
+               Type type = TypeOf<T>::kType) noexcept requires(!kIsOfAnyProcess) {
+    if constexpr (std::is_same_v<Place, PinCell>)
+      b.add_pin(whole_name, type, kDir, to_raw<T>(initial), doc, &place_);
+    else
+      place_ = b.add_param(whole_name, type, kDir, to_raw<T>(initial), doc);
+  }
+  /// For who makes the item without a Builder.
+  [[nodiscard]] Place& place() noexcept { return place_; }
 
  protected:
   [[nodiscard]] T load() const noexcept {
-    return from_raw<T>(ref_.slot().load(std::memory_order_relaxed));
+    return from_raw<T>(place_.slot().load(std::memory_order_relaxed));
   }
-  void store(T v) const noexcept { ref_.slot().store(to_raw<T>(v), std::memory_order_relaxed); }
-  SlotRef ref_;
-};
-}  // namespace detail
+  void store(T v) const noexcept { place_.slot().store(to_raw<T>(v), std::memory_order_relaxed); }
 
-/// A pin that the component reads.
-template <class T>
-class In : public detail::Handle<T> {
+ private:
+  Place place_;
+};
+
+/// An item that the program reads.
+template <class T, Dir kDirection, class Place>
+class Reading : public Handle<T, kDirection, Place> {
  public:
-  static constexpr Dir kDir = Dir::in;
-  using detail::Handle<T>::Handle;
+  using Handle<T, kDirection, Place>::Handle;
   [[nodiscard]] T get() const noexcept { return this->load(); }
   operator T() const noexcept { return this->load(); }
 };
 
-/// A pin that the component writes. `last()` is what stands there, normally the last value written.
-template <class T>
-class Out : public detail::Handle<T> {
+/// One that it writes. `last()` is what stands there, normally the last value written.
+template <class T, Dir kDirection, class Place>
+class Writing : public Handle<T, kDirection, Place> {
  public:
-  static constexpr Dir kDir = Dir::out;
-  using detail::Handle<T>::Handle;
+  using Handle<T, kDirection, Place>::Handle;
   void set(T v) noexcept { this->store(v); }
-  Out& operator=(T v) noexcept {
+  Writing& operator=(T v) noexcept {
     this->store(v);
     return *this;
   }
   [[nodiscard]] T last() const noexcept { return this->load(); }
 };
 
-/// A pin that several components write (index-enable).
-template <class T>
-class Io : public detail::Handle<T> {
+/// One that it reads and writes.
+template <class T, Dir kDirection, class Place>
+class Sharing : public Handle<T, kDirection, Place> {
  public:
-  static constexpr Dir kDir = Dir::io;
-  using detail::Handle<T>::Handle;
+  using Handle<T, kDirection, Place>::Handle;
   [[nodiscard]] T get() const noexcept { return this->load(); }
   operator T() const noexcept { return this->load(); }
   void set(T v) noexcept { this->store(v); }
-  Io& operator=(T v) noexcept {
+  Sharing& operator=(T v) noexcept {
     this->store(v);
     return *this;
   }
 };
+}  // namespace detail
 
+// Pins of a realtime component. They cannot be copied or moved: HAL knows where they stand.
+/// A pin that the component reads.
+template <class T>
+using In = detail::Reading<T, Dir::in, PinCell>;
+/// A pin that the component writes.
+template <class T>
+using Out = detail::Writing<T, Dir::out, PinCell>;
+/// A pin that several components write (index-enable).
+template <class T>
+using Io = detail::Sharing<T, Dir::io, PinCell>;
 /// A parameter that users set (rw) and the component reads; the component may write it too.
 template <class T>
-class Param : public Io<T> {
- public:
-  static constexpr Dir kDir = Dir::rw;
-  using Io<T>::Io;
-  using Io<T>::operator=;
-};
-
+using Param = detail::Sharing<T, Dir::rw, FixedSlot>;
 /// A parameter that the component writes and users read (ro).
 template <class T>
-class RoParam : public Out<T> {
- public:
-  static constexpr Dir kDir = Dir::ro;
-  using Out<T>::Out;
-  using Out<T>::operator=;
-};
+using RoParam = detail::Writing<T, Dir::ro, FixedSlot>;
 
-/// Declares pins with whole names: for components that are known by other names than their own (motion.*, joint.N.*).
+// Pins of a component in an ordinary process (hal/client/user_component.hpp), and items of others.
+template <class T>
+using LinkIn = detail::Reading<T, Dir::in, SlotRef>;
+template <class T>
+using LinkOut = detail::Writing<T, Dir::out, SlotRef>;
+template <class T>
+using LinkIo = detail::Sharing<T, Dir::io, SlotRef>;
+
+/// Declares pins with whole names: for components that are known by other names than their own (motion.*, joint.N.*). The result
+/// must initialise the component's member itself.
 template <class Pin>
-Pin make_pin(Builder& b, std::string_view whole_name, std::string_view doc,
-             typename Pin::Item initial = {}) noexcept {
-  return Pin(b.add_pin(whole_name, TypeOf<typename Pin::Item>::kType, Pin::kDir,
-                       to_raw<typename Pin::Item>(initial), doc));
+[[nodiscard]] Pin make_pin(Builder& b, std::string_view whole_name, std::string_view doc,
+                           typename Pin::Item initial = {}) noexcept {
+  return Pin(b, whole_name, doc, initial);
 }
 template <class P>
-P make_param(Builder& b, std::string_view whole_name, std::string_view doc,
-             typename P::Item initial = {}) noexcept {
-  return P(b.add_param(whole_name, TypeOf<typename P::Item>::kType, P::kDir,
-                       to_raw<typename P::Item>(initial), doc));
+[[nodiscard]] P make_param(Builder& b, std::string_view whole_name, std::string_view doc,
+                           typename P::Item initial = {}) noexcept {
+  return P(b, whole_name, doc, initial);
+}
+/// A pin that the component does not touch.
+template <class Pin>
+void declare_pin(Builder& b, std::string_view whole_name, std::string_view doc,
+                 typename Pin::Item initial = {}) noexcept {
+  using T = typename Pin::Item;
+  b.add_pin(whole_name, TypeOf<T>::kType, Pin::kDir, to_raw<T>(initial), doc, nullptr);
 }
 
 /// n objects made as T(builder, index, args...) in the component's memory; for repeated groups of pins.
@@ -270,11 +335,21 @@ inline Name numbered(std::string_view pattern, std::size_t index) noexcept {
 template <class Pin, std::size_t N>
 class PinArray {
  public:
+  PinArray() = default;
+  /// `pattern` goes behind the component's prefix.
+  PinArray(Builder& b, std::string_view pattern, std::size_t count, std::string_view doc,
+           typename Pin::Item initial = {}) noexcept {
+    for (std::size_t i = 0; i < count && !b.failed(); ++i)
+      add(b, b.full_name(numbered(pattern, i)), doc, initial);
+  }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   Pin& operator[](std::size_t i) noexcept { return pins_[i]; }
   const Pin& operator[](std::size_t i) const noexcept { return pins_[i]; }
-  void add(Pin p) noexcept {
-    if (size_ < N) new (&pins_[size_++]) Pin(p);
+  void add(Builder& b, std::string_view whole_name, std::string_view doc,
+           typename Pin::Item initial = {},
+           Type type = TypeOf<typename Pin::Item>::kType) noexcept {
+    if (size_ == N) return b.fail("more pins than the component has room for");
+    pins_[size_++].declare(b, whole_name, doc, initial, type);
   }
 
  private:
@@ -289,42 +364,41 @@ struct Function {};
 template <class Derived>
 class Component {
  public:
-  explicit Component(Builder& b) noexcept : builder_(b) {}
+  explicit Component(Builder& b) noexcept { building_ = &b; }
   Component(const Component&) = delete;
   Component& operator=(const Component&) = delete;
 
  protected:
   /// The builder is there while the component is constructed, and not after.
-  [[nodiscard]] Builder& builder() noexcept { return builder_; }
-  [[nodiscard]] std::int64_t personality() const noexcept { return builder_.personality(); }
+  [[nodiscard]] static Builder& builder() noexcept { return *building_; }
+  [[nodiscard]] static std::int64_t personality() noexcept { return building_->personality(); }
 
   template <class Pin>
-  Pin pin(std::string_view suffix, std::string_view doc, typename Pin::Item initial = {}) noexcept {
-    return make_pin<Pin>(builder_, builder_.full_name(suffix), doc, initial);
+  [[nodiscard]] Pin pin(std::string_view suffix, std::string_view doc,
+                        typename Pin::Item initial = {}) noexcept {
+    return make_pin<Pin>(builder(), builder().full_name(suffix), doc, initial);
   }
   template <class P>
-  P param(std::string_view suffix, std::string_view doc, typename P::Item initial = {}) noexcept {
-    return make_param<P>(builder_, builder_.full_name(suffix), doc, initial);
+  [[nodiscard]] P param(std::string_view suffix, std::string_view doc,
+                        typename P::Item initial = {}) noexcept {
+    return make_param<P>(builder(), builder().full_name(suffix), doc, initial);
   }
   template <class Pin, std::size_t N>
-  PinArray<Pin, N> pins(std::string_view pattern, std::size_t count, std::string_view doc,
-                        typename Pin::Item initial = {}) noexcept {
-    PinArray<Pin, N> array;
-    if (count > N) builder_.fail("more pins than the component has room for");
-    for (std::size_t i = 0; i < count && i < N; ++i)
-      array.add(pin<Pin>(numbered(pattern, i), doc, initial));
-    return array;
+  [[nodiscard]] PinArray<Pin, N> pins(std::string_view pattern, std::size_t count,
+                                      std::string_view doc,
+                                      typename Pin::Item initial = {}) noexcept {
+    return PinArray<Pin, N>(builder(), pattern, count, doc, initial);
   }
   /// Suffix "" exports the function under the instance's own name.
   template <auto Method>
   Function function(std::string_view suffix, std::string_view doc) noexcept {
-    return function_named<Method>(builder_.full_name(suffix), doc);
+    return function_named<Method>(builder().full_name(suffix), doc);
   }
   template <auto Method>
   Function function_named(std::string_view whole_name, std::string_view doc) noexcept {
     static_assert(std::is_nothrow_invocable_v<decltype(Method), Derived&, const Period&>,
                   "realtime functions must be noexcept and take (const hal::Period&)");
-    builder_.add_function(
+    builder().add_function(
         whole_name,
         [](void* object, const Period& period) noexcept {
           (static_cast<Derived*>(object)->*Method)(period);
@@ -335,7 +409,7 @@ class Component {
   /// loadrt parameters, as text and as numbers. A number that does not parse is an error that names it.
   std::string_view text_arg(std::string_view name, std::string_view default_text,
                             std::string_view doc) noexcept {
-    return builder_.arg(name, default_text, doc);
+    return builder().arg(name, default_text, doc);
   }
   std::int64_t int_arg(std::string_view name, std::int64_t default_value,
                        std::string_view doc) noexcept {
@@ -351,9 +425,9 @@ class Component {
     if (negative) text[--n] = '-';
     std::int64_t value = default_value;
     const std::string_view given =
-        builder_.arg(name, std::string_view(text + n, sizeof text - n), doc);
+        builder().arg(name, std::string_view(text + n, sizeof text - n), doc);
     if (!given.empty() && !parse_int(given, value))
-      builder_.fail("a loadrt parameter is not an integer");
+      builder().fail("a loadrt parameter is not an integer");
     return value;
   }
   /// Decimal, 0x hexadecimal, with sign.
@@ -380,7 +454,8 @@ class Component {
   }
 
  private:
-  Builder& builder_;
+  /// A member of the object would be 8 bytes of cache in each cycle. Components are made by one thread, one after the other.
+  inline static Builder* building_{nullptr};
 };
 
 /// What a component's shared object exports: its one symbol.
@@ -395,7 +470,7 @@ struct Module {
       nullptr};  ///< set by the loader: a module of the C API, for dlsym; the rest of it is empty
 };
 /// Raised when Builder, Module, Info or the handles change.
-inline constexpr std::uint64_t kModuleAbi = 3;
+inline constexpr std::uint64_t kModuleAbi = 4;
 
 /// Name of the symbol for component file ID (dashes as underscores): kerf_hal_module_ID.
 inline constexpr std::string_view kModuleSymbolPrefix = "kerf_hal_module_";

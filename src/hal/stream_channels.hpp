@@ -112,13 +112,13 @@ class StreamChannelBase {
  protected:
   /// `name` with a '#' for the channel's number. Without a stream there are no columns, and the builder has failed.
   StreamChannelBase(Builder& b, std::string_view name, std::uint32_t first_key, std::size_t index,
-                    const StreamChannel* configs, Dir dir) noexcept
+                    const StreamChannel* configs) noexcept
       : prefix_(numbered(name, index)),
         stream_(
             make_channel_stream(b, first_key + static_cast<std::uint32_t>(index), configs[index])) {
     for (std::size_t i = 0; stream_.valid() && i < stream_.columns(); ++i) {
-      columns_.add(Pin(b.add_pin(named(numbered("pin.#", i)), stream_.type(i), dir, 0,
-                                 "Value of this column; its type is the letter in cfg=")));
+      columns_.add(b, named(numbered("pin.#", i)),
+                   "Value of this column; its type is the letter in cfg=", 0, stream_.type(i));
     }
   }
 

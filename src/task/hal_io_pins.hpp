@@ -16,9 +16,9 @@ class HalIoPins final : public io::IoPins {
 
  private:
   template <class T>
-  using In = hal::In<T>;
+  using In = hal::LinkIn<T>;
   template <class T>
-  using Out = hal::Out<T>;
+  using Out = hal::LinkOut<T>;
   hal::UserComponent component_;
   In<bool> emc_enable_in_{component_.pin<In<bool>>("emc-enable-in")};
   In<bool> tool_changed_{component_.pin<In<bool>>("tool-changed")};

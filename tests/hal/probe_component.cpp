@@ -29,8 +29,8 @@ int main(int argc, char** argv) {
   ::signal(SIGTERM, on_signal);
   {
     hal::UserComponent comp(**session, name);
-    auto in = comp.pin<hal::In<double>>("in");
-    auto out = comp.pin<hal::Out<double>>("out");
+    auto in = comp.pin<hal::LinkIn<double>>("in");
+    auto out = comp.pin<hal::LinkOut<double>>("out");
     if (const auto ready = comp.ready(); !ready.ok()) {
       std::fprintf(stderr, "%s\n", ready.error().message().c_str());
       return 5;

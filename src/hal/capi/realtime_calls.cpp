@@ -32,11 +32,11 @@ SlotRef slot_of(Ref ref) noexcept {
 }
 template <class T, class Ref>
 T get(Ref ref) noexcept {
-  return ref == nullptr ? T{} : kerf::hal::Io<T>(slot_of(ref)).get();
+  return ref == nullptr ? T{} : kerf::hal::LinkIo<T>(slot_of(ref)).get();
 }
 template <class T, class Ref>
 T set(Ref ref, T value) noexcept {
-  if (ref != nullptr) kerf::hal::Io<T>(slot_of(ref)).set(value);
+  if (ref != nullptr) kerf::hal::LinkIo<T>(slot_of(ref)).set(value);
   return value;
 }
 

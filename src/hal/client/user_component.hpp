@@ -1,8 +1,8 @@
 // UserComponent: pins of an ordinary process.
 //
 //   hal::UserComponent comp(session, "iocontrol.0");
-//   auto change = comp.pin<hal::Out<bool>>("tool-change");
-//   auto changed = comp.pin<hal::In<bool>>("tool-changed");
+//   auto change = comp.pin<hal::LinkOut<bool>>("tool-change");
+//   auto changed = comp.pin<hal::LinkIn<bool>>("tool-changed");
 //   if (auto status = comp.ready(); !status.ok()) ...           // the first error of all that was asked
 //   change = true;
 #pragma once
@@ -15,6 +15,10 @@
 #include "rtapi/base/result.hpp"
 
 namespace kerf::hal {
+
+/// A parameter that users set and the component reads; the component may write it too.
+template <class T>
+using LinkParam = detail::Sharing<T, Dir::rw, SlotRef>;
 
 /// Errors latch: after the first, pins are harmless handles of this object's own memory, and ready() gives the error.
 class UserComponent {

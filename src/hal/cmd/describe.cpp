@@ -9,6 +9,7 @@
 
 #include "hal/cmd/check.hpp"
 #include "hal/core/records.hpp"
+#include "hal/core/value_access.hpp"
 #include "hal/core/value_text.hpp"
 #include "hal/loader/c_parameters.hpp"
 #include "rtapi/clock/clock.hpp"
@@ -74,13 +75,14 @@ class Describer::Recorder final : public Builder {
     return provided_;
   }
 
-  SlotRef add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                  std::string_view doc) noexcept override {
-    return add_item(name, type, dir, initial, doc);
+  void add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+               std::string_view doc, PinCell* cell) noexcept override {
+    std::uint64_t& value = add_item(name, type, dir, initial, doc);
+    if (cell != nullptr) cell->point(slot_of(value));
   }
-  SlotRef add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                    std::string_view doc) noexcept override {
-    return add_item(name, type, dir, initial, doc);
+  FixedSlot add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                      std::string_view doc) noexcept override {
+    return {&slot_of(add_item(name, type, dir, initial, doc))};
   }
   void add_function(std::string_view name, FunctionThunk /*thunk*/, void* /*object*/,
                     std::string_view doc) noexcept override {
@@ -129,12 +131,10 @@ class Describer::Recorder final : public Builder {
     void operator()(std::byte* p) const noexcept { ::operator delete(p, std::align_val_t(align)); }
   };
 
-  SlotRef add_item(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                   std::string_view doc) noexcept {
+  std::uint64_t& add_item(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                          std::string_view doc) noexcept {
     declaration_.items.push_back({std::string(name), type, dir, initial, std::string(doc)});
-    // A slot of its own for each: the link, which says 8, and the value behind it.
-    auto& words = slots_.emplace_back(std::array<std::uint64_t, 2>{8, initial});
-    return {slot_link(words.data())};
+    return values_.emplace_back(initial);
   }
 
   Describer& owner_;
@@ -143,7 +143,7 @@ class Describer::Recorder final : public Builder {
   std::map<std::string, std::string, std::less<>> given_;
   std::map<std::string, void*, std::less<>> provided_;
   std::deque<std::string> texts_;
-  std::deque<std::array<std::uint64_t, 2>> slots_;
+  std::deque<std::uint64_t> values_;
   std::vector<std::unique_ptr<std::byte, Free>> memory_;
   void* object_{nullptr};
   std::string missing_;

@@ -4,7 +4,7 @@
 // copies, looks again and retries. Values and links are relaxed atomics of their own and are not covered by the count.
 //
 // Records and link slots stand in the region `structure`, value slots in `shared`. Slots are 8 bytes each, in pools of their
-// own and in order of creation, so that the pins of one instance share cache lines and no thread drags names through its cache.
+// own and in order of creation, so that the values of one instance share cache lines and no thread drags names through its cache.
 #pragma once
 
 #include <atomic>
@@ -77,8 +77,8 @@ struct ItemRecord : Record {
   Word<Offset> signal_previous{0};
   Word<Offset> original{0};  ///< OriginalRecord; 0: no alias
   std::uint64_t cell{
-      0};  ///< C API: address, in the writer's process, of the owner's pointer to the value
-  std::uint64_t owner_base{0};  ///< C API: where the owner maps the segment
+      0};  ///< address, in the writer's process, of the owner's pointer to the value; 0: it has none
+  std::uint64_t owner_base{0};  ///< where the owner maps the segment
 };
 
 /// The original name of an item with an alias; its kind in the hash is that of the item.
@@ -117,6 +117,13 @@ struct ComponentRecord : Record {
   Offset last_function{0};
 };
 
+/// Where a function's times are shown. The thread that runs it writes them.
+struct FunctionTimes {
+  Out<std::int32_t> time;        ///< NAME.time, ns
+  Param<std::int32_t> tmax;      ///< NAME.tmax, ns
+  RoParam<bool> tmax_increased;  ///< NAME.tmax-increased
+};
+
 struct FunctionRecord : Record {
   Offset owner{0};
   Word<Offset> owner_next{0};  ///< chain of the functions of one component
@@ -126,6 +133,8 @@ struct FunctionRecord : Record {
   std::uint16_t reentrant{
       0};  ///< 1: its maker says that two threads may run it at once; Kerf needs no such promise
   std::uint16_t runs_once{0};  ///< 1: added by initf
+  /// From here on what each timed run touches: for a small function one cache line.
+  alignas(64) FunctionTimes times;
   TimingRecord timing;
 };
 

@@ -276,6 +276,8 @@ void Registry::erase_thread(ThreadRecord& thread) {
 
 Status Registry::check_spec(const ComponentRecord& owner, const ItemSpec& spec) const {
   const auto reachable = [&](const void* p, std::size_t bytes) {
+    const bool own_pointer = p == spec.cell;
+    if (own_pointer && owner.type == ComponentKind::realtime) return true;
     if (!segment_.contains(p) || !segment_.in_use(offset_of(p), bytes)) return false;
     if (offset_of(p) % bytes != 0) return false;
     return owner.type == ComponentKind::realtime ||
@@ -293,7 +295,7 @@ Status Registry::check_spec(const ComponentRecord& owner, const ItemSpec& spec) 
 }
 
 void Registry::point(ItemRecord& pin, Offset slot) noexcept {
-  // Release: pairs with the acquire load of SlotRef, so what stands in the slot is there before the slot is used.
+  // Release: pairs with the acquire loads of SlotRef and PinCell, so what stands in the slot is there before the slot is used.
   segment_.at<std::atomic<std::uint64_t>>(pin.link)->store(slot - pin.link,
                                                            std::memory_order_release);
   if (pin.cell == 0) return;

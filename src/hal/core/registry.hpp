@@ -33,8 +33,9 @@ struct ItemSpec {
   Type type{Type::unspecified};
   Dir dir{Dir::unspecified};
   std::uint64_t initial{0};
-  /// A pin of the C API: the owner's pointer to the value. It gets owner_base + place of the value in effect, at each link and
-  /// unlink, and must live as long as the component.
+  /// A pin of a realtime component or of the C API: the owner's pointer to the value. It gets owner_base + place of the value in
+  /// effect, at each link and unlink, and must live as long as the component. For a realtime component it may be any memory of this
+  /// process, else only memory in `shared`.
   std::uint64_t* cell{nullptr};
   std::uint64_t owner_base{0};  ///< where the owner maps the segment
   /// A parameter of the C API: its value, memory of the owner in the segment, in the width of its C type. `initial` is not used.
@@ -126,7 +127,7 @@ class Registry {
   void reclaim();
   /// Bytes taken from the segment; constant over repeated load and unload.
   [[nodiscard]] std::uint64_t arena_bytes() const noexcept {
-    return structure_.bytes_taken() + shared_.bytes_taken();
+    return structure_.bytes_taken() + functions_.bytes_taken() + shared_.bytes_taken();
   }
 
   [[nodiscard]] ComponentRecord* find_component(std::string_view name) const noexcept;
@@ -142,6 +143,10 @@ class Registry {
 
   [[nodiscard]] SlotRef slot_ref(const ItemRecord& item) const noexcept {
     return slot_at(segment_, item.link);
+  }
+  /// Of a parameter that is not `native`.
+  [[nodiscard]] FixedSlot fixed_slot(const ItemRecord& param) const noexcept {
+    return {segment_.at<std::atomic<std::uint64_t>>(param.value)};
   }
   /// Where the value of a signal stands.
   [[nodiscard]] std::atomic<std::uint64_t>& slot(const SignalRecord& signal) const noexcept {
@@ -235,6 +240,8 @@ class Registry {
   Root& root_;
   std::uint32_t next_id_{1};
   Arena structure_{segment_, Region::structure};
+  /// Records of functions stand together: threads write times to them.
+  Arena functions_{segment_, Region::structure};
   Arena shared_{segment_, Region::shared};
   SlotPool links_{structure_};
   SlotPool values_{shared_};

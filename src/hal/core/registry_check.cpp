@@ -35,7 +35,7 @@ class Registry::Checker {
       expect(!r_.shared_.is_free(memory.memory, memory.bytes), "its memory is free", m);
     }
     run_lists();
-    for (const Arena* arena : {&r_.structure_, &r_.shared_})
+    for (const Arena* arena : {&r_.structure_, &r_.functions_, &r_.shared_})
       if (const char* wrong = arena->wrong(); wrong != nullptr) expect(false, wrong, nullptr);
     if (error_.empty()) return {};
     return rtapi::fail(rtapi::Errc::protocol, error_);
@@ -59,8 +59,8 @@ class Registry::Checker {
       expect(r->kind == kind, "a record is in the list of another kind", r);
       expect(r->previous.get() == previous, "a list is not the same backwards", r);
       expect(r->id > last_id, "a list is not in order of creation", r);
-      expect(!r_.structure_.is_free(r_.offset_of(r), sizeof(Record)), "a record is in free memory",
-             r);
+      const Arena& arena = kind == Kind::function ? r_.functions_ : r_.structure_;
+      expect(!arena.is_free(r_.offset_of(r), sizeof(Record)), "a record is in free memory", r);
       last_id = r->id;
       previous = r_.offset_of(r);
       lists_[k].push_back(r);

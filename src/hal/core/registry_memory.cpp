@@ -13,14 +13,16 @@ using rtapi::Result;
 using rtapi::Status;
 
 Result<Offset> Registry::allocate(std::size_t bytes, Region region, Kind kind) {
-  Arena& arena = region == Region::structure ? structure_ : shared_;
+  Arena& arena = region != Region::structure ? shared_
+                 : kind == Kind::function    ? functions_
+                                             : structure_;
   auto offset = arena.allocate(bytes);
   if (!offset.ok()) {
     return fail(Errc::no_memory,
                 rtapi::format_fixed<480>("HAL memory: %s", offset.error().message().c_str()));
   }
   root_.bytes_used.set(root_.bytes_used.get() + bytes);
-  root_.bytes_free.set(structure_.bytes_free() + shared_.bytes_free());
+  root_.bytes_free.set(structure_.bytes_free() + functions_.bytes_free() + shared_.bytes_free());
   auto& recycled = root_.recycled[static_cast<std::size_t>(kind)];
   if (recycled.get() > 0) recycled.set(recycled.get() - 1);
   return offset;
@@ -52,14 +54,18 @@ void Registry::retire_record(Record& record, std::size_t bytes) {
 
 void Registry::give_back(const Block& block) {
   switch (block.store) {
-    case Store::structure: structure_.give_back(block.offset, block.bytes); break;
+    case Store::structure: {
+      Arena& arena = block.kind == Kind::function ? functions_ : structure_;
+      arena.give_back(block.offset, block.bytes);
+      break;
+    }
     case Store::shared: shared_.give_back(block.offset, block.bytes); break;
     case Store::link: links_.give_back(block.offset); break;
     case Store::value: values_.give_back(block.offset); break;
     case Store::signal_value: signal_values_.give_back(block.offset); break;
   }
   root_.bytes_used.set(root_.bytes_used.get() - block.bytes);
-  root_.bytes_free.set(structure_.bytes_free() + shared_.bytes_free());
+  root_.bytes_free.set(structure_.bytes_free() + functions_.bytes_free() + shared_.bytes_free());
   if (block.kind != Kind::none) {
     auto& recycled = root_.recycled[static_cast<std::size_t>(block.kind)];
     recycled.set(recycled.get() + 1);

@@ -9,8 +9,9 @@
 namespace kerf::hal {
 
 struct TestBuilder::Slot {
-  std::atomic<std::uint64_t> link{0};
-  std::atomic<std::uint64_t> value{0};
+  std::atomic<std::uint64_t> own{0};
+  std::atomic<std::uint64_t>* in_effect{nullptr};
+  PinCell* cell{nullptr};
 };
 
 TestBuilder::TestBuilder() : slots_(new Slot[kSlots]) {}
@@ -29,16 +30,14 @@ bool TestBuilder::create(const Module& module, std::string_view prefix, std::int
   return error_.empty();
 }
 
-SlotRef TestBuilder::slot_ref(std::size_t slot) const noexcept { return {&slots_[slot].link}; }
-
-void TestBuilder::point(std::size_t slot, const std::atomic<std::uint64_t>& value) noexcept {
-  auto& link = slots_[slot].link;
-  link.store(reinterpret_cast<std::uintptr_t>(&value) - reinterpret_cast<std::uintptr_t>(&link),
-             std::memory_order_relaxed);
+void TestBuilder::point(std::size_t slot, std::atomic<std::uint64_t>& value) noexcept {
+  slots_[slot].in_effect = &value;
+  if (slots_[slot].cell != nullptr) slots_[slot].cell->point(value);
 }
 
-SlotRef TestBuilder::add_item(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                              std::string_view doc) noexcept {
+TestBuilder::Slot& TestBuilder::add_item(std::string_view name, Type type, Dir dir,
+                                         std::uint64_t initial, std::string_view doc,
+                                         PinCell* cell) noexcept {
   std::size_t slot = used_;
   if (used_ == kSlots) {
     fail("more pins than TestBuilder has room for");
@@ -48,21 +47,22 @@ SlotRef TestBuilder::add_item(std::string_view name, Type type, Dir dir, std::ui
   }
   if (name.size() > kNameLength) fail("name longer than 55 characters: " + std::string(name));
   if (by_name_.count(name) > 0) fail("duplicate name '" + std::string(name) + "'");
-  slots_[slot].value.store(initial, std::memory_order_relaxed);
-  point(slot, slots_[slot].value);
+  slots_[slot].own.store(initial, std::memory_order_relaxed);
+  slots_[slot].cell = cell;
+  point(slot, slots_[slot].own);
   by_name_.emplace(std::string(name), items_.size());
   items_.push_back({std::string(name), type, dir, std::string(doc), slot});
-  return slot_ref(slot);
+  return slots_[slot];
 }
 
-SlotRef TestBuilder::add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                             std::string_view doc) noexcept {
-  return add_item(name, type, dir, initial, doc);
+void TestBuilder::add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                          std::string_view doc, PinCell* cell) noexcept {
+  (void)add_item(name, type, dir, initial, doc, cell);
 }
 
-SlotRef TestBuilder::add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                               std::string_view doc) noexcept {
-  return add_item(name, type, dir, initial, doc);
+FixedSlot TestBuilder::add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                                 std::string_view doc) noexcept {
+  return {&add_item(name, type, dir, initial, doc, nullptr).own};
 }
 
 void TestBuilder::add_function(std::string_view name, FunctionThunk thunk, void* object,
@@ -135,11 +135,11 @@ const TestBuilder::Item& TestBuilder::find(std::string_view name) const {
 std::uint64_t TestBuilder::raw(std::string_view name, Type type) const {
   const Item& item = find(name);
   if (item.type != type) throw std::logic_error("'" + item.name + "' has another type");
-  return slot_ref(item.slot).slot().load(std::memory_order_relaxed);
+  return slots_[item.slot].in_effect->load(std::memory_order_relaxed);
 }
 
 void TestBuilder::store(const Item& item, std::uint64_t raw) {
-  slot_ref(item.slot).slot().store(raw, std::memory_order_relaxed);
+  slots_[item.slot].in_effect->store(raw, std::memory_order_relaxed);
 }
 
 void TestBuilder::set_real(std::string_view name, double value) {
@@ -179,7 +179,7 @@ std::vector<std::string> TestBuilder::functions() const {
 void TestBuilder::link(const std::vector<std::string>& pins) {
   if (pins.empty()) return;
   const Item& first = find(pins.front());
-  auto* const target = &slot_ref(first.slot).slot();
+  auto* const target = slots_[first.slot].in_effect;
   for (const auto& name : pins) {
     const Item& item = find(name);
     if (item.type != first.type) throw std::logic_error("'" + name + "' has another type");

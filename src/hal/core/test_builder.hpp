@@ -105,10 +105,10 @@ class TestBuilder final : public Builder {
     return participants_;
   }
 
-  SlotRef add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                  std::string_view doc) noexcept override;
-  SlotRef add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                    std::string_view doc) noexcept override;
+  void add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+               std::string_view doc, PinCell* cell) noexcept override;
+  FixedSlot add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                      std::string_view doc) noexcept override;
   void add_function(std::string_view name, FunctionThunk thunk, void* object,
                     std::string_view doc) noexcept override;
   std::string_view arg(std::string_view name, std::string_view default_text,
@@ -148,16 +148,14 @@ class TestBuilder final : public Builder {
   };
   using Memory = std::unique_ptr<std::byte, FreeAligned>;
 
-  SlotRef add_item(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                   std::string_view doc) noexcept;
+  Slot& add_item(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                 std::string_view doc, PinCell* cell) noexcept;
   [[nodiscard]] const Item& find(std::string_view name) const;
   [[nodiscard]] std::uint64_t raw(std::string_view name, Type type) const;
   void set_real(std::string_view name, double value);
   void set_integer(std::string_view name, std::int64_t value);
   void store(const Item& item, std::uint64_t raw);
-  [[nodiscard]] SlotRef slot_ref(std::size_t slot) const noexcept;
-  /// Lets the link of a slot lead to a value.
-  void point(std::size_t slot, const std::atomic<std::uint64_t>& value) noexcept;
+  void point(std::size_t slot, std::atomic<std::uint64_t>& value) noexcept;
   Memory zeroed(std::size_t bytes, std::size_t align);
 
   static constexpr std::size_t kSlots = 8192;

@@ -34,17 +34,17 @@ struct FunctionStats {
 /// A doubling of the time has 2^kSubBits bins, below that each nanosecond its own, of which the first kSkipped are put together;
 /// readers interpolate. A reset only raises the number that all records are held against; each is emptied by its thread at its next run.
 template <unsigned kSubBits, unsigned kSkipped>
-struct alignas(64) BasicTimingRecord {
+struct BasicTimingRecord {
   static constexpr std::uint32_t kSubBins = 1U << kSubBits;
   static constexpr std::uint32_t kLongestNs = (1U << 29U) - 1;  ///< longer ones count as this
   static constexpr std::size_t kBins = ((29U - kSubBits + 1) << kSubBits) - kSkipped;
 
   rtapi::Word<std::uint32_t> epoch{0};  ///< of the reset that it counts from
-  rtapi::Word<std::uint32_t> overruns{0};
   rtapi::Word<std::uint32_t> max_ns{0};
   /// What a run takes, in ticks of the thread's counter, times 16: a moving mean over some 16 runs. The thread's own.
   rtapi::Word<std::uint64_t> usual16{0};
   rtapi::Word<std::uint32_t> bins[kBins];
+  rtapi::Word<std::uint32_t> overruns{0};
 
   static constexpr std::size_t bin_of(std::uint32_t ns) noexcept {
     if (ns <= kSkipped) return 0;
@@ -97,7 +97,7 @@ struct alignas(64) BasicTimingRecord {
     for (auto& bin : bins) bin.set(bin.get() / 2);
   }
 };
-/// Of a function: small ones touch one cache line.
+/// Of a function.
 using TimingRecord = BasicTimingRecord<2, 7>;
 /// Of a thread: percentiles within 2 %.
 using ThreadTimingRecord = BasicTimingRecord<5, 0>;

@@ -50,6 +50,11 @@ inline void store_value(Type type, void* at, std::uint64_t raw) noexcept {
   }
 }
 
+/// A slot made of plain memory, for handles of items that stand in no segment.
+inline std::atomic<std::uint64_t>& slot_of(std::uint64_t& word) noexcept {
+  return reinterpret_cast<std::atomic<std::uint64_t>&>(word);
+}
+
 /// Writes all 8 bytes of a slot.
 inline void store_slot(void* at, std::uint64_t raw) noexcept {
   reinterpret_cast<std::atomic<std::uint64_t>*>(at)->store(raw, std::memory_order_relaxed);

@@ -121,7 +121,6 @@ class Host {
   /// Room for a run list to grow in: entries beyond a list's count are nobody's yet.
   struct RunStore {
     std::vector<RunEntry> entries;
-    std::vector<RunTimer> timers;
   };
   struct Thread {
     std::unique_ptr<ThreadRunner> runner;
@@ -252,7 +251,7 @@ class Host {
   std::vector<std::unique_ptr<Loaded>> loaded_;
   std::vector<std::unique_ptr<Thread>> threads_;
   std::vector<OldList> old_lists_;
-  std::map<FunctionRecord*, RunFunction> functions_;
+  std::map<FunctionRecord*, RunEntry> functions_;
   rtapi::CycleCounter counter_;
   /// Functions that were added by initf, with what they ran before.
   std::map<FunctionRecord*, std::vector<std::unique_ptr<OnceFunction>>> once_;

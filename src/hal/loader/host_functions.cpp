@@ -53,23 +53,27 @@ Status Host::add_thread(Loaded& owner, std::string_view name, std::int64_t perio
   const std::string base(name);
   KERF_TRY(ComponentRecord * component,
            registry_->add_component("__" + base, ComponentKind::realtime));
+  auto thread = std::make_unique<Thread>();
   const auto build = [&]() -> Status {
     KERF_TRY(ThreadRecord * record, registry_->add_thread(*component, base, period_ns));
-    KERF_TRY(ItemRecord * time,
-             registry_->add_pin(*component, base + ".time", Type::s32, Dir::out, 0));
-    KERF_TRY(ItemRecord * beat,
-             registry_->add_pin(*component, base + ".threadbeat", Type::s64, Dir::out, 0));
-    KERF_TRY(ItemRecord * tmax,
-             registry_->add_param(*component, base + ".tmax", Type::s32, Dir::rw, 0));
-    auto thread = std::make_unique<Thread>();
     thread->component = component;
     thread->owner = &owner;
-    thread->runner = std::make_unique<ThreadRunner>(
-        registry_->root(), *record,
-        ThreadRunner::Items{Out<std::int32_t>(registry_->slot_ref(*time)),
-                            Param<std::int32_t>(registry_->slot_ref(*tmax)),
-                            Out<std::int64_t>(registry_->slot_ref(*beat))},
-        counter_);
+    thread->runner =
+        std::make_unique<ThreadRunner>(segment(), registry_->root(), *record, counter_);
+    ThreadRunner::Items& items = thread->runner->items();
+    const auto add_out = [&](auto& pin, const char* suffix, Type type) -> Status {
+      const std::string whole = base + suffix;
+      ItemSpec spec{.name = whole, .type = type, .dir = Dir::out, .cell = pin.place().word()};
+      spec.owner_base = reinterpret_cast<std::uintptr_t>(segment().base());
+      if (auto made = registry_->add_pin(*component, spec); !made.ok())
+        return rtapi::Failure{made.error()};
+      return {};
+    };
+    KERF_CHECK(add_out(items.time, ".time", Type::s32));
+    KERF_CHECK(add_out(items.threadbeat, ".threadbeat", Type::s64));
+    KERF_TRY(const ItemRecord* tmax,
+             registry_->add_param(*component, base + ".tmax", Type::s32, Dir::rw, 0));
+    items.tmax.place() = registry_->fixed_slot(*tmax);
     KERF_CHECK(publish_list(*thread, {}));
     if (driver_ != nullptr) KERF_CHECK(driver_->thread_added(*thread->runner));
     threads_.push_back(std::move(thread));
@@ -110,15 +114,10 @@ Status Host::publish_list(Thread& thread, std::vector<FunctionRecord*> functions
     store = std::make_shared<RunStore>();
     const std::size_t room = std::bit_ceil(std::max<std::size_t>(functions.size() + 1, 16));
     store->entries.resize(room);
-    store->timers.resize(room);
   }
-  for (std::size_t i = grows ? before : 0; i < functions.size(); ++i) {
-    const RunFunction& function = functions_.at(functions[i]);
-    store->entries[i] = function.entry;
-    store->timers[i] = function.timer;
-  }
-  auto list = std::make_unique<RunList>(
-      RunList{store->entries.data(), store->timers.data(), functions.size()});
+  for (std::size_t i = grows ? before : 0; i < functions.size(); ++i)
+    store->entries[i] = functions_.at(functions[i]);
+  auto list = std::make_unique<RunList>(RunList{store->entries.data(), functions.size()});
   ThreadRecord& record = thread.runner->record();
   if (grows && functions.size() == before + 1) {
     KERF_CHECK(registry_->insert_in_run_list(record, before, *functions.back()));
@@ -185,7 +184,7 @@ Reply Host::add_function(Words argv) {
 
 void Host::run_always(FunctionRecord& function) {
   if (function.users > 0 || function.runs_once == 0) return;
-  auto& entry = functions_.at(&function).entry;
+  RunEntry& entry = functions_.at(&function);
   const auto* once = static_cast<const OnceFunction*>(entry.object);
   entry.object = once->object;
   entry.thunk = once->thunk;
@@ -226,7 +225,7 @@ Reply Host::add_init_function(Words argv) {
   FunctionRecord* function = registry_->find_function(argv[0]);
   if (function == nullptr || function->users > 0) return put_in_list(argv);
   run_always(*function);
-  auto& entry = functions_.at(function).entry;
+  RunEntry& entry = functions_.at(function);
   auto once = std::make_unique<OnceFunction>();
   once->thunk = entry.thunk;
   once->object = entry.object;

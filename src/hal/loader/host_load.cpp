@@ -207,12 +207,13 @@ void Host::destroy(Loaded& l) {
     if (driver_ != nullptr) driver_->participant_removed(**it);
   }
   remove_threads(l);
+  // The pins go before the objects that they stand in: unlinking writes to both.
+  if (l.record != nullptr) registry_->remove_component(*l.record);
   for (auto it = l.instances.rbegin(); it != l.instances.rend(); ++it)
     l.module->destroy(it->object);
   for (auto* function : l.functions) forget_function(function);
   for (const auto& service : l.services) services_.erase(service);
   for (auto* block : l.blocks) registry_->remove_memory(*block);
-  if (l.record != nullptr) registry_->remove_component(*l.record);
   for (const auto& m : l.memory) ::operator delete(m.data, std::align_val_t(m.align));
   l.memory.clear();
   modules_.close(l.module);

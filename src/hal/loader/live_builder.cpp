@@ -4,6 +4,7 @@
 #include <new>
 #include <utility>
 
+#include "hal/core/value_access.hpp"
 #include "rtapi/base/suggest.hpp"
 
 namespace kerf::hal {
@@ -14,30 +15,24 @@ void LiveBuilder::fail(std::string_view what) noexcept {
   if (error_.empty()) error_ = what.empty() ? "error" : std::string(what);
 }
 
-SlotRef LiveBuilder::harmless() noexcept {
-  // The link is 8, the value stands 8 bytes behind it: enough for the reads and writes of a constructor.
-  dummy_[0] = sizeof(std::uint64_t);
-  return {slot_link(dummy_)};
-}
-
-SlotRef LiveBuilder::item(Result<ItemRecord*> made) noexcept {
-  if (!made.ok()) {
+void LiveBuilder::add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                          std::string_view /*doc*/, PinCell* cell) noexcept {
+  if (cell != nullptr) cell->point(slot_of(dummy_));
+  if (failed()) return;
+  ItemSpec spec{.name = name, .type = type, .dir = dir, .initial = initial};
+  if (cell != nullptr) spec.cell = cell->word();
+  spec.owner_base = reinterpret_cast<std::uintptr_t>(host_.segment().base());
+  if (auto made = host_.registry().add_pin(*loaded_.record, spec); !made.ok())
     fail(made.error().message());
-    return harmless();
-  }
-  return host_.registry().slot_ref(**made);
 }
 
-SlotRef LiveBuilder::add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                             std::string_view /*doc*/) noexcept {
-  if (failed()) return harmless();
-  return item(host_.registry().add_pin(*loaded_.record, name, type, dir, initial));
-}
-
-SlotRef LiveBuilder::add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                               std::string_view /*doc*/) noexcept {
-  if (failed()) return harmless();
-  return item(host_.registry().add_param(*loaded_.record, name, type, dir, initial));
+FixedSlot LiveBuilder::add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                                 std::string_view /*doc*/) noexcept {
+  if (failed()) return {&slot_of(dummy_)};
+  auto made = host_.registry().add_param(*loaded_.record, name, type, dir, initial);
+  if (made.ok()) return host_.registry().fixed_slot(**made);
+  fail(made.error().message());
+  return {&slot_of(dummy_)};
 }
 
 void LiveBuilder::add_function(std::string_view name, FunctionThunk thunk, void* object,
@@ -48,10 +43,7 @@ void LiveBuilder::add_function(std::string_view name, FunctionThunk thunk, void*
                                     reinterpret_cast<std::uintptr_t>(object));
   if (!made.ok()) return fail(made.error().message());
   loaded_.functions.push_back(*made);
-  RunFunction function;
-  function.entry = {thunk, object, registry.segment().offset_of(*made)};
-  function.timer.record = *made;
-  host_.functions_.emplace(*made, function);
+  host_.functions_.emplace(*made, RunEntry{thunk, object, registry.segment().offset_of(*made)});
   without_times_.push_back(*made);
 }
 
@@ -61,12 +53,10 @@ void LiveBuilder::show_times() noexcept {
 
 void LiveBuilder::make_times(FunctionRecord& record) noexcept {
   if (failed()) return;
-  RunTimer& timer = host_.functions_.at(&record).timer;
   const std::string base(record.name.view());
-  timer.time = make_pin<Out<std::int32_t>>(*this, base + ".time", "Time of the last run [ns]");
-  timer.tmax = make_param<Param<std::int32_t>>(*this, base + ".tmax", "Longest time of a run [ns]");
-  timer.tmax_increased =
-      make_param<RoParam<bool>>(*this, base + ".tmax-increased", "The last run raised tmax");
+  record.times.time.declare(*this, base + ".time", "Time of the last run [ns]");
+  record.times.tmax.declare(*this, base + ".tmax", "Longest time of a run [ns]");
+  record.times.tmax_increased.declare(*this, base + ".tmax-increased", "The last run raised tmax");
 }
 
 std::string_view LiveBuilder::arg(std::string_view name, std::string_view default_text,

@@ -34,10 +34,10 @@ class LiveBuilder final : public Builder {
   /// Empty, or the complaint about a parameter that no instance asked for.
   [[nodiscard]] std::string unknown_arg() const;
 
-  SlotRef add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                  std::string_view doc) noexcept override;
-  SlotRef add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
-                    std::string_view doc) noexcept override;
+  void add_pin(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+               std::string_view doc, PinCell* cell) noexcept override;
+  FixedSlot add_param(std::string_view name, Type type, Dir dir, std::uint64_t initial,
+                      std::string_view doc) noexcept override;
   void add_function(std::string_view name, FunctionThunk thunk, void* object,
                     std::string_view doc) noexcept override;
   std::string_view arg(std::string_view name, std::string_view default_text,
@@ -58,9 +58,6 @@ class LiveBuilder final : public Builder {
 
  private:
   void make_times(FunctionRecord& record) noexcept;
-  /// Where handles point after an error: a slot that nobody else has.
-  [[nodiscard]] SlotRef harmless() noexcept;
-  SlotRef item(rtapi::Result<ItemRecord*> made) noexcept;
 
   Host& host_;
   Host::Loaded& loaded_;
@@ -69,7 +66,7 @@ class LiveBuilder final : public Builder {
   std::vector<ThreadWish> threads_;
   std::string error_;
   std::vector<FunctionRecord*> without_times_;
-  std::uint64_t dummy_[2]{};
+  std::uint64_t dummy_{0};  ///< the slot that handles lead to after an error
 };
 
 }  // namespace kerf::hal

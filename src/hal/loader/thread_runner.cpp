@@ -14,20 +14,23 @@ std::uint64_t moved(std::uint64_t mean16, std::uint64_t value) noexcept {
   return mean16 + value - (mean16 >> 4U);
 }
 
-/// After a pause other programs' data stands in the caches. Objects of functions that lie in a row the processor fetches by itself; what
-/// is reached by pointers it is told of so many functions ahead.
-constexpr std::size_t kAhead = 8;
-
-/// Calls the functions from `e` to `end`.
+/// Calls the functions from `e` to `end`. What they need lies in rows, which the processor fetches ahead by itself.
 inline void call_all(Word<Offset>& running, const RunEntry* e, const RunEntry* end,
                      const Period& period) noexcept {
-  if (e == end) return;
-  const RunEntry* const last = end - 1;
   for (; e != end; ++e) {
-    __builtin_prefetch(std::min(e + kAhead, last)->object);
     running.set(e->record_offset);
     e->thunk(e->object, period);
   }
+}
+
+/// After a pause other programs' data stands in the caches. The times of functions lie apart, so the processor is told of them so many
+/// functions ahead.
+constexpr std::size_t kAhead = 16;
+
+inline void fetch_times(FunctionRecord* record) noexcept {
+  __builtin_prefetch(&record->times, 1);
+  // The bins of most functions.
+  __builtin_prefetch(reinterpret_cast<const std::byte*>(&record->times) + 64, 1);
 }
 
 inline void call(Word<Offset>& running, const RunEntry& entry, const Period& period) noexcept {
@@ -74,23 +77,21 @@ void ThreadRunner::run_timed(const RunList& list, const Period& period, TimingMo
   if (mode == TimingMode::every || cycle < watched_until_) {
     time_each(timed, 0, count);
   } else {
-    const std::size_t length = std::max(std::clamp<std::size_t>((count + 15) / 16, 1, 16),
-                                        (count + kChunks - 1) / kChunks);
+    const std::size_t length = std::max<std::size_t>((count + kChunks - 1) / kChunks, 1);
     if (usual_count_ != count) {
       usual_count_ = count;
       for (auto& usual16 : usual16_) usual16 = 0;
     }
-    std::size_t turn = cycle % kSampledEvery;
+    const std::size_t turn = cycle % kSampledEvery;
+    for (std::size_t i = turn * length; i < std::min(turn * length + kAhead, count); ++i)
+      fetch_times(segment_.at<FunctionRecord>(list.entries[i].record_offset));
     std::size_t chunk = 0;
     for (std::size_t first = 0; first < count; first += length, ++chunk) {
       const std::size_t end = std::min(first + length, count);
-      if (turn == 0) {
+      if (chunk == turn)
         time_each(timed, first, end);
-        turn = kSampledEvery;
-      } else {
+      else
         time_together(timed, first, end, usual16_[chunk]);
-      }
-      --turn;
     }
   }
   const rtapi::Nanos took = counter_.ns(timed.last - begin);
@@ -112,12 +113,15 @@ void ThreadRunner::time_each(Timed& timed, std::size_t first, std::size_t end) n
   const rtapi::CycleCounter counter = counter_;
   const std::uint32_t epoch = timed.epoch;
   const RunEntry* const entries = timed.list.entries;
-  const RunTimer* const timers = timed.list.timers;
+  std::byte* const base = segment_.base();
+  const auto record_of = [base](const RunEntry& entry) __attribute__((always_inline)) {
+    return reinterpret_cast<FunctionRecord*>(base + entry.record_offset);
+  };
   std::uint64_t last = timed.last;
   std::uint64_t excess = timed.suspect.excess;
   const auto book = [&](std::size_t i, std::uint64_t took) __attribute__((always_inline)) {
-    RunTimer timer = timers[i];
-    TimingRecord& record = timer.record->timing;
+    FunctionTimes& times = record_of(entries[i])->times;
+    TimingRecord& record = record_of(entries[i])->timing;
     record.follow(epoch);
     const std::uint64_t usual16 = record.usual16.get();
     record.usual16.set(moved(usual16, took));
@@ -127,12 +131,12 @@ void ThreadRunner::time_each(Timed& timed, std::size_t first, std::size_t end) n
     }
     const std::int32_t ns = clamped_ns(counter.ns(took));
     record.add(static_cast<std::uint32_t>(ns));
-    timer.time = ns;
-    const bool longer = ns > timer.tmax.get();
+    times.time = ns;
+    const bool longer = ns > times.tmax.get();
     if (longer) [[unlikely]]
-      timer.tmax = ns;
-    if (timer.tmax_increased.last() != longer) [[unlikely]]
-      timer.tmax_increased = longer;
+      times.tmax = ns;
+    if (times.tmax_increased.last() != longer) [[unlikely]]
+      times.tmax_increased = longer;
   };
   // The processor's counter waits for all that comes before it, but not for what follows. So a function's time is put down only
   // after the next one's end was read: the work is done while the counter is being read, and costs next to nothing.
@@ -141,9 +145,7 @@ void ThreadRunner::time_each(Timed& timed, std::size_t first, std::size_t end) n
   std::uint64_t took = now - last;
   last = now;
   for (std::size_t i = first + 1; i < end; ++i) {
-    const std::size_t ahead = std::min(i + kAhead, end - 1);
-    __builtin_prefetch(entries[ahead].object);
-    __builtin_prefetch(&timers[ahead].record->timing, 1);
+    fetch_times(record_of(entries[std::min(i + kAhead, end - 1)]));
     call(record_.running, entries[i], timed.period);
     now = counter.ticks();
     book(i - 1, took);
@@ -176,7 +178,7 @@ void ThreadRunner::note_overrun(const RunList& list, const Suspect& suspect, rta
   overrun.took_ns = took;
   overrun.woken_late_ns = woken_late;
   if (suspect.functions > 0 && counter_.ns(suspect.excess) > woken_late) {
-    FunctionRecord* record = list.timers[suspect.first].record;
+    auto* record = segment_.at<FunctionRecord>(list.entries[suspect.first].record_offset);
     overrun.function = list.entries[suspect.first].record_offset;
     overrun.last_function = list.entries[suspect.first + suspect.functions - 1].record_offset;
     overrun.functions = suspect.functions;

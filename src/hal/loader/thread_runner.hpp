@@ -1,9 +1,8 @@
 // ThreadRunner: one cycle of one HAL thread. All of it runs on the realtime thread.
 //
 // A cycle calls the functions of its list in order and stores, before each call, which one it is (ThreadRecord::running).
-// Reading the clock costs as much as a small function, so by default the functions are timed in turn: the list is cut into at
-// most 16 chunks or chunks of 16 functions, the clock is read after each chunk, and in each cycle every sixteenth chunk has its
-// functions timed one by one. When a cycle does not end in time, the function (or the chunk) that exceeded its usual time by
+// Reading the clock costs as much as three small functions, so by default the functions are timed in turn: the list is cut into at
+// most 16 chunks, the clock is read after each, and in each cycle one chunk has its functions timed one by one. When a cycle does not end in time, the function (or the chunk) that exceeded its usual time by
 // most is named, and the thread is timed in full for a while, so that the next time names the function.
 #pragma once
 
@@ -24,24 +23,9 @@ struct RunEntry {
   Offset record_offset{0};
 };
 
-/// Where a function's times are shown.
-struct RunTimer {
-  FunctionRecord* record{nullptr};
-  Out<std::int32_t> time;        ///< NAME.time, ns
-  Param<std::int32_t> tmax;      ///< NAME.tmax, ns
-  RoParam<bool> tmax_increased;  ///< NAME.tmax-increased
-};
-
-/// A function as the host keeps it.
-struct RunFunction {
-  RunEntry entry;
-  RunTimer timer;
-};
-
 /// Functions of a thread in order. Once published, the host only adds at the end, beyond `count`, or makes another list.
 struct RunList {
   const RunEntry* entries{nullptr};
-  const RunTimer* timers{nullptr};
   std::size_t count{0};
 };
 
@@ -58,9 +42,9 @@ class ThreadRunner {
     Out<std::int64_t> threadbeat;
   };
   /// Without a counter nothing is timed: on the virtual clock two runs stay identical and cost nothing.
-  ThreadRunner(Root& root, ThreadRecord& record, Items items,
+  ThreadRunner(rtapi::Segment& segment, Root& root, ThreadRecord& record,
                rtapi::CycleCounter counter = {}) noexcept
-      : root_(root), record_(record), items_(items), counter_(counter) {}
+      : segment_(segment), root_(root), record_(record), counter_(counter) {}
   ThreadRunner(const ThreadRunner&) = delete;
   ThreadRunner& operator=(const ThreadRunner&) = delete;
 
@@ -74,6 +58,8 @@ class ThreadRunner {
   [[nodiscard]] const char* name() const noexcept { return record_.name.c_str(); }
   [[nodiscard]] std::int64_t period_ns() const noexcept { return record_.period_ns; }
   [[nodiscard]] ThreadRecord& record() noexcept { return record_; }
+  /// @nonrt. They must be made before the first cycle.
+  [[nodiscard]] Items& items() noexcept { return items_; }
 
   /// @nonrt. The old list may be in use until the thread has finished a cycle.
   const RunList* swap_list(const RunList* list) noexcept {
@@ -111,6 +97,7 @@ class ThreadRunner {
   void note_overrun(const RunList& list, const Suspect& suspect, rtapi::Nanos took,
                     rtapi::Nanos woken_late) noexcept;
 
+  rtapi::Segment& segment_;
   Root& root_;
   ThreadRecord& record_;
   Items items_;
@@ -119,7 +106,7 @@ class ThreadRunner {
   std::uint64_t watched_until_{0};  ///< in cycles
   Word<const RunList*> list_{nullptr};
   /// What the chunks of the list usually take, in ticks, times 16; a list of another length begins anew.
-  static constexpr std::size_t kChunks = 256;
+  static constexpr std::size_t kChunks = kSampledEvery;
   std::uint64_t usual16_[kChunks]{};
   std::size_t usual_count_{0};
 };

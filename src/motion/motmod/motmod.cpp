@@ -29,9 +29,9 @@ void add_pins(hal::Builder& b, hal::PinArray<Pin, N>& pins, std::string_view nam
   std::size_t n = 0;
   for (std::string_view name = take_name(names); !name.empty() && n < count;
        name = take_name(names), ++n)
-    pins.add(hal::make_pin<Pin>(b, prefixed(name_prefix, name), doc));
+    pins.add(b, prefixed(name_prefix, name), doc);
   for (std::size_t number = 0; n < count; ++n, ++number)
-    pins.add(hal::make_pin<Pin>(b, hal::numbered(pattern, number), doc));
+    pins.add(b, hal::numbered(pattern, number), doc);
 }
 
 }  // namespace
@@ -107,14 +107,14 @@ Motmod::Motmod(hal::Builder& b) noexcept
 void Motmod::create_unlock_pins(hal::Builder& b) noexcept {
   for (std::size_t j = 0; j < joint_.size(); ++j) {
     if ((args_.unlock_mask >> j & 1U) != 0) {
-      (void)hal::make_pin<Out<Bit>>(b, detail::pin_name("joint.#.", j, "unlock"),
-                                    "Unlock the indexer");
-      (void)hal::make_pin<In<Bit>>(b, detail::pin_name("joint.#.", j, "is-unlocked"),
-                                   "The indexer is unlocked");
+      hal::declare_pin<Out<Bit>>(b, detail::pin_name("joint.#.", j, "unlock"),
+                                 "Unlock the indexer");
+      hal::declare_pin<In<Bit>>(b, detail::pin_name("joint.#.", j, "is-unlocked"),
+                                "The indexer is unlocked");
     }
     if (j + static_cast<std::size_t>(args_.extra_joints) >= joint_.size())
-      (void)hal::make_pin<In<double>>(b, detail::pin_name("joint.#.", j, "posthome-cmd"),
-                                      "Position after homing, of an extra joint");
+      hal::declare_pin<In<double>>(b, detail::pin_name("joint.#.", j, "posthome-cmd"),
+                                   "Position after homing, of an extra joint");
   }
 }
 

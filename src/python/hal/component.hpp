@@ -53,7 +53,7 @@ class Item {
   hal::Type type_;
   hal::Dir dir_;
   bool is_pin_;
-  hal::Io<std::uint64_t> value_;  ///< the slot as it is, any type
+  hal::LinkIo<std::uint64_t> value_;  ///< the slot as it is, any type
 };
 
 /// hal.component, without attribute access, which hal/__init__.py adds.

@@ -106,7 +106,7 @@ bool set_pin_directly(const std::shared_ptr<Link>& at, const std::string& name, 
   if (!raw || !holds_values(at)) return false;
   const auto slot = view.pin_slot(name);
   if (slot.link == nullptr) return false;
-  hal::Io<std::uint64_t>(slot).set(*raw);
+  hal::LinkIo<std::uint64_t>(slot).set(*raw);
   return true;
 }
 

@@ -362,9 +362,9 @@ TEST_F(HostTest, UserComponentsComeAndGoWithTheirClient) {
   LocalSession session(*host_, 7);
   {
     UserComponent comp(session, "iocontrol.0");
-    auto in = comp.pin<In<std::int32_t>>("in");
-    auto out = comp.pin<Out<double>>("out", 2.5);
-    auto param = comp.param<Param<bool>>("flag", true);
+    auto in = comp.pin<LinkIn<std::int32_t>>("in");
+    auto out = comp.pin<LinkOut<double>>("out", 2.5);
+    auto param = comp.param<LinkParam<bool>>("flag", true);
     EXPECT_FALSE(view_->find_component("iocontrol.0")->ready);
     ASSERT_TRUE(comp.ready().ok());
     EXPECT_TRUE(view_->find_component("iocontrol.0")->ready);
@@ -378,7 +378,7 @@ TEST_F(HostTest, UserComponentsComeAndGoWithTheirClient) {
     EXPECT_EQ(in.get(), 1);
     out = 3;
     EXPECT_EQ(value("iocontrol.0.out"), "3");
-    (void)comp.pin<In<bool>>("late");
+    (void)comp.pin<LinkIn<bool>>("late");
     EXPECT_TRUE(comp.failed());
     (void)param;
   }
@@ -386,7 +386,7 @@ TEST_F(HostTest, UserComponentsComeAndGoWithTheirClient) {
   EXPECT_EQ(view_->find_signal("s")->readers, 0U);
 
   UserComponent second(session, "u");
-  (void)second.pin<In<bool>>("x");
+  (void)second.pin<LinkIn<bool>>("x");
   UserComponent clash(session, "u");
   EXPECT_EQ(clash.ready().error().message(), "duplicate component name 'u'");
   LocalSession stranger(*host_, 8);

@@ -437,6 +437,33 @@ TEST_F(MemoryTest, RunListsAreChangedInPlaceAndSeen) {
   EXPECT_EQ(f[0]->users, 0U);
 }
 
+TEST_F(MemoryTest, APinHandleFollowsItsLinksAndTheInvariantsWatchIt) {
+  Out<double> out;
+  In<double> in;
+  const auto add = [&](const char* name, Dir dir, PinCell& cell) {
+    ItemSpec spec{.name = name, .type = Type::floating, .dir = dir, .cell = cell.word()};
+    spec.owner_base = reinterpret_cast<std::uintptr_t>(segment_->base());
+    ASSERT_TRUE(registry_->add_pin(*comp_, spec).ok());
+  };
+  add("h.out", Dir::out, out.place());
+  add("h.in", Dir::in, in.place());
+  out = 1.5;
+  EXPECT_EQ(in.get(), 0);
+  ASSERT_EQ(net("s", {"h.out", "h.in"}), "");
+  EXPECT_EQ(in.get(), 1.5);
+  out = 2.5;
+  EXPECT_EQ(in.get(), 2.5);
+  ASSERT_TRUE(registry_->unlink("h.in").ok());
+  out = 3.5;
+  EXPECT_EQ(in.get(), 2.5);
+  EXPECT_TRUE(registry_->check_invariants().ok());
+  const std::uint64_t good = *in.place().word();
+  in.place().point(out.place().slot());
+  EXPECT_THAT(registry_->check_invariants().error().message(), HasSubstr("h.in"));
+  *in.place().word() = good;
+  registry_->remove_component(*comp_);  // before the handles go
+}
+
 TEST_F(MemoryTest, TenThousandInstancesFitIntoTheUsualSegment) {
   auto* thread = *registry_->add_thread(*comp_, "t", 1'000'000);
   for (int i = 0; i < 10'000; ++i) {

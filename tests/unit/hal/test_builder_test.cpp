@@ -21,6 +21,13 @@ class Scale final : public Component<Scale> {
   Function update_{function<&Scale::update>("", "Recompute out")};
 };
 
+// A thread's functions touch no more memory than they must: docs/timing.md.
+static_assert(sizeof(In<bool>) == sizeof(void*) && sizeof(Param<double>) == sizeof(void*));
+static_assert(std::is_empty_v<Component<Scale>>);
+// HAL knows where a pin's handle stands.
+static_assert(!std::is_copy_constructible_v<In<bool>> && !std::is_move_constructible_v<Out<bool>>);
+static_assert(!std::is_copy_assignable_v<Io<bool>>);
+
 TEST(TestBuilder, RunsAComponentByPinNames) {
   TestBuilder hal;
   ASSERT_TRUE(hal.create<Scale>("scale.0")) << hal.error();

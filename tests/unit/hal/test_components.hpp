@@ -67,7 +67,7 @@ class Consumer final : public Component<Consumer> {
       b.fail("no number: load provider first");
       return;
     }
-    value_ = pin<Out<std::int32_t>>("value", "The number", *number);
+    value_.declare(b, b.full_name("value"), "The number", *number);
   }
 
  private:
@@ -79,7 +79,7 @@ class Faulty final : public Component<Faulty> {
  public:
   static constexpr Info kInfo{.name = "faulty", .summary = "Fails", .default_count = 2};
   explicit Faulty(Builder& b) noexcept : Component(b) {
-    (void)pin<In<bool>>("in", "Input");
+    declare_pin<In<bool>>(builder(), builder().full_name("in"), "Input");
     (void)b.shared_block("faulty", 64, 1);  // the second instance cannot have it
   }
   void update(const Period&) noexcept {}
