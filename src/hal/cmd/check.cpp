@@ -10,9 +10,9 @@
 
 #include "hal/capi/realtime_backend.hpp"
 #include "hal/client/session.hpp"
-#include "hal/cmd/check_tcl.hpp"
 #include "hal/cmd/words.hpp"
 #include "hal/loader/host.hpp"
+#include "hal/tcl/check_tcl.hpp"
 #include "rtapi/base/suggest.hpp"
 #include "rtapi/shm/segment.hpp"
 

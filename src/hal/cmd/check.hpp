@@ -94,7 +94,7 @@ class ScriptCheck {
   using Done = std::optional<rtapi::Status>;
   class Sink;
   class NoDevices;
-  class TclFiles;  ///< check_tcl.hpp
+  class TclFiles;  ///< hal/tcl/check_tcl.hpp
   struct Machine;
   struct Row;
 

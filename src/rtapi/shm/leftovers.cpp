@@ -110,6 +110,7 @@ std::vector<std::string> end_all(const Match& match, int patience_ms, pid_t exce
   for (int ms = 1; !left.empty() && clock->now() < limit; ms = std::min(2 * ms, kLongestStepMs))
     left = pause(ms);
   std::vector<std::string> killed;
+  killed.reserve(left.size());
   for (const pid_t pid : left) killed.push_back(process_name(pid));
   // New ones may have been started by those that were asked to end.
   for (int round = 0; !left.empty() && round < 400; ++round) {

@@ -1,4 +1,4 @@
-#include "hal/cmd/check_tcl.hpp"
+#include "hal/tcl/check_tcl.hpp"
 
 #include <tcl.h>
 
