@@ -176,7 +176,7 @@ int rtapi_app_main(void) {
   if (shared->magic == 0) shared->magic = 0xb0a2d5;
   shared->boards = boards;
   with_stream = strcmp(mode, "raw") == 0;
-  if (with_stream && (r = hal_stream_create(&stream, comp_id, STREAM_KEY, 64, "ufb")) < 0) {
+  if (with_stream && (r = hal_stream_create(&stream, comp_id, STREAM_KEY, 8192, "ufb")) < 0) {
     hal_exit(comp_id);
     return r;
   }
