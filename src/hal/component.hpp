@@ -364,14 +364,14 @@ struct Function {};
 template <class Derived>
 class Component {
  public:
-  explicit Component(Builder& b) noexcept { building_ = &b; }
+  explicit Component(Builder& b) noexcept { building = &b; }
   Component(const Component&) = delete;
   Component& operator=(const Component&) = delete;
 
  protected:
   /// The builder is there while the component is constructed, and not after.
-  [[nodiscard]] static Builder& builder() noexcept { return *building_; }
-  [[nodiscard]] static std::int64_t personality() noexcept { return building_->personality(); }
+  [[nodiscard]] static Builder& builder() noexcept { return *building; }
+  [[nodiscard]] static std::int64_t personality() noexcept { return building->personality(); }
 
   template <class Pin>
   [[nodiscard]] Pin pin(std::string_view suffix, std::string_view doc,
@@ -455,7 +455,7 @@ class Component {
 
  private:
   /// A member of the object would be 8 bytes of cache in each cycle. Components are made by one thread, one after the other.
-  inline static Builder* building_{nullptr};
+  inline static Builder* building{nullptr};
 };
 
 /// What a component's shared object exports: its one symbol.
