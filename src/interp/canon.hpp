@@ -215,6 +215,11 @@ class Canon {
   virtual void log_open(std::string_view path, bool append) = 0;
   virtual void log(std::string_view text) = 0;
   virtual void log_close() = 0;
+  /// (PROBEOPEN f): each probe that makes contact from here on adds a line with the nine numbers of #5061-#5069 to the file, which
+  /// begins empty. Text listings have the comment instead.
+  virtual void probe_log_open(std::string_view path) = 0;
+  /// (PROBECLOSE)
+  virtual void probe_log_close() = 0;
 };
 
 }  // namespace kerf::interp

@@ -101,9 +101,12 @@ constexpr CommentRow kComments[] = {
     {"logopen", CommentKind::log_open, true},
     {"logappend", CommentKind::log_append, true},
     {"logclose", CommentKind::log_close, false},
+    {"probeclose", CommentKind::probe_close, false},
+    {"py", CommentKind::py, true},
     {"abort", CommentKind::abort, true},
     {"py", CommentKind::script, true},
 };
+constexpr std::string_view kProbeOpen = "probeopen";
 
 }  // namespace
 
@@ -126,11 +129,38 @@ CommentKind classify_comment(std::string_view text, std::string_view& rest) {
   const bool comma = i < text.size() && text[i] == ',';
   for (const CommentRow& row : kComments) {
     if (row.name != name || (row.comma && !comma)) continue;
-    rest = comma ? text.substr(i + 1) : std::string_view();
+    rest = row.kind == CommentKind::probe_close ? text
+           : comma                              ? text.substr(i + 1)
+                                                : std::string_view();
     return row.kind;
   }
   rest = text;
-  return CommentKind::plain;
+  return name.substr(0, kProbeOpen.size()) == kProbeOpen && probe_file(text).size() > 0
+             ? CommentKind::probe_open
+             : CommentKind::plain;
+}
+
+std::string_view probe_file(std::string_view text) {
+  const auto behind = [&](std::size_t i, const char* what) {
+    i = text.find_first_not_of(what, i);
+    return i == std::string_view::npos ? text.size() : i;
+  };
+  const std::size_t first = behind(behind(0, " \t") + kProbeOpen.size(), " \t,");
+  const std::size_t last = text.find_last_not_of(" \t");
+  return first >= text.size() ? std::string_view() : text.substr(first, last - first + 1);
+}
+
+// Behind ; only active comments matter (manual: "Comments").
+void Parser::trailing_comment(std::string_view line, std::size_t semicolon, ParsedBlock& out) {
+  std::size_t i = semicolon + 1;
+  while (i < line.size() && is_blank(line[i])) ++i;
+  constexpr std::string_view kFirst = "mdplaMDPLA";
+  if (i == line.size() || kFirst.find(line[i]) == std::string_view::npos) return;
+  std::string_view rest;
+  const CommentKind kind = classify_comment(line.substr(semicolon + 1), rest);
+  if (kind == CommentKind::plain) return;
+  out.comment = kind;
+  out.comment_text = rest;
 }
 
 bool Parser::fail(const char* format, ...) {
@@ -191,13 +221,21 @@ int Parser::column_of(std::string_view line, std::size_t normalised) const {
 bool Parser::normalise(std::string_view line) {
   size_ = 0;
   pos_ = 0;
+<<<<<<< HEAD
   statement_ = {};
+=======
+  semicolon_ = std::string_view::npos;
+>>>>>>> 3b9b8d6 (feat(interp): probe logs, active comments behind a semicolon, Python comments that say why they do nothing)
   if (buffer_.size() < line.size() + 2) buffer_.resize(line.size() + 2);
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
     if (is_blank(c)) continue;
     if (c == ';') {
+<<<<<<< HEAD
       statement_ = statement_of(line.substr(i + 1));
+=======
+      semicolon_ = i;
+>>>>>>> 3b9b8d6 (feat(interp): probe logs, active comments behind a semicolon, Python comments that say why they do nothing)
       break;
     }
     if (c == '(') {
@@ -241,6 +279,7 @@ bool Parser::parse(std::string_view line, ParsedBlock& out) {
     ++pos_;
   }
   if (!sequence() || !items()) return false;
+  if (semicolon_ != std::string_view::npos) trailing_comment(line, semicolon_, out);
   show(out);
   if (!statement_.empty()) {
     out.comment = CommentKind::script;
@@ -267,8 +306,12 @@ bool Parser::plain(std::string_view line, ParsedBlock& out) {
   };
   for (blanks(); p != end; blanks()) {
     if (*p == ';') {
+<<<<<<< HEAD
       if (!statement_of(line.substr(static_cast<std::size_t>(p - line.data()) + 1)).empty())
         return false;
+=======
+      trailing_comment(line, static_cast<std::size_t>(p - line.data()), out);
+>>>>>>> 3b9b8d6 (feat(interp): probe logs, active comments behind a semicolon, Python comments that say why they do nothing)
       break;
     }
     const char letter = lower(*p);

@@ -30,6 +30,7 @@ class Parser {
   /// Lines of letters and numbers only, which are nearly all. False: look closer.
   [[nodiscard]] bool plain(std::string_view line, ParsedBlock& out);
   void show(ParsedBlock& out) const;
+  static void trailing_comment(std::string_view line, std::size_t semicolon, ParsedBlock& out);
   [[nodiscard]] bool normalise(std::string_view line);
   [[nodiscard]] bool items();
   [[nodiscard]] bool word(int letter);
@@ -66,6 +67,7 @@ class Parser {
   std::vector<ExprOp> ops_;
   std::vector<Expr> arguments_;
   std::size_t size_{0}, pos_{0}, at_{0};
+  std::size_t semicolon_{std::string_view::npos};  ///< in the line as written
   int depth_{0};
   std::string_view statement_;  ///< behind ;py, in the line that is read
   char error_[200]{};
@@ -73,6 +75,7 @@ class Parser {
 };
 
 /// What kind of comment `text` (between the parentheses) is; `rest` becomes the part after the comma.
+[[nodiscard]] std::string_view probe_file(std::string_view text);  ///< of (PROBEOPEN file)
 [[nodiscard]] CommentKind classify_comment(std::string_view text, std::string_view& rest);
 
 }  // namespace kerf::interp

@@ -90,6 +90,8 @@ class TextCanon final : public Canon {
   void log_open(std::string_view path, bool append) override;
   void log(std::string_view text) override;
   void log_close() override;
+  void probe_log_open(std::string_view) override {}
+  void probe_log_close() override {}
 
  private:
   /// A value of the calls that come by the million, with its text: most words of a move are those of the move before.

@@ -105,8 +105,7 @@ bool InterpreterParticipant::run_aside(TaskItem& item) {
     report.line = item.tag.line;
     reports_.push_back(std::move(report));
   } else if (const auto* print = std::get_if<PrintText>(&item.body)) {
-    std::printf("%s\n", print->text.c_str());
-    std::fflush(stdout);
+    std::fprintf(stderr, "%s\n", print->text.c_str());
   } else if (const auto* log = std::get_if<LogText>(&item.body)) {
     log_text(*log);
   }
@@ -118,11 +117,14 @@ void InterpreterParticipant::log_text(const LogText& log) {
     if (log_ != nullptr) std::fprintf(log_, "%s\n", log.text.c_str());
     return;
   }
-  if (log_ != nullptr) std::fclose(log_);
-  log_ = nullptr;
-  if (log.kind == LogText::Kind::close) return;
-  log_ = std::fopen(log.text.c_str(), log.kind == LogText::Kind::append ? "ae" : "we");
-  if (log_ != nullptr) return;
+  const bool of_probes =
+      log.kind == LogText::Kind::probe_open || log.kind == LogText::Kind::probe_close;
+  std::FILE*& file = of_probes ? probe_log_ : log_;
+  if (file != nullptr) std::fclose(file);
+  file = nullptr;
+  if (log.kind == LogText::Kind::close || log.kind == LogText::Kind::probe_close) return;
+  file = std::fopen(log.text.c_str(), log.kind == LogText::Kind::append ? "ae" : "we");
+  if (file != nullptr) return;
   Report report;
   report.message = MessageKind::error;
   report.text = "cannot open the log file " + log.text;

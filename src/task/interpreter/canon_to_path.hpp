@@ -121,6 +121,10 @@ class CanonToPath final : public interp::Canon {
   void log_open(std::string_view path, bool append) override;
   void log(std::string_view text) override { add(LogText{LogText::Kind::text, std::string(text)}); }
   void log_close() override { add(LogText{LogText::Kind::close, {}}); }
+  void probe_log_open(std::string_view path) override {
+    add(LogText{LogText::Kind::probe_open, std::string(path)});
+  }
+  void probe_log_close() override { add(LogText{LogText::Kind::probe_close, {}}); }
 
  private:
   template <class Body>

@@ -57,6 +57,7 @@ InterpreterParticipant::InterpreterParticipant(const Parts& parts)
 
 InterpreterParticipant::~InterpreterParticipant() {
   if (log_ != nullptr) std::fclose(log_);
+  if (probe_log_ != nullptr) std::fclose(probe_log_);
 }
 
 rtapi::Status InterpreterParticipant::init() {
@@ -338,6 +339,11 @@ void InterpreterParticipant::tell_interpreter() {
   state.machine_position = moved_position();
   if (state.machine_position) canon_.set_position(*state.machine_position);
   interp_.synchronize(state);
+  if (probe_log_ == nullptr || !state.probe || !state.probe->tripped) return;
+  for (int i = 0; i < 9; ++i)
+    std::fprintf(probe_log_, i == 0 ? "%f" : " %f", interp_.parameters().get(interp::kProbe + i));
+  std::fputc('\n', probe_log_);
+  std::fflush(probe_log_);
 }
 
 bool InterpreterParticipant::synchronise_if_due() {

@@ -177,7 +177,8 @@ class InterpreterParticipant final : public rtapi::Participant {
   double input_value_{0};
   UserProgram user_;
   std::FILE* log_{nullptr};
-  std::string file_;  ///< open program
+  std::FILE* probe_log_{nullptr};  ///< (PROBEOPEN)
+  std::string file_;               ///< open program
   std::string command_;
   std::int32_t program_lines_{0};
   double progress_{0};

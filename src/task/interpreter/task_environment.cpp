@@ -97,6 +97,11 @@ interp::UserMcode TaskEnvironment::find_user_mcode(int number) {
   return task::find_user_mcode(setup_.paths, number);
 }
 
+// Standard error is what LinuxCNC's terminal shows.
+void TaskEnvironment::warning(std::string_view text) {
+  std::fprintf(stderr, "%.*s\n", static_cast<int>(text.size()), text.data());
+}
+
 std::optional<double> TaskEnvironment::hal_value(std::string_view name) {
   return hal_ ? hal_(name) : std::nullopt;
 }

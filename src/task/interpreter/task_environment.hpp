@@ -27,6 +27,7 @@ class TaskEnvironment final : public interp::Environment {
   std::optional<interp::Tool> find_pocket(int pocket) override;
   std::string find_sub(std::string_view name) override;
   interp::UserMcode find_user_mcode(int number) override;
+  void warning(std::string_view text) override;
   std::optional<double> hal_value(std::string_view name) override;
   std::optional<double> ini_value(std::string_view section, std::string_view key) override;
 

@@ -28,7 +28,8 @@ struct PrintText {
   std::string text;
 };
 struct LogText {
-  enum class Kind : std::uint8_t { open, append, text, close } kind{Kind::text};
+  enum class Kind : std::uint8_t { open, append, text, close, probe_open, probe_close };
+  Kind kind{Kind::text};
   std::string text;
 };
 

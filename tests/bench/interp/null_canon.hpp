@@ -67,6 +67,8 @@ class NullCanon : public Canon {
   void print(std::string_view) override {}
   void log_open(std::string_view, bool) override {}
   void log(std::string_view) override {}
+  void probe_log_open(std::string_view) override {}
+  void probe_log_close() override {}
   void log_close() override {}
 };
 
