@@ -117,15 +117,10 @@ enum class CommentKind : std::uint8_t {
   log_open,
   log_append,
   log_close,
-<<<<<<< HEAD
-  abort,
-  script
-=======
   probe_open,   ///< the text is the whole comment
   probe_close,  ///< likewise
-  py,
-  abort
->>>>>>> 3b9b8d6 (feat(interp): probe logs, active comments behind a semicolon, Python comments that say why they do nothing)
+  abort,
+  script  ///< (py, ...)
 };
 
 /// Place of a line in a file.

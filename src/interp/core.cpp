@@ -539,6 +539,7 @@ void Core::init() {
   drop_frames();
   const Units machine_units = settings.machine_unit_mm == 25.4 ? Units::inch : Units::mm;
   compensation.drop();
+  const Pose machine = machine_position();
   state = ModalState{};
   state.units = settings.start_units.value_or(machine_units);
   params.begin();
@@ -559,6 +560,7 @@ void Core::init() {
     }
   }
   state.frame = f;
+  state.position = f.to_program(machine);
   out.clear();
   out.call<&Canon::use_length_units>(state.units);
   out.call<&Canon::set_g5x_offset>(system, f.g5x());

@@ -250,7 +250,6 @@ class Core {
   const ParsedBlock* current{nullptr};
   [[nodiscard]] std::string_view current_file() const;
   [[nodiscard]] bool run_comment(const ParsedBlock& b);
-  [[nodiscard]] bool run_python(std::string_view text);
 
  private:
   [[nodiscard]] Outcome execute_block(ParsedBlock& b);

@@ -87,12 +87,6 @@ class Environment {
     (void)number;
     return {};
   }
-  /// (py, text) and ;py,text: one statement of Python. "" when it ran, else why not; absent: there is no Python here, which is only
-  /// warned of.
-  [[nodiscard]] virtual std::optional<std::string> run_python(std::string_view text) {
-    (void)text;
-    return std::nullopt;
-  }
   /// Something that the program should not do and that is no error (OWORD_WARNONLY).
   virtual void warning(std::string_view text) { (void)text; }
   /// Functions in Python, when the machine has them ([PYTHON]TOPLEVEL); must outlive the interpreter.

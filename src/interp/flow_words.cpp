@@ -38,11 +38,9 @@ void close_loops(Flows& flows, Label label, bool keep) {
   flows.loops.resize(index + (keep ? 1 : 0));
 }
 
-/// The line as written, without the blanks around it.
+/// The line as written, without the blanks behind it.
 std::string written(const ParsedBlock& b) {
-  const std::size_t first = b.text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return std::string(b.text.substr(first, b.text.find_last_not_of(" \t\r") - first + 1));
+  return std::string(b.text.substr(0, b.text.find_last_not_of(" \t\r") + 1));
 }
 
 /// Label as the message about a sub defined twice has it.

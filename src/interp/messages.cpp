@@ -104,23 +104,11 @@ bool Core::run_comment(const ParsedBlock& b) {
       comment(text);
       out.call<&Canon::probe_log_close>();
       break;
-    case CommentKind::py: return run_python(text);
     case CommentKind::abort:
       expand_text(text, message_);
       return fail(0, "The program asked to stop here", "%s", message_.c_str());
   }
   return true;
-}
-
-bool Core::run_python(std::string_view text) {
-  const std::optional<std::string> result = env.run_python(text);
-  if (!result) {
-    env.warning("(py, ...) needs Python, which is not loaded here; it is ignored: " +
-                std::string(text));
-    return true;
-  }
-  return result->empty() ||
-         fail(0, "The Python statement of this comment failed", "%s", result->c_str());
 }
 
 }  // namespace kerf::interp

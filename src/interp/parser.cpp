@@ -102,22 +102,12 @@ constexpr CommentRow kComments[] = {
     {"logappend", CommentKind::log_append, true},
     {"logclose", CommentKind::log_close, false},
     {"probeclose", CommentKind::probe_close, false},
-    {"py", CommentKind::py, true},
     {"abort", CommentKind::abort, true},
     {"py", CommentKind::script, true},
 };
 constexpr std::string_view kProbeOpen = "probeopen";
 
 }  // namespace
-
-/// What follows "py," in a comment behind a semicolon; empty: it is another one.
-static std::string_view statement_of(std::string_view comment) {
-  while (!comment.empty() && is_blank(comment.front())) comment.remove_prefix(1);
-  if (comment.size() < 4 || lower(comment[0]) != 'p' || lower(comment[1]) != 'y') return {};
-  comment.remove_prefix(2);
-  while (!comment.empty() && is_blank(comment.front())) comment.remove_prefix(1);
-  return comment.starts_with(",") ? comment.substr(1) : std::string_view();
-}
 
 CommentKind classify_comment(std::string_view text, std::string_view& rest) {
   char head[12];
@@ -221,21 +211,13 @@ int Parser::column_of(std::string_view line, std::size_t normalised) const {
 bool Parser::normalise(std::string_view line) {
   size_ = 0;
   pos_ = 0;
-<<<<<<< HEAD
-  statement_ = {};
-=======
   semicolon_ = std::string_view::npos;
->>>>>>> 3b9b8d6 (feat(interp): probe logs, active comments behind a semicolon, Python comments that say why they do nothing)
   if (buffer_.size() < line.size() + 2) buffer_.resize(line.size() + 2);
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
     if (is_blank(c)) continue;
     if (c == ';') {
-<<<<<<< HEAD
-      statement_ = statement_of(line.substr(i + 1));
-=======
       semicolon_ = i;
->>>>>>> 3b9b8d6 (feat(interp): probe logs, active comments behind a semicolon, Python comments that say why they do nothing)
       break;
     }
     if (c == '(') {
@@ -281,10 +263,6 @@ bool Parser::parse(std::string_view line, ParsedBlock& out) {
   if (!sequence() || !items()) return false;
   if (semicolon_ != std::string_view::npos) trailing_comment(line, semicolon_, out);
   show(out);
-  if (!statement_.empty()) {
-    out.comment = CommentKind::script;
-    out.comment_text = statement_;
-  }
   return true;
 }
 
@@ -306,12 +284,7 @@ bool Parser::plain(std::string_view line, ParsedBlock& out) {
   };
   for (blanks(); p != end; blanks()) {
     if (*p == ';') {
-<<<<<<< HEAD
-      if (!statement_of(line.substr(static_cast<std::size_t>(p - line.data()) + 1)).empty())
-        return false;
-=======
       trailing_comment(line, static_cast<std::size_t>(p - line.data()), out);
->>>>>>> 3b9b8d6 (feat(interp): probe logs, active comments behind a semicolon, Python comments that say why they do nothing)
       break;
     }
     const char letter = lower(*p);
@@ -582,8 +555,9 @@ bool Parser::value() {
     return true;
   }
   if (c >= 'a' && c <= 'z') return function();
-  if (c == '\0' || c == '(') return fail("No characters found in reading real value");
-  if (c == '=' || c == ']') return fail("bad number format (conversion failed) parsing ''");
+  if (c == '\0') return fail("No characters found in reading real value");
+  if (c == '=' || c == ']' || c == '(')
+    return fail("bad number format (conversion failed) parsing ''");
   return fail("bad number format (conversion failed) parsing '%c'", c);
 }
 

@@ -69,7 +69,6 @@ class Parser {
   std::size_t size_{0}, pos_{0}, at_{0};
   std::size_t semicolon_{std::string_view::npos};  ///< in the line as written
   int depth_{0};
-  std::string_view statement_;  ///< behind ;py, in the line that is read
   char error_[200]{};
   std::string buffer_;  ///< the line without blanks, in small letters; at least size_ + 1 long
 };

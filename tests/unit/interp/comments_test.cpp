@@ -60,7 +60,7 @@ TEST(Comments, PythonWithoutPythonIsIgnoredWithAWarning) {
   EXPECT_EQ(rig.mdi(";py,print(1)"), "");
   ASSERT_EQ(rig.world.warnings.size(), 2U);
   EXPECT_EQ(rig.world.warnings[1],
-            "(py, ...) needs Python, which is not loaded here; it is ignored: print(1)");
+            "a py comment is ignored: the machine has no Python ([PYTHON]TOPLEVEL)");
 }
 
 TEST(Comments, AMistakeInsideIsFoundWhateverTheyAre) {

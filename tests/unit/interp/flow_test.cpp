@@ -118,7 +118,7 @@ TEST(Flow, ErrorsNameLabelAndLine) {
       {"o<x> call", "EOF in file:test.ngc seeking o-word: o<x> from line: 1"},
       {"o1 if [0]", "File ended with no percent sign (%) or program end (M2)"},
       {"o1 sub\no2 sub\no2 endsub\no1 endsub\no1 call", "Nested subroutine definition"},
-      {"o1 repeat [3]\n o1 break\no1 endrepeat",
+      {"o1 repeat [3]\no1 break\no1 endrepeat",
        "2: no matching while/do label: 'o1 break' (found 'repeat' in line 1)"},
       {"o1 if [1]\nN5 O1 endWhile (x)\no1 endif",
        "2: no matching label: 'N5 O1 endWhile (x)' (found 'if' in line 1)"},
