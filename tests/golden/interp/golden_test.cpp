@@ -86,6 +86,10 @@ std::string interpret(const fs::path& dir) {
   std::fclose(out);
   std::string result(text, size);
   std::free(text);
+  // Messages name files as they were opened; the folder of this checkout is nobody's business.
+  const std::string here = dir.string() + "/";
+  for (std::size_t at = 0; (at = result.find(here, at)) != std::string::npos;)
+    result.erase(at, here.size());
   return result;
 }
 
