@@ -104,7 +104,6 @@ class Program:
             lambda: f"G10 L1 P{r.choice([1, 2, 7])} {self.axes()} R{r.uniform(0, 3):.2f}",
             lambda: f"G10 L{r.choice([10, 11])} P{r.choice([1, 2, 7])} {self.axes()}",
             lambda: r.choice(["G20", "G21", "G90", "G91"]),
-            lambda: f"M61 Q{r.choice([0, 1, 2])}",
             lambda: r.choice(["G28.1", "G30.1", "G28", f"G30 {self.axes()}"]),
             lambda: f"(debug, #{r.choice([5220, 5221, 5222, 5223, 5230, 5211, 5210, 5161, 5400, 5403, 5410, 5420, 5421])} "
                     f"#{r.choice([5241, 5261, 5281, 5301, 5321, 5361, 5381, 5422])} #<_x> #<_abs_y>)".replace(" #<_abs_y>", ""),
@@ -130,7 +129,7 @@ class Program:
         r = self.rng
         self.add(r.choice([
             lambda: f"M{r.choice([3, 4])} S{r.randint(0, 4000)}",
-            lambda: r.choice(["M5", "M7", "M8", "M9", "M7 M8", "M48", "M49", "M50", "M50 P0", "M51 P0", "M52 P1", "M53 P1"]),
+            lambda: r.choice(["M5", "M7", "M8", "M9", "M7 M8", "M48", "M50", "M50 P0", "M52 P1", "M53 P1"]),
             lambda: r.choice(["G96 S100 D2000", "G96 S50", "G97 S300", "G97", "S600"]),
             lambda: r.choice(["M62 P0", "M63 P1", "M64 P2", "M65 P3", "M67 E0 Q1.5", "M68 E1 Q-2", "M66 P0 L0", "M66 E0 L0",
                               "M66 P1 L3 Q1"]),
@@ -190,14 +189,14 @@ class Program:
         elif kind == 1:
             lines.append(f"o{label} repeat [{r.randint(0, 3)}]")
             self.body(depth, 2)
-            if r.random() < 0.3:
-                lines.append(f"o{label} {r.choice(['break', 'continue'])}")
             lines.append(f"o{label} endrepeat")
         elif kind == 2:
             lines.append(f"#{10 + depth} = 0")
             lines.append(f"o{label} while [#{10 + depth} LT {r.randint(1, 3)}]")
             lines.append(f"#{10 + depth} = [#{10 + depth} + 1]")
             self.body(depth, 1)
+            if r.random() < 0.3:
+                lines.append(f"o{label} {r.choice(['break', 'continue'])}")
             lines.append(f"o{label} endwhile")
         elif kind == 3:
             lines.append(f"#{10 + depth} = 0")
