@@ -50,7 +50,7 @@ bool center_form(Core& c, const Block& b, const PlaneRow& p, Flat& f) {
   const double least = inch ? c.settings.arc_tolerance_inch * 25.4 : c.settings.arc_tolerance_mm;
   // The manual's two bounds: a coarse one, and a fine one together with 0.1 % of the radius.
   const double coarse = inch ? 0.05 * 25.4 : 0.5;
-  const double fine = inch ? 0.0005 * 25.4 : 0.005;
+  const double fine = inch ? c.settings.arc_error_inch * 25.4 : c.settings.arc_error_mm;
   const bool zero = r1 < least || r2 < least;
   if (!zero && abs_err <= coarse && (abs_err <= fine || rel_err <= 0.001)) return true;
   const double u = c.state.unit_mm();

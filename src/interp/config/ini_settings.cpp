@@ -41,8 +41,8 @@ struct LengthRow {
   bool machine_units;  ///< else as its name says
 };
 constexpr LengthRow kLengths[] = {
-    {"CENTER_ARC_RADIUS_TOLERANCE_MM", &Settings::arc_tolerance_mm, false},
-    {"CENTER_ARC_RADIUS_TOLERANCE_INCH", &Settings::arc_tolerance_inch, false},
+    {"CENTER_ARC_RADIUS_TOLERANCE_MM", &Settings::arc_error_mm, false},
+    {"CENTER_ARC_RADIUS_TOLERANCE_INCH", &Settings::arc_error_inch, false},
     {"G64_DEFAULT_TOLERANCE", &Settings::g64_default_tolerance_mm, true},
     {"G64_DEFAULT_NAIVETOLERANCE", &Settings::g64_default_naivecam_mm, true},
     {"G73_PECK_CLEARANCE", &Settings::g73_clearance_mm, true},

@@ -49,8 +49,8 @@ TEST_F(IniSettings, Defaults) {
   EXPECT_FALSE(s.settings.retain_g43 || s.settings.oword_nargs || s.settings.no_downcase_oword ||
                s.settings.oword_warnonly || s.settings.disable_fanuc_style_sub ||
                s.settings.disable_g92_persistence || s.settings.disable_auto_g54);
-  EXPECT_DOUBLE_EQ(s.settings.arc_tolerance_mm, 0.00127);
-  EXPECT_DOUBLE_EQ(s.settings.arc_tolerance_inch, 0.00005);
+  EXPECT_DOUBLE_EQ(s.settings.arc_error_mm, 0.005);
+  EXPECT_DOUBLE_EQ(s.settings.arc_error_inch, 0.0005);
   EXPECT_EQ(s.settings.compat, Compat::newest);
   EXPECT_EQ(s.settings.dialect, "linuxcnc");
   EXPECT_EQ(s.settings.log_level, -1);
@@ -110,8 +110,8 @@ TEST_F(IniSettings, LengthsAreInMachineUnits) {
   EXPECT_DOUBLE_EQ(s.settings.g64_default_naivecam_mm, 5.08);
   EXPECT_DOUBLE_EQ(s.settings.g73_clearance_mm, 7.62);
   EXPECT_DOUBLE_EQ(s.settings.g83_clearance_mm, 10.16);
-  EXPECT_DOUBLE_EQ(s.settings.arc_tolerance_mm, 0.01);
-  EXPECT_DOUBLE_EQ(s.settings.arc_tolerance_inch, 0.002);
+  EXPECT_DOUBLE_EQ(s.settings.arc_error_mm, 0.01);
+  EXPECT_DOUBLE_EQ(s.settings.arc_error_inch, 0.002);
   EXPECT_DOUBLE_EQ(s.settings.orient_offset_deg, 90);
   EXPECT_EQ(complaints_, "");
 }
