@@ -376,8 +376,8 @@ bool Core::speed_word(const Block& b) {
     return fail('$', "[RS274NGC]COMPAT = 2.7 knows one spindle", "Bad character '$' used");
   if (!integer(b, '$', 0, spindle)) return false;
   if (spindle < -1 || spindle >= settings.spindles)
-    return fail('$', "", "Spindle ($) number out of range in S Command\nnum_spindles =%d. $=%d",
-                settings.spindles, spindle);
+    return fail('$', "[TRAJ]SPINDLES says how many spindles there are",
+                "Invalid spindle ($) number in Spindle speed command");
   const int first = spindle < 0 ? 0 : spindle;
   const int last = spindle < 0 ? settings.spindles - 1 : spindle;
   for (int i = first; i <= last; ++i) {

@@ -259,6 +259,8 @@ class Core {
   [[nodiscard]] Outcome profile_step();
   [[nodiscard]] bool profile_move(const Block& b);
   [[nodiscard]] Outcome run_profile();
+  [[nodiscard]] Outcome next_compensated();
+  [[nodiscard]] Outcome finish_cycle(const ProfileReading& p, bool good);
   [[nodiscard]] bool add_code(Block& b, char letter, double value, int code);
   [[nodiscard]] bool undefined_name(std::uint32_t id, std::size_t at);
   [[nodiscard]] bool position_unknown(std::size_t at);

@@ -39,6 +39,8 @@ mode_codes();  ///< planes, units, distance, feed mode, path, retract
 void inverse_time_feed(Core& c, const Block& b, double linear_mm, double angular_deg);
 /// Length by which a feed counts: XYZ, else UVW in mm; only rotary axes: degrees.
 void feed_length(const Pose& from, const Pose& to, double& linear_mm, double& angular_deg);
+/// The one spindle that `$` names, 0 without. Error: no such spindle, or all of them; its text is of the other control.
+[[nodiscard]] bool one_spindle(Core& c, const Block& b, const char* error, int& spindle);
 /// mm/min of one unit of S in G96: S is written in m/min or feet/min.
 [[nodiscard]] double surface_speed_mm(const Core& c);
 /// Announces the S of a spindle.

@@ -48,39 +48,53 @@ struct Orientation {
   }
 };
 
-/// Makes canonical moves of the cycle's.
+/// Makes moves of the machine of the cycle's: canonical calls, or steps for cutter compensation.
 class CycleTool final : public lathe::Tool {
  public:
-  CycleTool(Core& c, const Orientation& o) : c_(c), o_(o) {}
-  void rapid(Point to) override {
-    place(to);
-    c_.out.call<&Canon::straight_traverse>(c_.state.position);
-  }
-  void feed(Point to) override {
-    place(to);
-    c_.out.call<&Canon::straight_feed>(c_.state.position);
-  }
+  CycleTool(Core& c, const Orientation& o, std::vector<ProfileReading::Step>* steps)
+      : c_(c), o_(o), steps_(steps), at_(c.state.position) {}
+  void rapid(Point to) override { straight(to, true); }
+  void feed(Point to) override { straight(to, false); }
   void arc(const Move& m) override {
-    place(m.to);
     const Point center = o_.to_zx(m.center);
     Arc a;
-    a.end = c_.state.position;
+    a.end = place(m.to);
     a.center = {no_dust(center.h), 0, no_dust(center.s)};
     a.plane = Plane::xz;
     a.turns = m.ccw != o_.mirrors() ? 1 : -1;
-    c_.out.call<&Canon::arc_feed>(a);
+    if (steps_ != nullptr)
+      steps_->push_back({true, false, a});
+    else
+      c_.out.call<&Canon::arc_feed>(a);
   }
 
  private:
-  void place(Point p) {
+  void straight(Point to, bool traverse) {
+    const Pose before = at_, end = place(to);
+    if (steps_ != nullptr) {
+      Arc a;
+      a.end = end;
+      if (end != before) steps_->push_back({false, traverse, a});  // no length, no side of it
+    } else if (traverse) {
+      c_.out.call<&Canon::straight_traverse>(end);
+    } else {
+      c_.out.call<&Canon::straight_feed>(end);
+    }
+  }
+  const Pose& place(Point p) {
     const Point zx = o_.to_zx(p);
-    c_.state.position.z = no_dust(zx.s);
-    c_.state.position.x = no_dust(zx.h);
+    at_.z = no_dust(zx.s);
+    at_.x = no_dust(zx.h);
+    if (steps_ == nullptr) c_.state.position = at_;
+    return at_;
   }
   /// Sums that should be 0 but are not quite would be shown as -0.
   static double no_dust(double v) { return std::fabs(v) < lathe::kNothing ? 0.0 : v; }
+
   Core& c_;
   const Orientation& o_;
+  std::vector<ProfileReading::Step>* steps_;
+  Pose at_;
 };
 
 /// Direction of the profile along its axis, and the side on which the cycle begins.
@@ -127,7 +141,7 @@ bool way_beside(Core& c, const Path& path, double distance, Point start, Path& w
                 "G7X error: The cycle begins inside the part");
 }
 
-bool finish(Core& c, const ProfileReading& p, const Path& profile) {
+bool finish(Core& c, ProfileReading& p, const Path& profile) {
   const Point start{p.start.z, p.start.x};
   Orientation o = orientation(profile, start, false);
   Path path = o.from_zx(profile);
@@ -141,7 +155,7 @@ bool finish(Core& c, const ProfileReading& p, const Path& profile) {
   const double from = c.mm(b.get('d', 0)), to = c.mm(b.get('e', 0));
   const double passes = std::nearbyint(b.get('p', 1));
   const Point begin = o.from_zx(start);
-  CycleTool tool(c, o);
+  CycleTool tool(c, o, c.compensation.bends() ? &p.steps : nullptr);
   Path way;
   tool.rapid(begin);
   for (double pass = passes; pass >= 1; --pass) {
@@ -179,7 +193,7 @@ bool rough(Core& c, const ProfileReading& p, const Path& profile) {
                                      : lathe::Pockets::only;
   Path way;
   if (!way_beside(c, path, c.mm(b.get('d', 0)), cycle.start, way)) return false;
-  CycleTool tool(c, o);
+  CycleTool tool(c, o, nullptr);
   tool.rapid(cycle.start);
   if (!lathe::rough(way, cycle, tool))
     return c.fail('i', "Write a larger I", "G7X error: More than %d moves", lathe::kMostMoves);
@@ -190,7 +204,7 @@ bool check_cycle(Core& c, const Block& b, int code, int& sub) {
   const int g = code / 10, tenth = code % 10;
   if (c.state.plane_code != 180)
     return c.fail(0, "Write G18 before", "G%d.%d can only be used in XZ plane (G18)", g, tenth);
-  if (c.state.cutter_comp != 400)
+  if (c.state.cutter_comp != 400 && !finishing(code))
     return c.fail(0, "Write G40 before", "G%d.%d cannot be used with cutter compensation enabled",
                   g, tenth);
   if (!b.has('q'))
@@ -255,6 +269,7 @@ bool Core::begin_profile(const Block& b, int code) {
 }
 
 Outcome Core::profile_step() {
+  if (!flows.profile->steps.empty()) return next_compensated();
   if (flows.frames.size() <= flows.profile->level) return run_profile();
   ParsedBlock* b = nullptr;
   const LineRead r = read_block(b);
@@ -331,19 +346,45 @@ Outcome Core::run_profile() {
   Path profile;
   const bool good = rounded_profile(*this, *p, profile) &&
                     (finishing(p->code) ? finish(*this, *p, profile) : rough(*this, *p, profile));
+  if (good && !p->steps.empty()) {
+    flows.profile = p;
+    return next_compensated();
+  }
+  if (good && compensation.leaving()) compensation.left();
+  return finish_cycle(*p, good);
+}
+
+// One move of G70 under cutter compensation.
+Outcome Core::next_compensated() {
+  const std::shared_ptr<ProfileReading> p = flows.profile;
+  begin_block();
+  current = nullptr;
+  state.line = p->source.line;
+  const ProfileReading::Step& step = p->steps[p->next++];
+  const bool good =
+      step.is_arc ? compensation.arc(step.arc) : compensation.straight(step.arc.end, step.traverse);
+  if (good) state.position = step.arc.end;
+  if (!good || p->next == p->steps.size()) flows.profile.reset();
+  return finish_cycle(*p, good);
+}
+
+Outcome Core::finish_cycle(const ProfileReading& p, bool good) {
   if (!good) {
     undo_block();
-    error.file = p->file;
-    error.source = p->text;
-    error.line = p->source.line;
+    error.file = p.file;
+    error.source = p.text;
+    error.line = p.source.line;
     return Outcome::error;
   }
   state.motion = 10;
-  SourceLine source = p->source;
-  source.file = p->file;
-  source.text = p->text;
-  out.deliver(canon, source);
-  return Outcome::ok;
+  SourceLine source = p.source;
+  source.file = p.file;
+  source.text = p.text;
+  if (compensation.busy())
+    compensation.finish(source);
+  else
+    out.deliver(canon, source);
+  return block_done();
 }
 
 }  // namespace kerf::interp

@@ -63,10 +63,8 @@ bool feed_mode(Core& c, const Block& b, int code) {
   }
   const bool per_rev = code == 950;
   int spindle = 0;
-  if (per_rev) {
-    int last = 0;
-    if (!spindle_range(c, b, 0, "G95", spindle, last)) return false;
-  }
+  if (per_rev && !one_spindle(c, b, "Invalid spindle ($) number in feed mode command", spindle))
+    return false;
   c.comment(per_rev ? "interpreter: feed mode set to units per revolution"
                     : "interpreter: feed mode set to units per minute");
   c.state.feed_mode = per_rev ? ProgramFeedMode::per_revolution : ProgramFeedMode::per_minute;

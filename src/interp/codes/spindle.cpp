@@ -21,6 +21,17 @@ bool spindle_range(Core& c, const Block& b, int otherwise, const char* command, 
   return true;
 }
 
+bool one_spindle(Core& c, const Block& b, const char* error, int& spindle) {
+  if (b.has('$') && !c.compat.spindle_word)
+    return c.fail('$', "[RS274NGC]COMPAT = 2.7 knows one spindle", "Bad character '$' used");
+  if (!c.integer(b, '$', 0, spindle)) return false;
+  if (spindle >= 0 && spindle < c.settings.spindles) return true;
+  return c.fail('$',
+                spindle == -1 ? "All spindles at once are possible with M3, M4, M5, M51 and S only"
+                              : "[TRAJ]SPINDLES says how many spindles there are",
+                "%s", error);
+}
+
 double surface_speed_mm(const Core& c) { return c.state.units == Units::inch ? 304.8 : 1000.0; }
 
 void announce_speed(Core& c, int spindle) {
@@ -54,38 +65,40 @@ bool turn(Core& c, const Block& b, int code) {
 }
 
 bool orient(Core& c, const Block& b, int) {
-  int first = 0, last = 0, mode = 0;
-  if (!spindle_range(c, b, 0, "M19", first, last) || !c.integer(b, 'p', 0, mode)) return false;
+  int spindle = 0;
+  if (!one_spindle(c, b, "Spindle ($) number out of range in M19 Command", spindle)) return false;
   const double angle = b.get('r', 0);
   if (angle < 0 || angle > 360) return c.fail('r', "", "R value must be within 0..360 with M19");
+  double mode = 0;
+  if (b.has('p') && !near_integer(b['p'], mode))
+    return c.fail('p', "P0 the shorter way, P1 clockwise, P2 counter-clockwise",
+                  "P value not an integer with M19 G2 or G3");
   if (mode < 0 || mode > 2) return c.fail('p', "", "P value must be 0,1,or 2 with M19");
   if (b.has('q') && b['q'] <= 0)
-    return c.fail('q', "Q is the longest wait in seconds",
-                  "Q word must be greater than 0 with M19");
-  if (!b.has('r')) return true;  // nothing to turn to
-  for (int i = first; i <= last; ++i) {
-    const auto n = static_cast<std::size_t>(i);
+    return c.fail('q', "Q is the longest wait in seconds", "Q word with M19 requires a value > 0");
+  if (b.has('r') || b.has('p')) {
+    const auto n = static_cast<std::size_t>(spindle);
     c.state.orienting[n] = true;
     c.state.direction[n] = SpindleDirection::stopped;
-    c.out.call<&Canon::orient_spindle>(i, angle + c.settings.orient_offset_deg, mode);
-    if (b.has('q')) c.out.call<&Canon::wait_orient_complete>(i, b['q']);
+    c.out.call<&Canon::orient_spindle>(spindle, angle + c.settings.orient_offset_deg,
+                                       static_cast<int>(mode));
   }
+  if (b.has('q')) c.out.call<&Canon::wait_orient_complete>(spindle, b['q']);
   return true;
 }
 
 bool speed_mode(Core& c, const Block& b, int code) {
-  int first = 0, last = 0;
-  if (!spindle_range(c, b, 0, code == 960 ? "G96" : "G97", first, last)) return false;
+  int spindle = 0;
+  if (!one_spindle(c, b, "Invalid spindle ($) number in Spindle Mode command", spindle))
+    return false;
   if (code == 960 && !b.has('s'))
     return c.fail(0, "Write S with the surface speed", "S word missing with G96");
   if (b.has('d') && b['d'] <= 0)
     return c.fail('d', "D is the highest speed in rpm", "D word must be greater than 0 with G96");
-  for (int i = first; i <= last; ++i) {
-    const auto n = static_cast<std::size_t>(i);
-    c.state.css[n] = code == 960;
-    c.state.css_max_rpm[n] = code == 960 ? b.get('d', 1e30) : 0;
-    c.out.call<&Canon::set_spindle_mode>(i, c.state.css_max_rpm[n]);
-  }
+  const auto n = static_cast<std::size_t>(spindle);
+  c.state.css[n] = code == 960;
+  c.state.css_max_rpm[n] = code == 960 ? b.get('d', 1e30) : 0;
+  c.out.call<&Canon::set_spindle_mode>(spindle, c.state.css_max_rpm[n]);
   return true;
 }
 

@@ -68,10 +68,11 @@ bool synchronised(Core& c, const Block& b, int code) {
   if (b['k'] == 0)
     return c.fail('k', "K is the way in one revolution", "K word must not be 0 with g33/g33.1");
   int spindle = 0;
-  if (!c.integer(b, '$', 0, spindle)) return false;
-  if (spindle < 0 || spindle >= c.settings.spindles)
-    return c.fail('$', "[TRAJ]SPINDLES says how many spindles there are",
-                  "Invalid spindle ($) number in %s move", name);
+  if (!one_spindle(c, b,
+                   tap ? "Invalid spindle ($) number in G33.1 move"
+                       : "Invalid spindle ($) number in G33 move",
+                   spindle))
+    return false;
   if (!turning(c, spindle))
     return c.fail(0, "Write S and M3 or M4 before", "Spindle not turning in %s", name);
   if (tap && b.has('i') && b['i'] <= 0)
@@ -221,10 +222,7 @@ bool thread(Core& c, const Block& b, int code) {
   Thread t{};
   int ends = 0;
   if (!thread_words(c, b, ends, t.spring_passes)) return false;
-  if (!c.integer(b, '$', 0, t.spindle)) return false;
-  if (t.spindle < 0 || t.spindle >= c.settings.spindles)
-    return c.fail('$', "[TRAJ]SPINDLES says how many spindles there are",
-                  "Invalid D-number in G76 cycle");
+  if (!one_spindle(c, b, "Invalid D-number in G76 cycle", t.spindle)) return false;
   if (!turning(c, t.spindle))
     return c.fail(0, "Write S and M3 or M4 before", "Chosen spindle (%d) not turning in G76",
                   t.spindle);

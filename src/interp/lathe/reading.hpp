@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "interp/core.hpp"
 #include "interp/lathe/profile.hpp"
@@ -20,6 +21,14 @@ struct ProfileReading {
   lathe::Point at;       ///< end of the last move; s is Z, h is X
   int motion{10};        ///< G0-G3 of the sub so far, times ten
   lathe::Path moves;     ///< the first one leads from the start to the profile
+
+  /// G70 under cutter compensation, which takes one move a block: what is still to do, in program coordinates.
+  struct Step {
+    bool is_arc{false}, traverse{false};
+    Arc arc;  ///< of a straight move only its end
+  };
+  std::vector<Step> steps;
+  std::size_t next{0};
 };
 
 }  // namespace kerf::interp

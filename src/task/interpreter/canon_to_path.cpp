@@ -220,13 +220,25 @@ SpindleChange CanonToPath::spindle_change(int spindle, SpindleChange::Action act
   return change;
 }
 
+void CanonToPath::use_length_units(interp::Units units) {
+  state_.surface_mm = units == interp::Units::inch ? 304.8 : 1000.0;
+}
+
 void CanonToPath::set_spindle_speed(int spindle, double rpm) {
-  state_.speed[static_cast<std::size_t>(spindle)] = rpm;
+  const auto n = static_cast<std::size_t>(spindle);
+  state_.speed[n] = rpm;
+  state_.surface_unit[n] = state_.css_max_rpm[n] > 0 ? state_.surface_mm : 0;
   add_path(spindle_change(spindle, SpindleChange::Action::set_speed));
 }
 
 void CanonToPath::set_spindle_mode(int spindle, double css_max_rpm) {
-  state_.css_max_rpm[static_cast<std::size_t>(spindle)] = css_max_rpm;
+  const auto n = static_cast<std::size_t>(spindle);
+  state_.css_max_rpm[n] = css_max_rpm;
+  // A surface speed in mm/min would be a deadly rpm: without a new S the number that was written counts.
+  if (css_max_rpm <= 0 && state_.surface_unit[n] > 0) {
+    state_.speed[n] /= state_.surface_unit[n];
+    state_.surface_unit[n] = 0;
+  }
 }
 
 void CanonToPath::start_spindle(int spindle, interp::SpindleDirection direction) {

@@ -25,6 +25,9 @@ struct CanonState {
   motion::OverrideEnable overrides;
   std::array<double, motion::kMaxSpindles> speed{};  ///< rpm; mm/min of surface in G96
   std::array<double, motion::kMaxSpindles> css_max_rpm{};
+  std::array<double, motion::kMaxSpindles>
+      surface_unit{};       ///< mm/min of one unit of S, of the last S in G96
+  double surface_mm{1000};  ///< the same for the next S: m/min, in inches feet/min
   std::array<std::int8_t, motion::kMaxSpindles> direction{};  ///< -1 0 1
   int g5x_index{1};
   std::uint32_t pending_outputs{0};  ///< synchronised output changes since the last move
@@ -58,7 +61,7 @@ class CanonToPath final : public interp::Canon {
 
   // --- Canon ---
   void next_block(const interp::SourceLine& source) override;
-  void use_length_units(interp::Units) override {}
+  void use_length_units(interp::Units units) override;
   void select_plane(interp::Plane) override {}
   void set_g5x_offset(int system, const interp::Pose& offset) override;
   void set_g92_offset(const interp::Pose& offset) override;
