@@ -88,6 +88,8 @@ class IniSession {
     file_ = std::move(loaded.file);
     kerf::ini::Reader reader(*file_);
     setup_ = read_interp_setup(reader, bench_settings().machine_unit_mm);
+    setup_.settings.spindles = static_cast<int>(reader.integer(
+        "TRAJ", "SPINDLES", kerf::ini::IntSpec{.fallback = 1, .min = 1, .max = kMaxSpindles}));
     for (const auto& d : reader.complaints()) std::fprintf(stderr, "%s\n", d.message().c_str());
     if (reader.failed()) return false;
     auto scripts = open_scripts(setup_.python, {});

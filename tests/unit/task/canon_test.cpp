@@ -92,6 +92,20 @@ TEST(Canon, surface_speed_becomes_a_factor) {
   EXPECT_EQ(b.last<motion::SpindleChange>().css_factor, 0);
 }
 
+TEST(Canon, a_surface_speed_never_becomes_a_speed_in_mm_per_minute) {
+  for (const auto& [units, surface] :
+       {std::pair{interp::Units::mm, 100 * 1000.0}, std::pair{interp::Units::inch, 100 * 304.8}}) {
+    Bench b;
+    b.canon.use_length_units(units);
+    b.canon.set_spindle_mode(0, 2500);
+    b.canon.set_spindle_speed(0, surface);  // G96 S100
+    b.canon.set_spindle_mode(0, 0);         // G97 or M2, without S
+    b.canon.start_spindle(0, interp::SpindleDirection::clockwise);
+    EXPECT_NEAR(b.last<motion::SpindleChange>().speed_rpm, 100, 1e-9);
+    EXPECT_EQ(b.last<motion::SpindleChange>().css_factor, 0);
+  }
+}
+
 TEST(Canon, surface_speed_is_measured_from_the_workpiece) {
   Bench b;
   b.canon.set_g5x_offset(1, {.x = -100});
