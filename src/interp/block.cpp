@@ -20,7 +20,21 @@ bool near_integer(double v, double& rounded) {
 }
 
 bool Core::build(const ParsedBlock& p, Block& b) {
-  return read_words(p, b) && assign(p) && choose_motion(b) && check_letters(b);
+  return read_words(p, b) && (p.quoted == 0 || check_quoted(p, b)) && assign(p) &&
+         choose_motion(b) && check_letters(b);
+}
+
+bool Core::check_quoted(const ParsedBlock& p, Block& b) {
+  for (int i = 0; i < b.row_count; ++i) {
+    const auto n = static_cast<std::size_t>(i);
+    if (b.rows[n]->letter != 'm') continue;
+    for (const std::int16_t code : dialect.text_codes) {
+      if (code != b.codes[n]) continue;
+      b.quoted = std::string_view(params.name(p.quoted - 1)).substr(1);
+      return true;
+    }
+  }
+  return fail(0, "No code of this line takes a text", "Bad character '\"' used");
 }
 
 // Values of the words, and rows of the codes.
@@ -196,7 +210,7 @@ bool Core::assign(const ParsedBlock& p) {
   assigned_.clear();
   for (const Assignment& a : p.assignments) {
     double v = 0;
-    if (!evaluate(p, a.value, v)) return false;
+    if (a.text == 0 && !evaluate(p, a.value, v)) return false;
     int index = static_cast<int>(a.id);
     if (a.named) {
       if (params.is_global(a.id)) {
@@ -216,18 +230,27 @@ bool Core::assign(const ParsedBlock& p) {
         index = static_cast<int>(rounded);
       }
       if (ParameterTable::read_only(index)) return fail_at(a.at, "", "Parameter is readonly");
+      if (a.text != 0 && (index < dialect.first_text || index > dialect.last_text))
+        return fail_at(a.at, "Use a number that holds texts", "Parameter #%d cannot hold a text",
+                       index);
     }
-    assigned_.emplace_back(index, Value{v, nullptr});
+    assigned_.emplace_back(index, Value{v, a.text == 0 ? nullptr : quoted_text(a.text)});
   }
   return true;
+}
+
+std::shared_ptr<const std::string> Core::quoted_text(std::uint32_t text) const {
+  return std::make_shared<const std::string>(params.name(text - 1).substr(1));
 }
 
 bool Core::store(const ParsedBlock& p) {
   for (std::size_t i = 0; i < assigned_.size(); ++i) {
     if (p.assignments[i].named)
       params.set_named(p.assignments[i].id, std::move(assigned_[i].second));
-    else
+    else if (assigned_[i].second.text == nullptr)
       params.set(assigned_[i].first, assigned_[i].second.number);
+    else
+      params.set_text(assigned_[i].first, std::move(assigned_[i].second.text));
   }
   return true;
 }

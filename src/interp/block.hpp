@@ -21,6 +21,7 @@ enum class Op : std::uint8_t {
   named,
   exists_named,
   exists_numbered,
+  external,        ///< a function of the dialect: ExprOp::id
   first_function,  // what follows can be computed at once when its operands are constant
   negate = first_function,
   abs,
@@ -77,8 +78,9 @@ struct ParsedWord {
 struct Assignment {
   bool named{false};
   std::uint32_t at{0};
-  std::uint32_t id{0};  ///< name, or number when known
-  Expr index;           ///< number when computed
+  std::uint32_t id{0};    ///< name, or number when known
+  std::uint32_t text{0};  ///< the quoted text that is set: its name + 1; 0 none
+  Expr index;             ///< number when computed
   Expr value;
 };
 
@@ -151,9 +153,11 @@ struct ParsedBlock {
   Expr label_expr;
   Flow flow{Flow::none};
   CommentKind comment{CommentKind::none};
-  bool skip{false};     ///< begins with /
-  bool percent{false};  ///< a line that begins with %
-  bool cached{false};   ///< lives in a BlockCache
+  bool skip{false};         ///< begins with /
+  bool percent{false};      ///< a line that begins with %
+  bool statement{false};    ///< `flow` was written without an O-word
+  std::uint32_t quoted{0};  ///< a quoted text among the words: its name + 1; 0 none
+  bool cached{false};       ///< lives in a BlockCache
   std::int32_t sequence{-1};
 
   std::uint32_t program{0};

@@ -43,6 +43,7 @@ struct Block {
   bool motion_is_modal{false};
   bool axis_by_other{false};  ///< a group 0 or 8 code takes the axis words
   bool g53{false};
+  std::string_view quoted;  ///< the text in quotes, as long as its code runs
   const ParsedBlock* source{nullptr};
 
   [[nodiscard]] bool has(char c) const { return (mask >> letter_index(c) & 1U) != 0; }
@@ -266,6 +267,9 @@ class Core {
   [[nodiscard]] bool position_unknown(std::size_t at);
   [[nodiscard]] std::string nearest_codes(char letter, int code) const;
   [[nodiscard]] bool check_word(char name, double v);
+  /// Some code of the block takes the text in quotes.
+  [[nodiscard]] bool check_quoted(const ParsedBlock& p, Block& b);
+  [[nodiscard]] std::shared_ptr<const std::string> quoted_text(std::uint32_t text) const;
   [[nodiscard]] bool assign(const ParsedBlock& p);
   [[nodiscard]] bool store(const ParsedBlock& p);
   [[nodiscard]] bool choose_motion(Block& b);

@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "interp/block.hpp"
 #include "interp/letters.hpp"
 
 namespace kerf::interp {
@@ -39,6 +40,21 @@ struct LetterRow {
   const char* unused;  ///< null: always allowed (f, s, t, n)
 };
 
+/// A statement without an O-word at the beginning of a line, `WHILE [#1 LT 9] DO2` ... `END2`: the word, a condition, what stands
+/// before the number, the number that joins the parts. Numbers may be used again.
+struct StatementRow {
+  std::string_view word;
+  Flow flow;
+  bool condition;
+  std::string_view before_number;
+};
+
+/// A function beside those of the language, `PRM[110]`: false when core.fail() was called.
+struct ExternalFunction {
+  std::string_view name;
+  bool (*run)(Core& core, double& value);
+};
+
 struct Dialect {
   std::string_view name;
   std::span<const std::span<const CodeRow>> families;
@@ -50,6 +66,12 @@ struct Dialect {
   int call_levels;    ///< subs inside subs
   std::size_t
       longest_line;  ///< characters, blanks and comments too; what bounds the memory for one line
+  std::span<const StatementRow> statements{};
+  std::span<const ExternalFunction> functions{};
+  bool bare_names{false};                      ///< `_value` is #<_value>
+  bool quotes{false};                          ///< "texts" can be written
+  int first_text{1}, last_text{0};             ///< numbers of parameters that hold texts
+  std::span<const std::int16_t> text_codes{};  ///< M-codes that take a quoted text
 };
 
 /// RS274NGC as LinuxCNC speaks it.

@@ -201,6 +201,9 @@ bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
         *++top = truth(exists);
         continue;
       }
+      case Op::external:
+        if (!dialect.functions[op->id].run(*this, *top)) return false;
+        continue;
       case Op::exists_numbered:  // as the peer: every number that can be written exists
         *top = truth(*top >= 1 && *top < kParameterCount);
         continue;

@@ -92,7 +92,7 @@ LabelUse* Core::label_use(Label label) {
 
 // A block begins: its label must not begin another one. `while` behind a `do` of the label ends that one.
 bool Core::begin_label(ParsedBlock& b, Label label) {
-  if (b.label_known) return true;
+  if (b.label_known || b.statement) return true;
   const LabelUse here{b.flow, b.place.line + 1, b.place.offset};
   LabelUse* use = label_use(label);
   if (use == nullptr) {
@@ -118,7 +118,7 @@ bool Core::begin_label(ParsedBlock& b, Label label) {
 
 // A word inside or at the end of a block: the label must begin a block of one of these kinds.
 bool Core::inside_label(ParsedBlock& b, Label label, FlowMask kinds) {
-  if (b.label_known) return true;
+  if (b.label_known || b.statement) return true;
   const LabelUse* use = label_use(label);
   const std::string number = std::to_string(b.place.line + 1);
   if (use == nullptr) {

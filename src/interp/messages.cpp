@@ -39,7 +39,7 @@ void Core::expand_text(std::string_view text, std::string& result) {
       const auto r = std::from_chars(text.data() + i + 1, text.data() + text.size(), index);
       parameter_here = true;
       exists = r.ec == std::errc() && index > 0 && index < kParameterCount;
-      if (exists) value.number = parameter(index);
+      if (exists) value = {parameter(index), params.text(index)};
       i = static_cast<std::size_t>(r.ptr - text.data());
     } else if (const std::size_t end = text.find('>', i); c == '#' && i + 1 < text.size() &&
                                                           text[i + 1] == '<' &&

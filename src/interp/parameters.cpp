@@ -44,6 +44,20 @@ void ParameterTable::set(int index, double value) {
   double& cell = numbers_[static_cast<std::size_t>(index)];
   undo_numbers_.emplace_back(index, cell);
   cell = value;
+  if (!number_texts_.empty()) change_text(index, nullptr);
+}
+
+void ParameterTable::set_text(int index, std::shared_ptr<const std::string> text) {
+  set(index, 0);
+  change_text(index, std::move(text));
+}
+
+void ParameterTable::change_text(int index, std::shared_ptr<const std::string> text) {
+  undo_texts_.emplace_back(index, this->text(index));
+  if (text != nullptr)
+    number_texts_[index] = std::move(text);
+  else
+    number_texts_.erase(index);
 }
 
 std::array<double, kSubArguments> ParameterTable::exchange_arguments(
@@ -113,6 +127,12 @@ void ParameterTable::pop_scope() {
 void ParameterTable::rollback() {
   for (auto i = undo_numbers_.rbegin(); i != undo_numbers_.rend(); ++i)
     numbers_[static_cast<std::size_t>(i->first)] = i->second;
+  for (auto i = undo_texts_.rbegin(); i != undo_texts_.rend(); ++i) {
+    if (i->second != nullptr)
+      number_texts_[i->first] = i->second;
+    else
+      number_texts_.erase(i->first);
+  }
   for (auto i = undo_named_.rbegin(); i != undo_named_.rend(); ++i) {
     const Slot s = slot(i->id);
     *s.set = i->set;

@@ -55,6 +55,12 @@ class ParameterTable {
     return index > 0 && index < kParameterCount ? numbers_[static_cast<std::size_t>(index)] : 0.0;
   }
   void set(int index, double value);
+  /// A text (dialects with such numbers); the number reads 0 then.
+  void set_text(int index, std::shared_ptr<const std::string> text);
+  [[nodiscard]] std::shared_ptr<const std::string> text(int index) const {
+    const auto hit = number_texts_.find(index);
+    return hit == number_texts_.end() ? nullptr : hit->second;
+  }
   /// #1-#30 become `fresh`; what they were. Not taken back by rollback(): earlier changes of the block are settled by it.
   std::array<double, kSubArguments> exchange_arguments(
       const std::array<double, kSubArguments>& fresh);
@@ -90,7 +96,7 @@ class ParameterTable {
   void pop_scope();
 
   // --- taking back ---
-  void begin() noexcept { undo_numbers_.clear(), undo_named_.clear(); }
+  void begin() noexcept { undo_numbers_.clear(), undo_named_.clear(), undo_texts_.clear(); }
   void rollback();
 
  private:
@@ -119,6 +125,7 @@ class ParameterTable {
     Value* value;
   };
   Slot slot(std::uint32_t id);
+  void change_text(int index, std::shared_ptr<const std::string> text);
 
   std::vector<double> numbers_;
   std::vector<std::int32_t> extra_persistent_;  ///< user numbers that the file had
@@ -126,6 +133,8 @@ class ParameterTable {
   std::vector<Name> names_;
   std::vector<Local> locals_;
   std::vector<std::int64_t> scopes_{0};  ///< where each begins in locals_
+  std::unordered_map<int, std::shared_ptr<const std::string>> number_texts_;
+  std::vector<std::pair<int, std::shared_ptr<const std::string>>> undo_texts_;
   std::vector<std::pair<std::int32_t, double>> undo_numbers_;
   std::vector<NamedUndo> undo_named_;
 };

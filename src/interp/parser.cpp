@@ -200,6 +200,7 @@ int Parser::column_of(std::string_view line, std::size_t normalised) const {
   for (std::size_t i = 0; i < line.size(); ++i) {
     if (!in_comment && is_blank(line[i])) continue;
     if (n == normalised) return static_cast<int>(i) + 1;
+    if (line[i] == '"' && dialect_.quotes) in_comment = !in_comment;
     if (line[i] == '(') in_comment = true;
     if (line[i] == ')') in_comment = false;
     ++n;
@@ -225,6 +226,15 @@ bool Parser::normalise(std::string_view line) {
       pos_ = size_;
       if (end == std::string_view::npos) return fail("Unclosed comment found");
       if (line[end] == '(') return fail("Nested comment found");
+      std::memcpy(buffer_.data() + size_, line.data() + i, end - i + 1);
+      size_ += end - i + 1;
+      i = end;
+      continue;
+    }
+    if (c == '"' && dialect_.quotes) {
+      const std::size_t end = line.find('"', i + 1);
+      pos_ = size_;
+      if (end == std::string_view::npos) return fail("Unclosed quotation found");
       std::memcpy(buffer_.data() + size_, line.data() + i, end - i + 1);
       size_ += end - i + 1;
       i = end;
@@ -345,7 +355,7 @@ bool Parser::peek_flow(std::string_view line, ParsedBlock& out) {
     ++i;
     while (i < line.size() && (is_digit(line[i]) || is_blank(line[i]))) ++i;
   }
-  if (i >= line.size() || lower(line[i]) != 'o') return false;
+  if (i >= line.size() || (lower(line[i]) != 'o' && dialect_.statements.empty())) return false;
   return parse(line, out) && out.flow != Flow::none;
 }
 
@@ -372,17 +382,54 @@ bool Parser::items() {
     if (!is_digit(after) && after != '.')
       out_->flow = buffer_[pos_ + 2] == '8' ? Flow::call_number : Flow::return_number;
   }
+  for (const StatementRow& row : dialect_.statements) {
+    if (starts(row.word)) return statement(row);
+  }
   while (pos_ < size_) {
     const char c = buffer_[pos_];
     if (c == '(') {
       if (!comment()) return false;
     } else if (c == '#') {
       if (!assignment()) return false;
+    } else if (c == '"' && dialect_.quotes) {
+      out_->quoted = quoted();
     } else {
       const int letter = letter_index(c);
       if (letter < 0 || c == 'n' || c == 'o') return fail("Bad character '%c' used", c);
       if (!word(letter)) return false;
     }
+  }
+  return true;
+}
+
+// Its end was found by normalise(). The text's name + 1.
+std::uint32_t Parser::quoted() {
+  const std::size_t end = std::string_view(buffer_).find('"', pos_ + 1);
+  const std::uint32_t id = names_.intern(std::string_view(buffer_).substr(pos_, end - pos_));
+  pos_ = end + 1;
+  return id + 1;
+}
+
+bool Parser::statement(const StatementRow& row) {
+  pos_ += row.word.size();
+  out_->flow = row.flow;
+  out_->statement = true;
+  if (row.condition) {
+    const auto first = ops_.size();
+    if (!expression()) return false;
+    arguments_.push_back(since(first));
+  }
+  if (!starts(row.before_number))
+    return fail("'%.*s' expected", static_cast<int>(row.before_number.size()),
+                row.before_number.data());
+  pos_ += row.before_number.size();
+  const std::size_t digits = pos_;
+  while (is_digit(peek())) ++pos_;
+  if (pos_ == digits) return fail("Bad format unsigned integer");
+  out_->label = labels_.number(std::string_view(buffer_).substr(digits, pos_ - digits));
+  while (pos_ < size_) {
+    if (peek() != '(') return fail("Unexpected character after statement");
+    if (!comment()) return false;
   }
   return true;
 }
@@ -443,7 +490,10 @@ bool Parser::assignment() {
   if (peek() != '=') return fail("Equal sign missing in parameter setting");
   ++pos_;
   const auto first = ops_.size();
-  if (!value()) return false;
+  if (peek() == '"' && dialect_.quotes)
+    a.text = quoted();
+  else if (!value())
+    return false;
   a.value = since(first);
   assignments_.push_back(a);
   return true;
@@ -539,6 +589,12 @@ bool Parser::value() {
   if (is_digit(c) || c == '.') return number(1);
   if (c == '[') return expression();
   if (c == '#') return parameter();
+  if (c == '_' && dialect_.bare_names) {
+    const std::size_t first = pos_;
+    while (peek() == '_' || is_digit(peek()) || (peek() >= 'a' && peek() <= 'z')) ++pos_;
+    push(Op::named, first, 0, names_.intern(std::string_view(buffer_).substr(first, pos_ - first)));
+    return true;
+  }
   if (c == '+' || c == '-') {
     const char after = pos_ + 1 < size_ ? buffer_[pos_ + 1] : '\0';
     if (is_digit(after) || after == '.') {
@@ -616,6 +672,16 @@ bool Parser::parameter() {
 }
 
 bool Parser::function() {
+  for (std::uint32_t i = 0; i < dialect_.functions.size(); ++i) {
+    const std::string_view word = dialect_.functions[i].name;
+    if (!starts(word) || pos_ + word.size() >= size_ || buffer_[pos_ + word.size()] != '[')
+      continue;
+    const std::size_t place = pos_;
+    pos_ += word.size();
+    if (!expression()) return false;
+    push(Op::external, place, 0, i);
+    return true;
+  }
   if (starts("exists[")) {
     const std::size_t place = pos_;
     pos_ += 7;

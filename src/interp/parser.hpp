@@ -34,6 +34,8 @@ class Parser {
   [[nodiscard]] bool normalise(std::string_view line);
   [[nodiscard]] bool items();
   [[nodiscard]] bool word(int letter);
+  [[nodiscard]] bool statement(const StatementRow& row);
+  [[nodiscard]] std::uint32_t quoted();
   [[nodiscard]] bool assignment();
   [[nodiscard]] bool comment();
   [[nodiscard]] bool flow();
