@@ -2,7 +2,8 @@
 //
 // The interpreter calls a Canon while it executes blocks; task turns the calls into motion, `rs274` prints them,
 // tests record them. A Canon is passive: it may queue, it must not wait and must not call the interpreter back
-// except for `Interpreter::modal()`, which already shows the state after the block being delivered.
+// except for `Interpreter::modal()`, which already shows the state after the block being delivered. Cutter compensation
+// delivers a block, or the rest of one, while a later one is executed.
 //
 // Units everywhere in this file: mm for x y z u v w, degrees for a b c, seconds, rpm, feed per minute.
 // Exception: in feed-per-revolution mode (G95) feeds are mm (degrees) per revolution.
@@ -90,7 +91,8 @@ class Canon {
  public:
   virtual ~Canon() = default;
 
-  /// The calls up to the next next_block come from this line. Called once per block that makes any call.
+  /// The calls up to the next next_block come from this line. Called for each block that makes any call, and again
+  /// for calls of it that had to wait.
   virtual void next_block(const SourceLine& source) = 0;
 
   // --- frame and units ---

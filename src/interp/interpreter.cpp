@@ -47,6 +47,8 @@ bool Interpreter::mdi_active() const { return core_->flows.mdi; }
 SyncReason Interpreter::sync_reason() const { return core_->sync; }
 void Interpreter::synchronize(const ExternalState& state) { core_->synchronize(state); }
 void Interpreter::abort() { core_->abort(); }
+bool Interpreter::waiting() const { return core_->compensation.waits(); }
+bool Interpreter::beside_path() const { return core_->compensation.beside(); }
 const ModalState& Interpreter::modal() const {
   return core_->shown != nullptr ? *core_->shown : core_->state;
 }

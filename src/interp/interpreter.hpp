@@ -110,7 +110,11 @@ class Interpreter {
 
   /// Forgets subs, loops and the MDI line in progress and rewinds the program. Modal state stays. No canon call.
   void abort();
-  /// State after the last block; already valid while its canon calls are delivered.
+  /// Calls wait for the end of a compensated move; the next block that moves, G40 or the end of the program delivers them.
+  [[nodiscard]] bool waiting() const;
+  /// The machine stands beside modal().position: compensation is on, or G40 still waits for a move.
+  [[nodiscard]] bool beside_path() const;
+  /// State after the last block; while canon calls are delivered that after the block which they belong to.
   [[nodiscard]] const ModalState& modal() const;
   /// Takes back modes and offsets (parameters 5210-5220 too) as they were at `state`. No canon call; follow with
   /// synchronize({.machine_position}) since the position is that of the machine.

@@ -115,6 +115,10 @@ bool turns_word(Core& c, const Block& b, int& turns) {
 }
 
 bool arc(Core& c, const Block& b, int code) {
+  if (c.compensation.leaving())
+    return c.fail(
+        0, "Write a G0 or G1 behind G40",
+        "The move just after exiting cutter compensation mode must be straight, not an arc");
   const Plane plane = c.state.plane();
   if (plane > Plane::yz)
     return c.fail(0, "Write G17, G18 or G19 before",
@@ -148,10 +152,6 @@ bool arc(Core& c, const Block& b, int code) {
   a.center[p.e2] = f.c2;
   a.plane = plane;
   a.turns = turns;
-  if (c.compensation.leaving())
-    return c.fail(
-        0, "Write a G0 or G1 behind G40",
-        "The move just after exiting cutter compensation mode must be straight, not an arc");
   if (!c.compensation.bends())
     c.out.call<&Canon::arc_feed>(a);
   else if (!c.compensation.arc(a))

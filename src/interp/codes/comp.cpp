@@ -46,10 +46,11 @@ bool dynamic(Core& c, const Block& b, int code, double& diameter_mm, int& orient
   return orientation <= 9 || c.fail('l', "Orientations go from 0 to 9", "Invalid tool orientation");
 }
 
-void start(Core& c, int code, double diameter_mm, int orientation) {
-  const bool left = code == 410 || code == 411;
-  c.compensation.turn_on(left, diameter_mm, orientation);
-  c.state.cutter_comp = code;
+/// A negative diameter changes the side; what status shows is the side that the tool is on.
+void start(Core& c, bool left, double diameter_mm, int orientation) {
+  if (diameter_mm < 0) left = !left;
+  c.compensation.turn_on(left, std::fabs(diameter_mm), orientation);
+  c.state.cutter_comp = left ? 410 : 420;
   c.comment(left ? "interpreter: cutter radius compensation on left"
                  : "interpreter: cutter radius compensation on right");
 }
@@ -75,7 +76,7 @@ bool on(Core& c, const Block& b, int code) {
       return c.fail(0, "Write G18 before, or set Q of the tool to 0",
                     "G%d with lathe tool, but plane is not G18", code / 10);
   }
-  start(c, code, diameter_mm, orientation);
+  start(c, code == 410 || code == 411, diameter_mm, orientation);
   return true;
 }
 
@@ -93,6 +94,7 @@ struct Refusal {
 };
 constexpr const char* kNoAnalogWait =
     "Cannot wait for analog input with cutter radius compensation on";
+constexpr const char* kNoOverrides = "Cannot enable overrides with cutter radius compensation on";
 constexpr Refusal kRefusals[] = {
     {'g', 280, 280, "Cannot use g28 or g30 with cutter radius comp"},
     {'g', 281, 281, "Cannot set reference point with cutter compensation in effect"},
@@ -111,9 +113,10 @@ constexpr Refusal kRefusals[] = {
     {'g', 920, 923, "Cannot change axis offsets with cutter radius comp"},
     {'g', 980, 990, "Cannot change retract mode with cutter radius compensation on"},
     {'m', 6, 6, "Cannot change tools with cutter radius compensation on"},
-    {'m', 48, 48, "Cannot enable overrides with cutter radius compensation on"},
+    {'m', 48, 48, kNoOverrides},
     {'m', 49, 53, "Cannot disable overrides with cutter radius compensation on"},
-    {'m', 62, 63, "Cannot set motion output with cutter radius compensation on"},
+    {'m', 62, 62, "Cannot set motion output with cutter radius compensation on"},
+    {'m', 63, 63, "Cannot set motion digital output with cutter radius compensation on"},
     {'m', 64, 65, "Cannot set auxiliary digital output with cutter radius compensation on"},
     {'m', 66, 66, "Cannot wait for digital input with cutter radius compensation on"},
     {'m', 67, 67, "Cannot set motion analog output with cutter radius compensation on"},
@@ -125,8 +128,10 @@ constexpr Refusal kRefusals[] = {
 bool refused_by_compensation(Core& c, const Block& b, char letter, int code) {
   for (const Refusal& r : kRefusals) {
     if (r.letter != letter || code < r.first || code > r.last) continue;
-    const bool analog = code == 66 && b.has('e');
-    c.fail(0, "Write G40 before", "%s", analog ? kNoAnalogWait : r.text);
+    const char* text = r.text;
+    if (letter == 'm' && code == 66 && b.has('e')) text = kNoAnalogWait;
+    if (letter == 'm' && code >= 50 && code <= 53 && b.get('p', 1) != 0) text = kNoOverrides;
+    c.fail(0, "Write G40 before", "%s", text);
     return true;
   }
   return false;
@@ -135,7 +140,7 @@ bool refused_by_compensation(Core& c, const Block& b, char letter, int code) {
 bool restore_compensation(Core& c, int code) {
   if (code == 400) return off(c, {}, 400);
   const bool xz = c.state.plane_code == 180;
-  start(c, code, c.spindle_tool.diameter_mm, xz ? c.spindle_tool.orientation : 0);
+  start(c, code == 410, std::fabs(c.spindle_tool.diameter_mm), xz ? c.spindle_tool.orientation : 0);
   return true;
 }
 

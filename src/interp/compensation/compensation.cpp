@@ -87,7 +87,7 @@ bool Compensation::end_program(bool off) {
   return true;
 }
 
-bool Compensation::take(const CompStep& step, const Pose& corner_pose, Flat corner) {
+bool Compensation::take(const CompStep& step, const Pose& corner_end, Flat corner) {
   if (step.problem != nullptr) {
     char help[160];
     const int line = used_ == 0 ? 0 : waiting_.front().source.line;
@@ -101,10 +101,11 @@ bool Compensation::take(const CompStep& step, const Pose& corner_pose, Flat corn
     return core_.fail(0, help, "%s", step.problem);
   }
   release_ = true;
+  release_at_ = core_.out.size();
   open_ = step;
   edit();
   if (!step.corner_end) return true;
-  Pose end = corner_pose;
+  Pose end = corner_end;
   place(current(), end, *step.corner_end);
   if (!step.move.is_arc && step.move.traverse) {
     core_.out.call<&Canon::straight_traverse>(end);
@@ -120,6 +121,14 @@ bool Compensation::take(const CompStep& step, const Pose& corner_pose, Flat corn
   return true;
 }
 
+/// The way around the corner takes the other axes along, but not the one across the plane.
+Pose Compensation::corner_pose(const Pose& end) const {
+  const std::size_t across = 3 - current().e1 - current().e2;
+  Pose p = end;
+  p[across] = core_.state.position[across];
+  return p;
+}
+
 void Compensation::stage_move(const Move& move) {
   has_move_ = true;
   move_ = move;
@@ -127,8 +136,7 @@ void Compensation::stage_move(const Move& move) {
 }
 
 bool Compensation::straight(const Pose& end, bool traverse) {
-  const Pose& here = core_.state.position;
-  const Flat from = flat(here), to = flat(end);
+  const Flat from = flat(core_.state.position), to = flat(end);
   Move move;
   move.traverse = traverse;
   move.end = end;
@@ -137,7 +145,7 @@ bool Compensation::straight(const Pose& end, bool traverse) {
   if (opens_) {
     edit().path.set_slack(slack());
     const CompStep step = current().path.line(from, to, traverse);
-    if (!take(step, here, from)) return false;
+    if (!take(step, corner_pose(end), from)) return false;
     edit().path.take(step.move);
   } else {
     edit();
@@ -148,12 +156,11 @@ bool Compensation::straight(const Pose& end, bool traverse) {
 }
 
 bool Compensation::arc(const Arc& arc) {
-  const Pose& here = core_.state.position;
-  const Flat from = flat(here), to = flat(arc.end);
+  const Flat from = flat(core_.state.position), to = flat(arc.end);
   const Flat center{arc.center[current().e1], arc.center[current().e2]};
   edit().path.set_slack(slack());
-  const CompStep step = current().path.arc(from, to, {center, arc.turns});
-  if (!take(step, here, from)) return false;
+  const CompStep step = current().path.arc(from, to, {center, arc.turns}, from - current().tip);
+  if (!take(step, corner_pose(arc.end), from)) return false;
   edit().path.take(step.move);
   opens_ = true;
   Move move;
@@ -225,6 +232,9 @@ void Compensation::wait(const SourceLine& source) {
 
 void Compensation::finish(const SourceLine& source) {
   sync_ = SyncReason::none;
+  bool announced = false;
+  const std::size_t overtaken = release_ ? release_at_ : 0;
+  core_.out.play(core_.canon, source, 0, overtaken, CanonBuffer::Which::overtaking, announced);
   if (release_) {
     for (std::size_t i = 0; i < used_; ++i) {
       Waiting& w = waiting_[i];
@@ -241,17 +251,20 @@ void Compensation::finish(const SourceLine& source) {
     }
     used_ = 0;
   }
-  bool announced = false;
+  if (release_) announced = false;
+  core_.out.play(core_.canon, source, 0, overtaken, CanonBuffer::Which::waiting, announced);
   if (has_move_ && opens_) {
     // The calls before the move, its corner among them, need not wait for its end.
-    core_.out.play(core_.canon, source, 0, split_, CanonBuffer::Which::all, announced);
+    core_.out.play(core_.canon, source, overtaken, split_, CanonBuffer::Which::all, announced);
     wait(source);
   } else if (has_move_ || used_ > 0) {
     core_.out.play(core_.canon, source, 0, core_.out.size(), CanonBuffer::Which::overtaking,
                    announced);
     if (has_move_ || !core_.out.empty()) wait(source);
   } else {
-    core_.out.deliver(core_.canon, source);
+    core_.out.play(core_.canon, source, overtaken, core_.out.size(), CanonBuffer::Which::all,
+                   announced);
+    core_.out.clear();
   }
   if (staged_) state_ = next_;
   undo();

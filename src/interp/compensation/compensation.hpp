@@ -44,6 +44,9 @@ class Compensation {
   [[nodiscard]] Pose tool_position(const Pose& programmed) const;
 
   // --- for Core ---
+  /// The machine stands beside the programmed position.
+  [[nodiscard]] bool beside() const noexcept { return state_.bends || state_.leaving; }
+  [[nodiscard]] bool waits() const noexcept { return used_ > 0; }
   /// This block must end by finish() instead of delivering its calls.
   [[nodiscard]] bool busy() const noexcept { return staged_ || used_ > 0; }
   /// Delivers what no longer waits, of blocks before and of this one.
@@ -87,7 +90,8 @@ class Compensation {
   State& edit();
   [[nodiscard]] Flat flat(const Pose& p) const { return {p[current().e1], p[current().e2]}; }
   static void place(const State& s, Pose& p, Flat at);
-  bool take(const CompStep& step, const Pose& corner_pose, Flat corner);
+  bool take(const CompStep& step, const Pose& corner_end, Flat corner);
+  [[nodiscard]] Pose corner_pose(const Pose& end) const;
   [[nodiscard]] double slack() const;
   [[nodiscard]] bool end_open();
   void stage_move(const Move& move);
@@ -98,8 +102,9 @@ class Compensation {
   Core& core_;
   State state_, next_;
   bool staged_{false};
-  bool release_{false};  ///< what waits is delivered with this block
-  CompStep open_;        ///< how the open move ends then
+  bool release_{false};        ///< what waits is delivered with this block
+  std::size_t release_at_{0};  ///< before this call of the block
+  CompStep open_;              ///< how the open move ends then
   bool has_move_{false};
   bool opens_{false};  ///< the move of this block has an open end
   Move move_;

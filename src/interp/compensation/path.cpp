@@ -52,7 +52,7 @@ CompStep CompPath::line(Flat from, Flat to, bool traverse) const {
   return step;
 }
 
-CompStep CompPath::arc(Flat from, Flat to, const FlatArc& arc) const {
+CompStep CompPath::arc(Flat from, Flat to, const FlatArc& arc, Flat tool) const {
   CompStep step;
   CompMove& m = step.move;
   m.is_arc = true;
@@ -73,7 +73,7 @@ CompStep CompPath::arc(Flat from, Flat to, const FlatArc& arc) const {
   }
   m.normal = to_center * (-inward / radius);
   m.end = to + m.normal * radius_;
-  if (!started()) return entry_arc(from, to, arc, m.normal);
+  if (!started()) return entry_arc(tool, to, arc, m.normal);
   const Flat start_normal = from_center * (-inward / length(from_center));
   const double partial = angle_between(from_center, to_center) * m.turn_sign;
   m.sweep = (partial > kTiny ? partial : partial + 2 * kPi) + 2 * kPi * (std::abs(arc.turns) - 1);
@@ -86,18 +86,18 @@ CompStep CompPath::arc(Flat from, Flat to, const FlatArc& arc) const {
 }
 
 // The first arc begins on the programmed path and ends beside it, in its own direction there: a circle through both points.
-CompStep CompPath::entry_arc(Flat from, Flat to, const FlatArc& arc, Flat normal) const {
+CompStep CompPath::entry_arc(Flat tool, Flat to, const FlatArc& arc, Flat normal) const {
   CompStep step;
   CompMove& m = step.move;
   m.is_arc = m.entry = true;
   m.turn_sign = arc.turns > 0 ? 1.0 : -1.0;
   m.outside = side_ * m.turn_sign < 0;
   m.normal = normal;
-  m.start = from;
+  m.start = tool;
   m.end = to + normal * radius_;
   // The centre lies on the line through the end and the programmed centre, as far from the start as from the end.
   const Flat axis = (arc.center - to) * (1 / length(arc.center - to));
-  const Flat chord = from - m.end;
+  const Flat chord = tool - m.end;
   const double along = dot(chord, axis);
   if (std::fabs(along) < kTiny) {
     step.problem = "Radius of cutter compensation entry arc is not greater than the tool radius";

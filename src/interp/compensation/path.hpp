@@ -63,8 +63,8 @@ class CompPath {
 
   /// A line from `from` to `to`, programmed points that differ.
   [[nodiscard]] CompStep line(Flat from, Flat to, bool traverse) const;
-  /// An arc from `from` to `to`.
-  [[nodiscard]] CompStep arc(Flat from, Flat to, const FlatArc& arc) const;
+  /// An arc from `from` to `to`. `tool`: where the tool stands, for the first move.
+  [[nodiscard]] CompStep arc(Flat from, Flat to, const FlatArc& arc, Flat tool) const;
   /// The open move as it stands is the last one.
   [[nodiscard]] CompStep last() const;
 
@@ -77,7 +77,7 @@ class CompPath {
   [[nodiscard]] double side() const noexcept { return side_; }
 
  private:
-  [[nodiscard]] CompStep entry_arc(Flat from, Flat to, const FlatArc& arc, Flat normal) const;
+  [[nodiscard]] CompStep entry_arc(Flat tool, Flat to, const FlatArc& arc, Flat normal) const;
   /// Ends the open move for `step.move`, which begins with the normal `start_normal` beside the corner.
   void join(CompStep& step, Flat corner, Flat start_normal) const;
   void meet(CompStep& step, Flat corner, Flat start_normal) const;

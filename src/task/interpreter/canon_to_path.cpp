@@ -14,7 +14,8 @@ using motion::SpindleChange;
 
 namespace {
 constexpr double kTwoPi = 6.283185307179586;
-}
+constexpr double kNoRadius = 1e-6;  ///< mm
+}  // namespace
 
 void CanonToPath::forget_outputs() {
   state_.direction.fill(0);
@@ -29,11 +30,23 @@ void CanonToPath::announce(std::uint64_t tag_id) {
   add_path(motion::ToolOffset{state_.frame.tool()});
 }
 
+const std::vector<DeliveredBlock>& CanonToPath::end_delivery() {
+  if (!delivered_.empty()) delivered_.back().canon = state_;
+  interpreter_ = nullptr;
+  return delivered_;
+}
+
 void CanonToPath::next_block(const interp::SourceLine& source) {
+  if (interpreter_ != nullptr && !delivered_.empty()) {
+    delivered_.back().canon = state_;
+    new_tag();
+  }
   tag_.line = source.line;
   tag_.file = static_cast<std::int32_t>(source.file_id);
   tag_.call_level = source.call_level;
   file_ = source.file;
+  if (interpreter_ != nullptr)
+    delivered_.push_back({tag_, list_.size(), interpreter_->modal(), state_});
 }
 
 void CanonToPath::set_g5x_offset(int system, const interp::Pose& offset) {
@@ -127,6 +140,13 @@ void CanonToPath::straight_feed(const interp::Pose& end) {
 }
 
 void CanonToPath::arc_feed(const interp::Arc& arc) {
+  // A tool as large as the inside of an arc stands still.
+  double gap[3] = {arc.end.x - arc.center[0], arc.end.y - arc.center[1], arc.end.z - arc.center[2]};
+  gap[arc.plane == interp::Plane::xy ? 2 : arc.plane == interp::Plane::xz ? 1 : 0] = 0;
+  if (std::hypot(gap[0], gap[1], gap[2]) < kNoRadius) {
+    straight_feed(arc.end);
+    return;
+  }
   motion::ArcMove move;
   move.end = state_.frame.to_machine(arc.end);
   const auto centre = state_.frame.to_machine(arc.center);

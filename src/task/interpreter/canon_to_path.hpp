@@ -8,6 +8,7 @@
 
 #include "interp/canon.hpp"
 #include "interp/canon_frame.hpp"
+#include "interp/interpreter.hpp"
 #include "motion/api/path_items.hpp"
 #include "task/interpreter/task_items.hpp"
 #include "task/machine_config.hpp"
@@ -35,6 +36,14 @@ struct CanonState {
   bool tool_awaits_change{false};    ///< T without M6 yet
 };
 
+/// A block whose calls came while a later one was executed (cutter compensation holds them back).
+struct DeliveredBlock {
+  motion::SourceTag tag;
+  std::size_t first_item{0};  ///< in the list
+  interp::ModalState modal;   ///< after the block
+  CanonState canon;
+};
+
 class CanonToPath final : public interp::Canon {
  public:
   CanonToPath(std::deque<TaskItem>& list, const ToolConfig& tools) : list_(list), tools_(tools) {}
@@ -51,6 +60,12 @@ class CanonToPath final : public interp::Canon {
   [[nodiscard]] const motion::SourceTag& tag() const noexcept { return tag_; }
   /// A new id, for a block that is about to be executed.
   std::uint64_t new_tag() { return tag_.id = ++last_id_; }
+  /// Until end_delivery() each next_block() is a block of its own, with a new id and the state that `interpreter` shows.
+  void begin_delivery(const interp::Interpreter& interpreter) {
+    interpreter_ = &interpreter;
+    delivered_.clear();
+  }
+  [[nodiscard]] const std::vector<DeliveredBlock>& end_delivery();
   /// Ids go on behind `id`.
   void start_tags_after(std::uint64_t id) { last_id_ = id; }
   /// Where the machine stands for G30 with TOOL_CHANGE_AT_G30, asked of the owner at each tool change (machine coordinates).
@@ -151,6 +166,8 @@ class CanonToPath final : public interp::Canon {
   std::uint64_t last_id_{0};
   std::string file_;
   motion::Pose g30_{};
+  const interp::Interpreter* interpreter_{nullptr};
+  std::vector<DeliveredBlock> delivered_;
   std::vector<interp::Tool> tool_changes_;
   bool reload_{false};
 };

@@ -235,6 +235,8 @@ bool InterpreterParticipant::read_block() {
   record.offset_before = interp_.modal().frame.tool();
   record.offset_code_before = interp_.modal().tool_offset_code;
   ++run_.blocks;
+  const bool held = interp_.waiting();
+  if (held) canon_.begin_delivery(interp_);
   Outcome outcome = Outcome::ok;
   if (run_.mdi && !run_.mdi_begun) {
     run_.mdi_begun = true;
@@ -243,9 +245,28 @@ bool InterpreterParticipant::read_block() {
     outcome = interp_.execute_next();
   }
   silent_blocks_ = list_.size() > before ? 0 : silent_blocks_ + 1;
-  take_outcome(outcome, before, record);
+  if (held) record_delivered();
+  take_outcome(outcome, held ? list_.size() : before, record);
   if (stepping && list_.size() > before) run_.step_block_read = true;
   return true;
+}
+
+// Blocks that waited behind a compensated move each get a record of their own; the block that was executed goes on alone.
+void InterpreterParticipant::record_delivered() {
+  const auto& blocks = canon_.end_delivery();
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const std::size_t end = i + 1 < blocks.size() ? blocks[i + 1].first_item : list_.size();
+    BlockRecord record;
+    record.tag = blocks[i].tag;
+    record.pending = static_cast<int>(end - blocks[i].first_item);
+    record.has_items = record.pending > 0;
+    record.modal = blocks[i].modal;
+    record.canon = blocks[i].canon;
+    record.offset_before = record.modal.frame.tool();
+    record.offset_code_before = record.modal.tool_offset_code;
+    history_.add(record);
+  }
+  if (!blocks.empty()) canon_.new_tag();
 }
 
 void InterpreterParticipant::take_outcome(Outcome outcome, std::size_t items_before,
@@ -313,7 +334,8 @@ std::optional<motion::Pose> InterpreterParticipant::moved_position() const {
   // tool change position is the canon's own; the interpreter knows nothing of it.
   const interp::ModalState& modal = interp_.modal();
   if (!far_apart(status_.pos_cmd, canon_.state().position) &&
-      !far_apart(status_.pos_cmd, modal.frame.to_machine(modal.position)))
+      (interp_.beside_path() ||
+       !far_apart(status_.pos_cmd, modal.frame.to_machine(modal.position))))
     return std::nullopt;
   return status_.pos_cmd;
 }

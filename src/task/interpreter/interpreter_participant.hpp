@@ -96,6 +96,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   void work(rtapi::WaitSpec& next);
   bool read_block();
   /// `record`: begun with what the block found.
+  void record_delivered();
   void take_outcome(interp::Outcome outcome, std::size_t items_before, BlockRecord record);
   /// True when the block changes the tool table.
   bool queue_tool_changes();
