@@ -133,6 +133,7 @@ void Core::close_main() {
   flows.frames.clear();
   flows.loops.clear();
   flows.subs.clear();
+  flows.labels = {};
   // Paths stay, since calls that are still queued name them; open files and parsed lines do not.
   for (std::uint32_t i = 1; i < flows.programs.size(); ++i) {
     forget_blocks(i);

@@ -249,6 +249,9 @@ bool Core::define_sub(ParsedBlock& b, Label label) {
     return fail(0, "End the sub before the next one begins", "Nested subroutine definition");
   const FileAndPlace here{f.program, b.after, false};
   if (const auto known = flows.subs.find(label); known == flows.subs.end()) {
+    if (flows.subs.size() == kMostSubs)
+      return fail(0, "Put subs that a program does not call into files of their own",
+                  "Too many subroutines");
     flows.subs.emplace(label, Sub{here, nullptr});
   } else if (known->second.where.program != here.program ||
              known->second.where.place.offset != here.place.offset) {

@@ -49,7 +49,8 @@ void Core::expand_text(std::string_view text, std::string& result) {
         if (n != ' ' && n != '\t') name += n >= 'A' && n <= 'Z' ? static_cast<char>(n + 32) : n;
       }
       parameter_here = true;
-      (void)read_named(params.intern(name), value, exists);
+      exists = params.has_room(name);
+      if (exists) (void)read_named(params.intern(name), value, exists);
       i = end + 1;
     }
     if (!parameter_here) {

@@ -12,9 +12,18 @@ namespace kerf::interp {
 /// Ids count from 0 and stay. Looking up a known name allocates nothing.
 class NameTable {
  public:
+  /// Memory for the texts of one table: some hundred thousand names. A program of any size must not fill the computer's.
+  static constexpr std::size_t kMostBytes = std::size_t{16} * 1024 * 1024;
+
+  /// False: `name` is a new one, and the table is full.
+  [[nodiscard]] bool has_room(std::string_view name) const {
+    return bytes_ + name.size() <= kMostBytes || ids_.contains(name);
+  }
   [[nodiscard]] std::uint32_t intern(std::string_view name) {
     if (const auto hit = ids_.find(name); hit != ids_.end()) return hit->second;
     const auto id = static_cast<std::uint32_t>(texts_.size());
+    constexpr std::size_t kEntry = 100;  // of the text's object and the map; an estimate
+    bytes_ += name.size() + kEntry;
     ids_.emplace(texts_.emplace_back(name), id);  // a deque does not move what it holds
     return id;
   }
@@ -24,6 +33,7 @@ class NameTable {
  private:
   std::deque<std::string> texts_;
   std::unordered_map<std::string_view, std::uint32_t> ids_;
+  std::size_t bytes_{0};
 };
 
 /// Label of an O-word. Numbers below 2^31 are themselves, so a program that computes its labels fills no table.
@@ -42,6 +52,7 @@ class LabelTable {
     return n >= 0 && n <= 999999999 ? Label{static_cast<std::uint32_t>(n)}
                                     : named_label(std::to_string(n));
   }
+  [[nodiscard]] bool has_room(std::string_view text) const { return names_.has_room(text); }
   /// Of <name>; `text` has the brackets.
   [[nodiscard]] Label named(std::string_view text) { return named_label(text); }
   /// "100" or "<name>".

@@ -78,6 +78,8 @@ class ParameterTable {
   // --- named ---
   /// Id of a name, the same for the life of the table.
   [[nodiscard]] std::uint32_t intern(std::string_view name);
+  /// False: the name is a new one, and there are too many already.
+  [[nodiscard]] bool has_room(std::string_view name) const { return texts_.has_room(name); }
   [[nodiscard]] const std::string& name(std::uint32_t id) const { return texts_.text(id); }
   [[nodiscard]] bool is_global(std::uint32_t id) const { return names_[id].global; }
   /// Null when there is none in the current scope.

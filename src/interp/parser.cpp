@@ -471,10 +471,8 @@ bool Parser::assignment() {
   Assignment a;
   a.at = static_cast<std::uint32_t>(pos_++);
   if (peek() == '<') {
-    std::string_view text;
-    if (!name(text)) return false;
+    if (!parameter_name(a.id)) return false;
     a.named = true;
-    a.id = names_.intern(text);
   } else {
     const auto first = ops_.size();
     if (!value()) return false;
@@ -504,7 +502,9 @@ bool Parser::flow() {
   if (peek() == '<') {
     std::string_view text;
     if (!name(text)) return false;
-    out_->label = labels_.named(std::string_view(buffer_).substr(label, pos_ - label));
+    text = std::string_view(buffer_).substr(label, pos_ - label);
+    if (!labels_.has_room(text)) return fail("Too many O-word labels");
+    out_->label = labels_.named(text);
   } else if (std::size_t start = pos_; is_digit(peek())) {
     while (is_digit(peek())) ++pos_;
     if (peek() == '.') return fail("Non integer value for integer");
@@ -564,6 +564,14 @@ bool Parser::name(std::string_view& out) {
   if (pos_ == size_) return fail("Named parameter not terminated");
   out = std::string_view(buffer_).substr(start, pos_ - start);
   ++pos_;
+  return true;
+}
+
+bool Parser::parameter_name(std::uint32_t& id) {
+  std::string_view text;
+  if (!name(text)) return false;
+  if (!names_.has_room(text)) return fail("Too many named parameters");
+  id = names_.intern(text);
   return true;
 }
 
@@ -659,9 +667,9 @@ bool Parser::binary(int level) {
 bool Parser::parameter() {
   const std::size_t place = pos_++;
   if (peek() == '<') {
-    std::string_view text;
-    if (!name(text)) return false;
-    push(Op::named, place, 0, names_.intern(text));
+    std::uint32_t id = 0;
+    if (!parameter_name(id)) return false;
+    push(Op::named, place, 0, id);
     return true;
   }
   if (++depth_ > kDeepest) return fail("Expression nested too deeply");
@@ -688,9 +696,9 @@ bool Parser::function() {
     if (peek() != '#') return fail("Expected # reading parameter");
     ++pos_;
     if (peek() == '<') {
-      std::string_view text;
-      if (!name(text)) return false;
-      push(Op::exists_named, place, 0, names_.intern(text));
+      std::uint32_t id = 0;
+      if (!parameter_name(id)) return false;
+      push(Op::exists_named, place, 0, id);
     } else {
       if (!value()) return false;
       push(Op::exists_numbered, place);

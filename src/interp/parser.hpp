@@ -48,6 +48,7 @@ class Parser {
   [[nodiscard]] bool parameter();
   [[nodiscard]] bool function();
   [[nodiscard]] bool name(std::string_view& out);
+  [[nodiscard]] bool parameter_name(std::uint32_t& id);
   [[nodiscard]] int operator_at(Op& op, std::size_t& length) const;
   [[nodiscard]] bool fail(const char* format, ...) __attribute__((format(printf, 2, 3)));
   /// Appends an operation; one on numbers alone is done at once.

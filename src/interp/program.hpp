@@ -47,6 +47,9 @@ struct ProfileReading;
 /// Labels of O-words remembered per file, to find one that is used twice; further ones are not checked.
 inline constexpr std::size_t kMostLabels = 50000;
 
+/// Subs of a program.
+inline constexpr std::size_t kMostSubs = 100000;
+
 /// Where a sub's first line stands.
 struct FileAndPlace {
   std::uint32_t program{0};

@@ -47,5 +47,23 @@ TEST(Allocation, PlainLinesAndLoopsNeedNone) {
   EXPECT_EQ(allocations - before, 0U) << "turns of a loop";
 }
 
+TEST(Allocation, CallsAndBranchesNeedNone) {
+  const std::string program =
+      "o<leaf> sub\n#<sum>=[#1+#2+#<_g>]\n#<_g>=#<sum>\no<leaf> return [#<sum>]\no<leaf> endsub\n"
+      "o<middle> sub\no1 repeat [2]\no<leaf> call [#1] [2]\no1 endrepeat\no<middle> endsub\n"
+      "#<_g>=0\n#<turn>=0\no2 while [1]\n#<turn>=[#<turn>+1]\no3 if [#<turn> gt 1000000]\n"
+      "o3 elseif [#<turn> mod 2]\no<middle> call [#<turn>] [5] [6]\no3 else\n#<_g>=0\no3 endif\n"
+      "o4 do\no4 while [0]\no2 endwhile\nM2\n";
+  Environment world;
+  NullCanon canon;
+  Interpreter interp(world, canon);
+  interp.init();
+  ASSERT_TRUE(interp.open_text("calls", program).ok());
+  for (int i = 0; i < 300; ++i) ASSERT_EQ(interp.execute_next(), Outcome::ok);
+  const unsigned long before = allocations;
+  for (int i = 0; i < 20000; ++i) ASSERT_EQ(interp.execute_next(), Outcome::ok);
+  EXPECT_EQ(allocations - before, 0U);
+}
+
 }  // namespace
 }  // namespace kerf::interp

@@ -205,6 +205,31 @@ TEST_F(BigFiles, ALoopOverMoreLinesThanAreKeptRunsThemAll) {
   EXPECT_LT(bytes_in_use(), before + 40000000);
 }
 
+TEST_F(BigFiles, NamesWithoutEndAreAClearError) {
+  for (const auto& [line, error] :
+       {std::pair{"#<name%d>=1\n", "Too many named parameters"},
+        {"o<label%d> if [1]\no<label%d> endif\n", "Too many O-word labels"},
+        {"o%d sub\no%d endsub\n", "Too many subroutines"}}) {
+    std::string text;
+    for (int i = 0; i < 200000; ++i) {
+      char one[100];
+      std::snprintf(one, sizeof one, line, i, i);
+      text += one;
+    }
+    write(text);
+    text = {};
+    Environment world;
+    NullCanon canon;
+    Interpreter interp(world, canon);
+    interp.init();
+    const std::size_t before = bytes_in_use();
+    ASSERT_TRUE(interp.open(path_).ok());
+    EXPECT_EQ(run_steps(interp, 1000000), Outcome::error);
+    EXPECT_EQ(interp.error().text, error);
+    EXPECT_LT(bytes_in_use(), before + 40000000) << error;
+  }
+}
+
 TEST_F(BigFiles, ManySubFilesKeepNoDescriptors) {
   const auto folder =
       std::filesystem::temp_directory_path() / ("kerf_subs_" + std::to_string(::getpid()));
