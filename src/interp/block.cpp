@@ -132,7 +132,6 @@ bool Core::add_code(Block& b, char letter, double value, int known) {
       if (first_cancels) b.rows[n] = r, b.codes[n] = static_cast<std::int16_t>(code);
       return true;
     }
-    if (first_cancels) return true;  // G80 G80
     return fail(0, "Write them on separate lines", "Two %c codes used from same modal group",
                 letter);
   }

@@ -31,7 +31,7 @@ struct Settings {
   double arc_tolerance_mm{0.00127};    ///< a smaller radius is none
   double arc_tolerance_inch{0.00005};
   double arc_error_mm{
-      0.005};  ///< radii of one arc may differ by this: CENTER_ARC_RADIUS_TOLERANCE_MM
+      0.0127};  ///< radii of one arc may differ by this: CENTER_ARC_RADIUS_TOLERANCE_MM
   double arc_error_inch{0.0005};  ///< CENTER_ARC_RADIUS_TOLERANCE_INCH
   std::array<double, rtapi::kAxes>
       axis_max_per_s{};  ///< [AXIS_L]MAX_VELOCITY in mm (degrees) a second; 0: not known

@@ -22,8 +22,9 @@ enum class RetractMode : std::uint8_t { old_z, r_plane };  ///< G98, G99
 
 /// What canned cycles remember while the motion code stays the same: the sticky numbers, as written.
 struct CycleState {
-  double clear_mm{0};      ///< where the depth axis stood before the first cycle
-  double r{0}, bottom{0};  ///< increments while G91
+  double clear_mm{0};       ///< where the depth axis stood before the first cycle
+  bool clear_known{false};  ///< false: a move without a motion mode (G5) came between
+  double r{0}, bottom{0};   ///< increments while G91
   double p{0}, q{0}, i{0}, j{0}, k{0}, d{0};
   std::int32_t spindle{0};  ///< `$`
   LetterMask known{0};      ///< letters given so far; z for the depth axis

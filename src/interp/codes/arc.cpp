@@ -47,10 +47,11 @@ bool center_form(Core& c, const Block& b, const PlaneRow& p, Flat& f) {
   const double abs_err = std::fabs(r1 - r2);
   const double rel_err = std::max(r1, r2) > 0 ? abs_err / std::max(r1, r2) : 0;
   const bool inch = c.state.units == Units::inch;
-  const double least = inch ? c.settings.arc_tolerance_inch * 25.4 : c.settings.arc_tolerance_mm;
-  // The manual's two bounds: a coarse one, and a fine one together with 0.1 % of the radius.
-  const double coarse = inch ? 0.05 * 25.4 : 0.5;
+  // Too far off is what exceeds the coarse bound, or the fine one together with 0.1 % of the radius. The manual's sections
+  // disagree about the numbers; these are those that LinuxCNC keeps to.
+  const double coarse = 0.05 * 25.4;
   const double fine = inch ? c.settings.arc_error_inch * 25.4 : c.settings.arc_error_mm;
+  const double least = inch ? c.settings.arc_tolerance_inch * 25.4 : c.settings.arc_tolerance_mm;
   const bool zero = r1 < least || r2 < least;
   if (!zero && abs_err <= coarse && (abs_err <= fine || rel_err <= 0.001)) return true;
   const double u = c.state.unit_mm();
@@ -84,11 +85,11 @@ bool radius_form(Core& c, const Block& b, bool ccw, Flat& f) {
   if (half - std::fabs(r) > slack)
     return c.fail('r', "R is at least half the distance to the end point",
                   "Arc radius too small to reach end point");
-  const double off = std::sqrt(std::max(0.0, r * r - half * half));
+  const double off = std::fabs(r) * std::cos(std::asin(std::min(1.0, half / std::fabs(r))));
   // The centre of the shorter arc lies left of the chord for counter-clockwise; a negative R asks for the longer arc.
-  const double side = ccw == (r > 0) ? 1.0 : -1.0;
-  f.c1 = f.s1 + d1 / 2 - side * off * d2 / chord;
-  f.c2 = f.s2 + d2 / 2 + side * off * d1 / chord;
+  const double to_center = std::atan2(d2, d1) + (ccw == (r > 0) ? kPi / 2 : -kPi / 2);
+  f.c1 = (f.s1 + f.x1) / 2 + off * std::cos(to_center);
+  f.c2 = (f.s2 + f.x2) / 2 + off * std::sin(to_center);
   return true;
 }
 
@@ -106,6 +107,9 @@ double arc_length(const Flat& f, double rise, int turns) {
 bool turns_word(Core& c, const Block& b, int& turns) {
   turns = 1;
   if (!b.has('p')) return true;
+  if (b.code_of('g', 0) == 40)
+    return c.fail('p', "Write G4 on a line of its own",
+                  "G4 not allowed with G2 or G3 because they both use P");
   const double p = b['p'];
   if (std::fabs(p - std::nearbyint(p)) > kTolerance)
     return c.fail('p', "", "P value not an integer with M19 G2 or G3");
@@ -115,6 +119,8 @@ bool turns_word(Core& c, const Block& b, int& turns) {
 }
 
 bool arc(Core& c, const Block& b, int code) {
+  int turns = 1;
+  if (!turns_word(c, b, turns)) return false;
   if (c.compensation.leaving())
     return c.fail(
         0, "Write a G0 or G1 behind G40",
@@ -133,13 +139,13 @@ bool arc(Core& c, const Block& b, int code) {
     return c.fail(p.unused, "", "%c word given for arc in %s plane", upper(p.unused), p.name);
   if (!check_feed(c, b, "arc", "Cannot make arc with zero feed rate")) return false;
   const std::size_t a1 = std::min(p.e1, p.e2), a2 = std::max(p.e1, p.e2);
-  if (!center && !b.has_axis(a1) && !b.has_axis(a2))
+  const bool polar = b.has('@') || b.has('^');
+  if (!center && !b.has_axis(a1) && !b.has_axis(a2) && !polar)
     return c.fail('r', "Write the end point", "%c and %c words missing for arc in %s plane",
                   rtapi::kAxisLetters[a1], static_cast<char>(rtapi::kAxisLetters[a2] + 32), p.name);
   const bool ccw = code == 30;
-  int turns = 1;
   Pose end;
-  if (!turns_word(c, b, turns) || !c.target(b, end)) return false;
+  if (!c.target(b, end)) return false;
   if (!ccw) turns = -turns;
   const Pose& s = c.state.position;
   Flat f{s[p.e1], s[p.e2], end[p.e1], end[p.e2], 0, 0};

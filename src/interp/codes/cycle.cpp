@@ -206,7 +206,8 @@ char upper(char c) { return static_cast<char>(std::toupper(c)); }
 /// Takes the block's words into the sticky numbers.
 void read_words(Core& c, const Block& b, const CycleRow& row, const PlaneRow& p) {
   CycleState& k = c.state.cycle;
-  if (!is_cycle(c.state.motion)) k.clear_mm = c.state.position[p.depth];
+  if (!is_cycle(c.state.motion) || !k.clear_known) k.clear_mm = c.state.position[p.depth];
+  k.clear_known = true;
   if (c.state.motion != row.code) {
     k.known = 0;
     k.p = 0;
@@ -387,9 +388,10 @@ bool cycle(Core& c, const Block& b, int code) {
     if (clear < r) hole.traverse(r);
     announce_exact_path(c, true);
   }
-  at[p.a1] = end[p.a1];
-  at[p.a2] = end[p.a2];
-  const double level = std::max(at[p.depth], c.mm(hole.clear));
+  at[p.a1] = end[p.a1] + 0.0;  // X-0 is X0
+  at[p.a2] = end[p.a2] + 0.0;
+  // At or below R (G99, or an offset that changed) the way to the next hole leads over the clear level.
+  const double level = at[p.depth] > c.mm(r) ? at[p.depth] : c.mm(hole.clear);
   at[p.depth] = level;
   c.out.call<&Canon::straight_traverse>(at);
   if (level != c.mm(r)) hole.traverse(r);

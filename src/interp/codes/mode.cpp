@@ -100,7 +100,8 @@ bool path(Core& c, const Block& b, int code) {
   c.state.tolerance_mm = p > 0 ? p : 0;
   c.state.naivecam_tolerance_mm = q > 0 ? q : 0;
   announce_path_mode(c);
-  return !b.has('r') || planner(c, b);
+  const bool for_motion = b.motion != nullptr && (b.motion->words & letters("r")) != 0;
+  return !b.has('r') || for_motion || planner(c, b);
 }
 
 bool retract(Core& c, const Block&, int code) {

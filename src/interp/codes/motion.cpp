@@ -1,4 +1,5 @@
 // G0, G1, G4, G38.2-G38.5, G53, G80. Manual: "G0 Rapid Move", "G1 Linear Move", "G4 Dwell", "G38.n Straight Probe".
+#include <algorithm>
 #include <cmath>
 
 #include "interp/codes/families.hpp"
@@ -28,12 +29,15 @@ bool check_feed(Core& c, const Block& b, const char* what, const char* zero_feed
   return true;
 }
 
+/// Moves of nearly no length would take for ever; the peer's limit, in units or degrees a minute.
+constexpr double kLeastFeed = 0.1;
+
 void inverse_time_feed(Core& c, const Block& b, double linear_mm, double angular_deg) {
   if (c.state.feed_mode != ProgramFeedMode::inverse_time) return;
   const double rate = b['f'];
-  const bool turning = linear_mm < 1e-9;
-  c.out.call<&Canon::set_feed_rate>(turning ? c.mm(angular_deg * rate) : linear_mm * rate,
-                                    angular_deg * rate);
+  const double linear = std::max(linear_mm * rate, c.mm(kLeastFeed));
+  const double angular = std::max(angular_deg * rate, kLeastFeed);
+  c.out.call<&Canon::set_feed_rate>(linear_mm < 1e-9 ? c.mm(angular) : linear, angular);
 }
 
 namespace {
@@ -62,17 +66,16 @@ bool straight(Core& c, const Block& b, int code) {
 }
 
 bool probe(Core& c, const Block& b, int code) {
-  if (c.state.feed_mode == ProgramFeedMode::inverse_time)
-    return c.fail(0, "Write G94 before", "Cannot probe in inverse time feed mode");
-  if (c.state.feed == 0)
-    return c.fail(0, "Write F with a feed, here or before", "Cannot probe with zero feed rate");
+  if (c.state.feed_mode == ProgramFeedMode::per_revolution)
+    return c.fail(0, "Write G94 and F before", "Cannot probe with feed per rev mode");
+  if (!check_feed(c, b, "probe", "Cannot probe with zero feed rate")) return false;
   Pose end;
   if (!c.target(b, end)) return false;
-  const Pose d = end - c.state.position;
-  if (d.a != 0 || d.b != 0 || d.c != 0)
-    return c.fail(0, "Probe with linear axes only", "Cannot move rotary axes during probing");
-  if (std::hypot(d.x, d.y, d.z) < 0.0254 && std::hypot(d.u, d.v, d.w) < 0.0254)
+  double linear = 0, angular = 0;
+  feed_length(c.state.position, end, linear, angular);
+  if (std::max(linear, angular) < 1e-9)
     return c.fail(0, "Probe from further away", "Start point too close to probe point");
+  inverse_time_feed(c, b, linear, angular);
   c.out.call<&Canon::turn_probe_on>();
   c.out.call<&Canon::straight_probe>(end, static_cast<ProbeKind>(code - 382));
   c.out.call<&Canon::turn_probe_off>();

@@ -36,6 +36,7 @@ void feed_along(Core& c, const Block& b, std::span<const SplinePoint> points, in
   c.out.call<&Canon::nurbs_feed>(c.out.keep(points), order);
   c.state.position.x = points.back().x;
   c.state.position.y = points.back().y;
+  c.state.cycle.clear_known = false;
 }
 
 /// What G5 and G5.1 have in common; `end` is where the axis words lead.

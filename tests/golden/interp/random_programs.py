@@ -5,6 +5,8 @@ mixed) so that a difference is easy to read; about one line in fifty is wrong on
 """
 import random
 
+import random_motion
+
 AXES = "XYZABC"
 TOOLS = "T1 P1 Z1.5 D0.25\nT2 P2 X0.5 Z-2 D0.5 I95 J155 Q2\nT7 P3 X1 Y2 Z3 A4 B5 C6 D1 ;a comment\n"
 
@@ -235,10 +237,12 @@ class Program:
         return "\n".join(self.lines) + "\n"
 
 
-THEMES = ["moves", "arcs", "offsets", "cycles", "words", "expressions", "flow", "mixed"]
+THEMES = ["moves", "arcs", "offsets", "cycles", "words", "expressions", "flow", "mixed", "motion"]
 
 
 def program(seed, theme=None):
     """(theme, text) of one seed."""
     chosen = theme or THEMES[seed % len(THEMES)]
+    if chosen == "motion":
+        return chosen, random_motion.program(seed)
     return chosen, Program(seed).text(chosen, 4 + seed % 17)

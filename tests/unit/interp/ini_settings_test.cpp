@@ -49,7 +49,7 @@ TEST_F(IniSettings, Defaults) {
   EXPECT_FALSE(s.settings.retain_g43 || s.settings.oword_nargs || s.settings.no_downcase_oword ||
                s.settings.oword_warnonly || s.settings.disable_fanuc_style_sub ||
                s.settings.disable_g92_persistence || s.settings.disable_auto_g54);
-  EXPECT_DOUBLE_EQ(s.settings.arc_error_mm, 0.005);
+  EXPECT_DOUBLE_EQ(s.settings.arc_error_mm, 0.0127);
   EXPECT_DOUBLE_EQ(s.settings.arc_error_inch, 0.0005);
   EXPECT_EQ(s.settings.compat, Compat::newest);
   EXPECT_EQ(s.settings.dialect, "linuxcnc");
