@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -110,7 +111,7 @@ class TextCanon final : public Canon {
   /// "%.4f" of the value; `word` remembers it.
   static char* put(char* to, Word& word, double value) {
     // Bits are compared: zero and minus zero are two texts.
-    if (std::memcmp(&word.value, &value, sizeof value) != 0) {
+    if (std::bit_cast<std::uint64_t>(word.value) != std::bit_cast<std::uint64_t>(value)) {
       char* const end = write_fixed<4>(to, value);
       const auto length = static_cast<std::size_t>(end - to);
       if (length <= sizeof word.text) {

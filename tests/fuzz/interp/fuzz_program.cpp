@@ -105,7 +105,7 @@ void run(Interpreter& interp, const CheckedCanon* checked, Outcome o, bool mdi) 
 
 void run_fuzzed(std::string_view data) {
   if (data.empty()) return;
-  enum : unsigned { kText = 1, kMdi = 2, kDelete = 4, kMetric = 8, kTask = 16 };
+  constexpr unsigned kText = 1, kMdi = 2, kDelete = 4, kMetric = 8, kTask = 16;
   const auto how = static_cast<unsigned char>(data.front());
   data.remove_prefix(1);
   World world;

@@ -27,11 +27,25 @@ TEST(Limits, EndlessProgramsTakeNoMemoryAndStopAtOnce) {
   const char* const programs[] = {
       "o1 while [1]\no1 endwhile\nM2\n",
       "o1 while [1]\n#1=[#1+1]\n#<a>=#1\nG0 X#1\no1 endwhile\nM2\n",
-      "o1 do\no2 repeat [3]\no2 endrepeat\no3 if [#1 gt 2]\no3 elseif [0]\no3 "
-      "else\no3 endif\no1 while [1]\nM2\n",
+      R"(o1 do
+o2 repeat [3]
+o2 endrepeat
+o3 if [#1 gt 2]
+o3 elseif [0]
+o3 else
+o3 endif
+o1 while [1]
+M2
+)",
       "o<s> sub\n#<x>=#1\no<s> endsub\no1 while [1]\no<s> call [2]\no1 endwhile\nM2\n",
       // Labels that are computed are no new names each time.
-      "o1 while [1]\no[10 + #1] if [0]\no[10 + #1] endif\n#1=[#1+1]\no1 endwhile\nM2\n",
+      R"(o1 while [1]
+o[10 + #1] if [0]
+o[10 + #1] endif
+#1=[#1+1]
+o1 endwhile
+M2
+)",
   };
   for (const char* const program : programs) {
     Rig rig;
