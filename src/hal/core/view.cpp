@@ -215,6 +215,7 @@ ItemInfo View::info(const ItemRecord& r) const {
     out.owner = owner->name.view();
   }
   out.signal = name_at(r.signal.get());
+  if (r.native == 0) out.place = r.value;
   return out;
 }
 

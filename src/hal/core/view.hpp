@@ -32,6 +32,7 @@ struct ItemInfo {
   std::uint32_t owner_id{0};
   std::string owner;
   std::string signal;  ///< empty: not linked
+  Offset place{0};     ///< of the item's own value slot; 0: it stands in memory of its owner
 };
 
 struct SignalInfo {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "hal/core/value_text.hpp"
@@ -86,12 +87,9 @@ std::optional<std::uint64_t> plain_raw(hal::Type type, py::handle value) {
 }
 
 /// From now on the slots whose place this process knows are not used for anything else while it lives.
-bool holds_values(const std::shared_ptr<Link>& at) {
+std::weak_ptr<Link>& holding_values() {
   static std::weak_ptr<Link> held;  // under the GIL
-  if (held.lock() == at) return true;
-  if (!at->ask({"hold-values"}).ok()) return false;
-  held = at;
-  return true;
+  return held;
 }
 
 /// An unlinked pin whose value is a number is written where it stands, without asking the realtime host. False: ask it, also for what is
@@ -99,15 +97,24 @@ bool holds_values(const std::shared_ptr<Link>& at) {
 bool set_pin_directly(const std::shared_ptr<Link>& at, const std::string& name, py::handle value) {
   const hal::View view = at->view();
   if ((view.lock_bits() & hal::lock_params) != 0) return false;
-  const auto pin = view.find_pin(name);
-  if (!pin || pin->dir == hal::Dir::out || !pin->signal.empty() || view.find_param(name))
-    return false;
-  const auto raw = plain_raw(pin->type, value);
-  if (!raw || !holds_values(at)) return false;
-  const auto slot = view.pin_slot(name);
-  if (slot.link == nullptr) return false;
-  hal::LinkIo<std::uint64_t>(slot).set(*raw);
-  return true;
+  for (auto& held = holding_values();;) {
+    const auto pin = view.find_pin(name);
+    if (!pin || pin->dir == hal::Dir::out || !pin->signal.empty() || pin->place == 0 ||
+        view.find_param(name))
+      return false;
+    const auto raw = plain_raw(pin->type, value);
+    if (!raw) return false;
+    if (held.lock() == at) {
+      // The pin's own slot, whatever it is linked to by now: a signal gets no value that was meant for a pin without one.
+      using Slot = std::remove_pointer_t<decltype(hal::FixedSlot::value)>;
+      hal::Param<std::uint64_t> own;
+      own.place() = {at->segment().at<Slot>(pin->place)};
+      own.set(*raw);
+      return true;
+    }
+    if (!at->ask({"hold-values"}).ok()) return false;
+    held = at;  // and look again: the place may have been given away before it was held
+  }
 }
 
 py::object signal_value(Link& at, const std::string& name) {
