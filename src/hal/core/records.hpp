@@ -129,9 +129,9 @@ struct FunctionRecord : Record {
   Word<Offset> owner_next{0};  ///< chain of the functions of one component
   std::uint64_t code{0};       ///< addresses in the realtime host, for `show` only
   std::uint64_t argument{0};
-  std::uint32_t users{0};  ///< threads that run it: 0 or 1
+  std::uint32_t users{0};  ///< places in threads' lists; more than 1 only when reentrant
   std::uint16_t reentrant{
-      0};  ///< 1: its maker says that two threads may run it at once; Kerf needs no such promise
+      0};  ///< 1: its maker says that two threads may run it at once; its times are then of either
   std::uint16_t runs_once{0};  ///< 1: added by initf
   /// From here on what each timed run touches: for a small function one cache line.
   alignas(64) FunctionTimes times;
@@ -165,10 +165,23 @@ struct ThreadRecord : Record {
   rtapi::SeqCell<Overrun> overrun;  ///< the last one
 };
 
+/// What of the records' layout changes with their size; kLayout is raised by hand when the meaning of a field changes and no size does.
+inline constexpr std::uint64_t kLayout = 5;
+constexpr std::uint64_t records_abi() noexcept {
+  std::uint64_t h = 0x6b68616c'00000000ULL + kLayout;
+  for (const std::size_t size :
+       {sizeof(Record), sizeof(ItemRecord), sizeof(OriginalRecord), sizeof(SignalRecord),
+        sizeof(MemoryRecord), sizeof(ComponentRecord), sizeof(FunctionTimes),
+        sizeof(FunctionRecord), sizeof(RunListRecord), sizeof(ThreadRecord), sizeof(TimingRecord),
+        sizeof(ThreadTimingRecord), sizeof(Overrun)})
+    h = (h ^ size) * 1099511628211ULL;
+  return h;
+}
+
 /// The block "hal".
 struct Root {
   static constexpr const char* kBlock = "hal";
-  static constexpr std::uint64_t kAbi = 0x6b68616c'00000004ULL;
+  static constexpr std::uint64_t kAbi = records_abi();
   static constexpr std::size_t kBuckets = 32768;
   Word<std::uint64_t> generation{0};  ///< odd: being changed
   std::int64_t writer_pid{0};
