@@ -79,7 +79,9 @@ Reply CModules::load(const std::string& name, std::span<const std::string> args,
     l.c->started = true;
     return {};
   }
-  if (auto status = take_out_functions(l, nullptr); !status.ok()) {
+  auto status = check_tasks(l);
+  if (status.ok()) status = take_out_functions(l, nullptr);
+  if (!status.ok()) {
     // A thread does not leave the module's code: its memory must stay.
     return {static_cast<int>(status.error().code), name + ": " + status.error().message()};
   }
@@ -324,8 +326,9 @@ Result<rtapi::RealtimeTask*> CModules::add_task(void (*code)(void*), void* argum
   if (place == std::end(tasks_))
     return fail(Errc::no_memory, "there are " + std::to_string(kTasks) + " realtime tasks already");
   const int id = kFirstTask + static_cast<int>(place - std::begin(tasks_));
-  auto task = std::make_unique<rtapi::RealtimeTask>(
-      rtapi::RealtimeTask::Config{code, argument, priority, id, &host_.clock()});
+  auto task = std::make_unique<rtapi::RealtimeTask>(rtapi::RealtimeTask::Config{
+      code, argument, priority, id, "task " + std::to_string(id) + " of " + quoted(l->name),
+      &host_.clock()});
   if (host_.clock().is_virtual()) l->participants.push_back(task.get());
   place->owner = l;
   place->task.publish(task.release());
@@ -341,7 +344,7 @@ Status CModules::remove_task(int id) {
   rtapi::RealtimeTask* task = find_task(id);
   if (task == nullptr) return fail(Errc::not_found, "no task " + std::to_string(id));
   if (!task->stop())
-    return fail(Errc::busy, "the code of task " + std::to_string(id) + " does not call rtapi_wait");
+    return fail(Errc::busy, std::string(task->name()) + " does not call rtapi_wait");
   TaskPlace& place = tasks_[id - kFirstTask];
   std::erase(place.owner->participants, task);
   place.task.publish(nullptr);
@@ -349,11 +352,21 @@ Status CModules::remove_task(int id) {
   return {};
 }
 
+Status CModules::check_tasks(const Host::Loaded& module) const {
+  for (const TaskPlace& place : tasks_) {
+    const rtapi::RealtimeTask* task = place.task.get();
+    if (task == nullptr || place.owner != &module || task->comes_to_wait()) continue;
+    return fail(Errc::busy, std::string("realtime ") + task->name() +
+                                " does not call rtapi_wait: nothing has been unloaded");
+  }
+  return {};
+}
+
 void CModules::stop_tasks(const Host::Loaded& module) {
   for (int i = 0; i < kTasks; ++i) {
     if (tasks_[i].task.get() == nullptr || tasks_[i].owner != &module) continue;
     if (auto status = remove_task(kFirstTask + i); !status.ok()) {
-      // It runs in code that goes away now.
+      // check_tasks() has seen it wait; since then it runs without end in code that goes away now.
       std::fprintf(stderr, "%s: %s; the realtime host cannot go on\n", module.name.c_str(),
                    status.error().message().c_str());
       std::abort();

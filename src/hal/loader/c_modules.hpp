@@ -48,6 +48,8 @@ class CModules {
   Reply load(const std::string& name, std::span<const std::string> args, const Module& module);
   /// Calls rtapi_app_exit, and takes out what is left of the module's components and memory.
   void stop(Host::Loaded& module);
+  /// busy, before anything is undone: the code of one of the module's realtime tasks does not come to rtapi_wait.
+  [[nodiscard]] rtapi::Status check_tasks(const Host::Loaded& module) const;
   [[nodiscard]] static bool has_component(const Host::Loaded& module, std::string_view name);
 
   // ---- the C API's side

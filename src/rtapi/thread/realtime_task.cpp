@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <condition_variable>
 #include <cstring>
 #include <mutex>
 #include <string>
 
 #include "rtapi/clock/real_clock.hpp"
+#include "rtapi/log/log.hpp"
 #include "rtapi/sync/cell.hpp"
 
 namespace kerf::rtapi {
@@ -22,7 +24,9 @@ constexpr std::size_t kStack = 1U << 20U;
 /// A sleeping task looks for its end at least so often.
 constexpr Nanos kLongestSleep = 50 * kMillisecond;
 constexpr Nanos kPausedSleep = kMillisecond;
-constexpr int kPatienceMs = 1000;
+constexpr int kPatienceMs = 3000;  ///< as for a HAL thread that does not end its cycle
+/// On the virtual clock, in real time: one that holds it so long is taken for hung.
+constexpr std::chrono::seconds kLongestTurn{5};
 
 }  // namespace
 
@@ -43,11 +47,14 @@ struct RealtimeTask::State {
   Word<std::int64_t> period{0};
   Word<Nanos> due{0};
   Word<std::uint32_t> ended{0};
+  /// Of wait(): odd while the task is in it.
+  Word<std::uint64_t> waits{0};
   StopWord stop;
   // The baton, on the virtual clock only.
   std::mutex mutex;
   std::condition_variable changed;
   Turn turn{Turn::host};
+  bool hung{false};  ///< has kept the baton too long, and was named
 
   static RealtimeTask*& of_this_thread() noexcept {
     static thread_local constinit RealtimeTask* current = nullptr;
@@ -105,13 +112,36 @@ struct RealtimeTask::State {
     changed.wait(lock, [this] { return turn == Turn::task; });
   }
 
-  /// Lets the task run until it waits or ends.
-  void run_task() {
+  /// Lets the task run until it waits or ends. False: it does neither, now or since a turn before.
+  bool run_task() {
     std::unique_lock lock(mutex);
-    if (ended.observe() != 0) return;
-    turn = Turn::task;
-    changed.notify_all();
-    changed.wait(lock, [this] { return turn == Turn::host; });
+    if (ended.observe() != 0) return true;
+    if (turn == Turn::host) {
+      turn = Turn::task;
+      hung = false;
+      changed.notify_all();
+    }
+    // Nobody waits a second time for one that is hung.
+    const auto patience = hung ? std::chrono::seconds{0} : kLongestTurn;
+    const bool waits_again =
+        changed.wait_for(lock, patience, [this] { return turn == Turn::host; });
+    if (!waits_again && !hung)
+      log_message(Level::error,
+                  "realtime %s does not call rtapi_wait; the virtual clock goes on without it",
+                  config.name.c_str());
+    hung = !waits_again;
+    return waits_again;
+  }
+
+  /// True when the code stands in wait(), or in none any more.
+  [[nodiscard]] bool rests(std::uint64_t waits_before) {
+    if (!made || ended.observe() != 0) return true;
+    if (is_virtual()) {
+      const std::lock_guard lock(mutex);
+      return turn == Turn::host;
+    }
+    const std::uint64_t now = waits.observe();
+    return now % 2 == 1 || now != waits_before;
   }
 
   void wait_real() {
@@ -144,15 +174,16 @@ RealtimeTask::~RealtimeTask() {
 
 int RealtimeTask::id() const noexcept { return state_->config.id; }
 
+const char* RealtimeTask::name() const noexcept { return state_->config.name.c_str(); }
+
 RealtimeTask* RealtimeTask::current() noexcept { return State::of_this_thread(); }
 
 Status RealtimeTask::start(Nanos period) {
   State& s = *state_;
   if (s.paused.get() == 0 && s.ended.observe() == 0)
-    return fail(Errc::busy, "task " + std::to_string(s.config.id) + " runs already");
+    return fail(Errc::busy, s.config.name + " runs already");
   if (s.ended.observe() != 0)
-    return fail(Errc::bad_argument,
-                "the code of task " + std::to_string(s.config.id) + " has ended");
+    return fail(Errc::bad_argument, "the code of " + s.config.name + " has ended");
   s.period.set(period);
   s.due.set(s.config.clock->now());
   s.paused.publish(0);
@@ -174,7 +205,9 @@ bool RealtimeTask::stop() {
   State& s = *state_;
   s.stop.request();
   if (!s.made) return true;
-  if (s.is_virtual()) s.run_task();
+  // After the first turn it may stand in the wait() in which it was when it was told.
+  while (s.is_virtual() && s.ended.observe() == 0)
+    if (!s.run_task()) return false;
   for (int ms = 0; s.ended.observe() == 0; ++ms) {
     if (ms == kPatienceMs) return false;
     State::sleep_to(monotonic_now() + kMillisecond);
@@ -184,9 +217,20 @@ bool RealtimeTask::stop() {
   return true;
 }
 
+bool RealtimeTask::comes_to_wait() const {
+  State& s = *state_;
+  const std::uint64_t before = s.waits.observe();
+  for (int ms = 0; !s.rests(before); ++ms) {
+    if (ms == kPatienceMs) return false;
+    State::sleep_to(monotonic_now() + kMillisecond);
+  }
+  return true;
+}
+
 void RealtimeTask::wait() {
   State& s = *state_;
   s.end_if_told();
+  s.waits.publish(s.waits.get() + 1);
   const Nanos now = s.config.clock->now();
   const Nanos period = s.period.get();
   Nanos next = s.cycle.period == period ? s.cycle.next() : now + period;
@@ -201,6 +245,7 @@ void RealtimeTask::wait() {
   } else if (period > 0 || s.paused.get() != 0) {
     s.wait_real();
   }
+  s.waits.publish(s.waits.get() + 1);
 }
 
 void RealtimeTask::resync() noexcept { state_->begin(state_->config.clock->now()); }
@@ -208,7 +253,7 @@ void RealtimeTask::resync() noexcept { state_->begin(state_->config.clock->now()
 void RealtimeTask::step(Nanos now, WaitSpec& next) {
   State& s = *state_;
   if (!s.made || s.paused.get() != 0 || s.ended.observe() != 0) return;
-  if (now >= s.due.get()) s.run_task();
+  if (now >= s.due.get() && !s.run_task()) return;
   if (s.paused.get() == 0 && s.ended.observe() == 0) next.wake_at(s.due.get());
 }
 

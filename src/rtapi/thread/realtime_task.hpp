@@ -1,10 +1,12 @@
 // RealtimeTask: code of a component that runs on a realtime thread of its own, beside HAL's threads (rtapi_task_new of the C API).
 //
 // The code calls wait() for its next period. On the real clock the task is a SCHED_FIFO thread. On the virtual clock it is a participant:
-// its thread runs only while step() waits for it, so virtual time stands still meanwhile.
+// its thread runs only while step() waits for it, so virtual time stands still meanwhile. Code that does not come to its next wait() is
+// named, and virtual time goes on without it.
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "rtapi/base/result.hpp"
 #include "rtapi/clock/clock.hpp"
@@ -18,7 +20,8 @@ class RealtimeTask final : public Participant {
     void (*code)(void*){nullptr};
     void* argument{nullptr};
     int priority{0};
-    int id{0};  ///< the maker's name for it
+    int id{0};         ///< the maker's number for it
+    std::string name;  ///< for messages
     const Clock* clock{nullptr};
   };
   explicit RealtimeTask(const Config& config);
@@ -32,8 +35,10 @@ class RealtimeTask final : public Participant {
   Status start(Nanos period);
   /// @rt. Stands in its next wait() until start(), from any thread.
   void pause() noexcept;
-  /// Ends the thread in its next wait(), at the latest after a period. False after a second: the code does not call it.
+  /// Ends the thread in its next wait(), at the latest after a period. False after three seconds: the code does not call it.
   bool stop();
+  /// True when the code waits, has ended or was never started; false when it does not come to that within three seconds.
+  [[nodiscard]] bool comes_to_wait() const;
 
   /// @rt. The task that the calling thread is; nullptr on any other.
   static RealtimeTask* current() noexcept;
@@ -44,7 +49,7 @@ class RealtimeTask final : public Participant {
   void resync() noexcept;
 
   // On the virtual clock.
-  [[nodiscard]] const char* name() const noexcept override { return "realtime task"; }
+  [[nodiscard]] const char* name() const noexcept override;
   [[nodiscard]] Role role() const noexcept override { return Role::realtime_host; }
   void step(Nanos now, WaitSpec& next) override;
 

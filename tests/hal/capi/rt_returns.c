@@ -77,6 +77,18 @@ int rtapi_app_main(void) {
   R(hal_export_functf(nothing, NULL, 1, 0, second, "g.%d", 2));
   R(hal_add_funct_to_thread("f", "t", 1));
   R(hal_add_funct_to_thread("f", "t2", 1));
+  R(hal_export_funct("twice", nothing, NULL, 1, 1, id)); /* reentrant: any number of places */
+  R(hal_add_funct_to_thread("twice", "t", -1));
+  R(hal_add_funct_to_thread("twice", "t2", -1));
+  R(hal_add_funct_to_thread("twice", "t", 1));
+  R(hal_del_funct_from_thread("twice", "t"));
+  R(hal_init_funct_to_thread("twice", "t", -1));
+  R(hal_del_funct_from_thread("twice", "t"));
+  R(hal_del_funct_from_thread("twice", "t2"));
+  R(hal_init_funct_to_thread("twice", "t", -1));
+  R(hal_add_funct_to_thread("twice", "t2", -1));
+  R(hal_del_funct_from_thread("twice", "t"));
+  R(hal_del_funct_from_thread("twice", "t"));
   R(hal_add_funct_to_thread("f", "t", 0));
   R(hal_add_funct_to_thread("f", "nope", 1));
   R(hal_add_funct_to_thread("nope", "t", 1));
