@@ -64,7 +64,8 @@ class Sampler final : public hal::Component<Sampler> {
           "channel a thread. A sample that finds the FIFO full is lost and counted in overruns; "
           "its number is used up, so gaps can be measured.",
       .singleton = true,
-      .example = "cfg=bfs depth=100"};
+      .example = "cfg=bfs depth=100",
+      .lists = "cfg depth"};
 
   explicit Sampler(hal::Builder& b) noexcept : Component(b), channels_(b) {}
 

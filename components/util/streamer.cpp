@@ -85,7 +85,8 @@ class Streamer final : public hal::Component<Streamer> {
           "channels. A row that is due and not there is counted in underruns, and the pins keep "
           "their values.",
       .singleton = true,
-      .example = "cfg=bfs depth=100"};
+      .example = "cfg=bfs depth=100",
+      .lists = "cfg depth"};
 
   explicit Streamer(hal::Builder& b) noexcept : Component(b), channels_(b) {}
 

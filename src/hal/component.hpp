@@ -107,6 +107,8 @@ struct Info {
   /// loadrt parameters that show what the component can have, for one that has no pins without ("cfg=bf depth=100"): the man
   /// page describes it loaded so.
   std::string_view example{};
+  /// Names, between blanks, of the loadrt parameters that take a list: with [HAL]TWOPASS those of several lines are joined.
+  std::string_view lists{};
 };
 
 /// Collects what a component declares. The live one exports into the segment, others write docs or serve unit tests.

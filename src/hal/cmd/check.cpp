@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "hal/capi/realtime_backend.hpp"
+#include "hal/client/list_parameters.hpp"
 #include "hal/client/session.hpp"
 #include "hal/cmd/words.hpp"
 #include "hal/loader/host.hpp"
@@ -200,7 +201,12 @@ struct ScriptCheck::Machine {
 };
 
 ScriptCheck::ScriptCheck(ModuleSource& modules, const ini::IniFile* ini)
-    : modules_(modules), ini_(ini), machine_(std::make_unique<Machine>(*this, modules, ini)) {
+    : modules_(modules),
+      ini_(ini),
+      machine_(std::make_unique<Machine>(*this, modules, ini)),
+      loads_([this](const std::string& module) {
+        return list_parameters(machine_->session, module);
+      }) {
   for (const char* prefix : kKnownPrefixes) unknown_prefixes_.insert(prefix);
   machine_->commander.set_interceptor([this](Words w, const std::string& file, int line) {
     ScriptPlace at{file, line};

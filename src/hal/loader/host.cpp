@@ -45,6 +45,7 @@ std::span<const Host::Row> Host::rows() {
       {"debug", 1, 1, 0, &Host::debug},
       {"loadrt", 1, SIZE_MAX, lock_load, &Host::load},
       {"unloadrt", 1, 1, lock_load, &Host::unload},
+      {"list-parameters", 1, 1, 0, &Host::list_parameters},
       {"net", 1, SIZE_MAX, lock_config, &Host::net},
       {"newsig", 2, 2, lock_config, &Host::new_signal},
       {"delsig", 1, 1, lock_config, &Host::delete_signal},
@@ -231,8 +232,11 @@ Reply Host::lock_bits(Words argv) {
 
 Reply Host::unlock(Words argv) {
   const std::string what = argv.empty() ? "all" : argv[0];
+  // What `lock tune` has locked is free again; of what `lock all` has, tuning is. It never locks anything.
+  const std::uint32_t bits = registry_->root().lock.get();
   if (what == "tune")
-    registry_->set_lock(lock_tune);
+    registry_->set_lock((bits & ~static_cast<std::uint32_t>(lock_tune)) != 0 ? bits & lock_tune
+                                                                             : lock_none);
   else if (what == "all")
     registry_->set_lock(lock_none);
   else

@@ -97,8 +97,8 @@ class Host {
   void set_timing_mode(TimingMode mode) noexcept {
     registry_->root().timing_mode.set(static_cast<std::uint32_t>(mode));
   }
-  /// Stops, then unloads all realtime components, last first, and ends all threads. busy: a function hangs; it is named, and nothing
-  /// has been unloaded.
+  /// Stops, then unloads all realtime components, last first, and ends all threads. busy: a function or a realtime task hangs; it is named, and
+  /// nothing has been unloaded.
   rtapi::Status unload_all();
 
  private:
@@ -185,6 +185,7 @@ class Host {
   Reply nested_command(Words argv);
   Reply load(Words argv);
   Reply unload(Words argv);
+  Reply list_parameters(Words argv);
   Reply net(Words argv);
   Reply new_signal(Words argv);
   Reply delete_signal(Words argv);

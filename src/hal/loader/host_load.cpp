@@ -4,6 +4,7 @@
 
 #include "hal/core/value_text.hpp"
 #include "hal/loader/c_modules.hpp"
+#include "hal/loader/c_parameters.hpp"
 #include "hal/loader/host.hpp"
 #include "hal/loader/live_builder.hpp"
 #include "rtapi/base/suggest.hpp"
@@ -201,6 +202,24 @@ Reply Host::load(Words argv) {
   return {};
 }
 
+Reply Host::list_parameters(Words argv) {
+  // One that is loaded must not be opened again: closing it would be its end.
+  const Loaded* loaded = find_loaded(argv[0]);
+  const Module* module = loaded != nullptr ? loaded->module : nullptr;
+  if (module == nullptr) {
+    auto opened = modules_.open(argv[0]);
+    if (!opened.ok()) return {static_cast<int>(opened.error().code), opened.error().message()};
+    module = *opened;
+  }
+  std::string names(module->info.lists);
+  if (module->c_library != nullptr) {
+    for (const auto& p : c_parameters(module->c_library))
+      if (p.elements > 0) names += (names.empty() ? "" : " ") + p.name;
+  }
+  if (loaded == nullptr) modules_.close(module);
+  return {0, names};
+}
+
 void Host::destroy(Loaded& l) {
   if (l.c != nullptr) c_modules_->stop(l);
   for (auto it = l.participants.rbegin(); it != l.participants.rend(); ++it) {
@@ -221,6 +240,7 @@ void Host::destroy(Loaded& l) {
 }
 
 Status Host::unload_one(Loaded& loaded) {
+  KERF_CHECK(c_modules_->check_tasks(loaded));
   KERF_CHECK(drop_functions(loaded));
   KERF_CHECK(wait_for_grace());
   for (const auto& t : threads_) {
@@ -275,6 +295,7 @@ Reply Host::unload(Words argv) {
 Status Host::unload_all() {
   if (registry_ == nullptr) return {};
   registry_->set_running(false);
+  for (const auto& l : loaded_) KERF_CHECK(c_modules_->check_tasks(*l));
   // Out of the threads first, all at once: one grace is enough, and if a function hangs nothing is taken away beneath it.
   // Without HAL memory not even an empty list can be published; the threads are stopped before their functions go all the same.
   for (const auto& t : threads_) (void)publish_list(*t, {});

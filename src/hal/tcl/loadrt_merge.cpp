@@ -18,14 +18,6 @@ constexpr std::string_view kPersonality = "personality";
 /// How the instances of a module are told: only one of these a module.
 bool is_form(std::string_view key) { return key == "count" || key == "num_chan" || key == "names"; }
 
-/// Parameters with an element an instance (or a group, a port, a board), in the order of the lines.
-bool is_array(std::string_view key) {
-  static constexpr std::string_view kArrays[] = {
-      kPersonality,     "cfg",         "config",     "step_type", "ctrl_type",
-      "user_step_type", "output_type", "wsum_sizes", "board_ip",  "thread_flags"};
-  return std::find(std::begin(kArrays), std::end(kArrays), key) != std::end(kArrays);
-}
-
 std::vector<std::string_view> elements(std::string_view list) {
   std::vector<std::string_view> out;
   while (true) {
@@ -105,20 +97,6 @@ Status merge_form(LoadrtMerge::Module& module, const LoadrtMerge::Parameter& giv
   return {};
 }
 
-Status merge_other(LoadrtMerge::Module& module, const LoadrtMerge::Parameter& given) {
-  auto* old = find(module, given.key);
-  if (old == nullptr) {
-    module.parameters.push_back(given);
-  } else if (is_array(given.key)) {
-    append(old->value, given.value);
-  } else if (old->value != given.value) {
-    return fail(Errc::bad_argument, "loadrt " + module.name + ": " + given.key + "=" + given.value +
-                                        " here and " + given.key + "=" + old->value + " at " +
-                                        old->at.text());
-  }
-  return {};
-}
-
 /// Personalities belong to instances: those of lines that give none are 0, the default.
 Status merge_personality(LoadrtMerge::Module& module, const LoadrtMerge::Parameter* given,
                          std::size_t before, const Place& at) {
@@ -140,6 +118,29 @@ Status merge_personality(LoadrtMerge::Module& module, const LoadrtMerge::Paramet
 }
 
 }  // namespace
+
+bool LoadrtMerge::takes_list(Module& module, const std::string& key) const {
+  if (!module.lists) {
+    module.lists = lists_of_(module.name);
+    // An unknown module: loadrt says so, and needs no second complaint before.
+    if (!module.lists) return true;
+  }
+  return std::find(module.lists->begin(), module.lists->end(), key) != module.lists->end();
+}
+
+Status LoadrtMerge::merge_other(Module& module, const Parameter& given) {
+  auto* old = find(module, given.key);
+  if (old == nullptr) {
+    module.parameters.push_back(given);
+  } else if (takes_list(module, given.key)) {
+    append(old->value, given.value);
+  } else if (old->value != given.value) {
+    return fail(Errc::bad_argument, "loadrt " + module.name + ": " + given.key + "=" + given.value +
+                                        " here and " + given.key + "=" + old->value + " at " +
+                                        old->at.text());
+  }
+  return {};
+}
 
 std::vector<std::string> LoadrtMerge::Module::words() const {
   std::vector<std::string> out{name};

@@ -9,6 +9,7 @@
 #include <map>
 #include <utility>
 
+#include "hal/client/list_parameters.hpp"
 #include "hal/cmd/words.hpp"
 
 namespace kerf::hal::tcl {
@@ -134,7 +135,14 @@ struct TclHal::Command {
   void* before_data{nullptr};
 };
 
-TclHal::TclHal(Attach attach) : attach_(std::move(attach)), sink_(std::make_unique<Sink>()) {}
+TclHal::TclHal(Attach attach)
+    : attach_(std::move(attach)),
+      sink_(std::make_unique<Sink>()),
+      loads_([this](const std::string& module) -> std::optional<std::vector<std::string>> {
+        const auto attached = attachment();
+        if (!attached.ok()) return std::nullopt;
+        return list_parameters(*attached->session, module);
+      }) {}
 TclHal::~TclHal() = default;
 
 void TclHal::install(Tcl_Interp* interpreter) {

@@ -111,7 +111,7 @@ class TclHal {
   std::unique_ptr<Commander> commander_;
   IniLookup ini_;
   Pass pass_{Pass::single};
-  LoadrtMerge loads_;
+  LoadrtMerge loads_;  ///< asks the attachment's host what modules declare
   std::function<rtapi::Status(const std::string&)> read_hal_file_;
   Observer observer_;
   bool after_on_clock_{false};

@@ -24,7 +24,11 @@ std::vector<std::string> words(const std::string& line) {
 
 /// The merged lines, or the first error.
 std::vector<std::string> merged(const std::vector<std::string>& lines) {
-  LoadrtMerge merge;
+  LoadrtMerge merge([](const std::string& module) -> std::optional<std::vector<std::string>> {
+    if (module == "stranger") return std::nullopt;
+    if (module == "debounce") return {{"cfg"}};
+    return {{}};
+  });
   int number = 0;
   for (const auto& line : lines) {
     if (const auto added = merge.add(words(line), {"f.hal", ++number}); !added.ok())
@@ -82,6 +86,14 @@ TEST(LoadrtMerge, PersonalitiesStayWithTheirInstances) {
 
 TEST(LoadrtMerge, OtherArraysAreJoined) {
   EXPECT_THAT(merged({"debounce cfg=2,3", "debounce cfg=4"}), ElementsAre("debounce cfg=2,3,4"));
+  EXPECT_THAT(merged({"debounce cfg=2", "debounce cfg=2"}), ElementsAre("debounce cfg=2,2"));
+}
+
+TEST(LoadrtMerge, TheModuleSaysWhatIsAnArray) {
+  EXPECT_THAT(merged({"board cfg=2", "board cfg=4"}),
+              ElementsAre("error: loadrt board: cfg=4 here and cfg=2 at f.hal:1"));
+  // loadrt will say that there is no such module.
+  EXPECT_THAT(merged({"stranger cfg=2", "stranger cfg=4"}), ElementsAre("stranger cfg=2,4"));
 }
 
 TEST(LoadrtMerge, OtherParametersMustAgree) {
