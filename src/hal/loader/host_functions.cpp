@@ -24,6 +24,10 @@ Reply no_function(const Registry& registry, const std::string& name) {
                                     rtapi::did_you_mean(name, registry.names(Kind::function)));
 }
 
+Reply in_one_thread(const std::string& function) {
+  return error(Errc::busy, "function " + quoted(function) + " may only be added to one thread");
+}
+
 constexpr std::int64_t kShortestPeriodNs = 1'000;
 constexpr std::int64_t kLongestPeriodNs = 1'000'000'000;
 
@@ -194,9 +198,9 @@ void Host::run_always(FunctionRecord& function) {
 Reply Host::put_in_list(Words argv) {
   FunctionRecord* function = registry_->find_function(argv[0]);
   if (function == nullptr) return no_function(*registry_, argv[0]);
-  if (function->users > 0) {
-    return error(Errc::busy, "function " + quoted(argv[0]) + " may only be added to one thread");
-  }
+  // One that is run once knows of one list only.
+  if (function->users > 0 && (function->reentrant == 0 || function->runs_once != 0))
+    return in_one_thread(argv[0]);
   Thread* thread = find_thread(argv[1]);
   if (thread == nullptr) {
     return error(Errc::not_found, "thread " + quoted(argv[1]) + " not found" +
@@ -223,7 +227,8 @@ Reply Host::put_in_list(Words argv) {
 
 Reply Host::add_init_function(Words argv) {
   FunctionRecord* function = registry_->find_function(argv[0]);
-  if (function == nullptr || function->users > 0) return put_in_list(argv);
+  if (function == nullptr) return no_function(*registry_, argv[0]);
+  if (function->users > 0) return in_one_thread(argv[0]);
   run_always(*function);
   RunEntry& entry = functions_.at(function);
   auto once = std::make_unique<OnceFunction>();

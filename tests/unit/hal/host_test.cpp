@@ -348,6 +348,16 @@ TEST_F(HostTest, LockForbidsAndUnlockAllows) {
   ok({"net", "s", "adder.0.in"});
 }
 
+TEST_F(HostTest, UnlockTuneUndoesLockTune) {
+  ok({"loadrt", "adder"});
+  ok({"lock", "tune"});
+  EXPECT_THAT(refused({"net", "s", "adder.0.in"}), HasSubstr("HAL is locked"));
+  ok({"unlock", "tune"});
+  ok({"net", "s", "adder.0.in"});
+  ok({"unlock", "tune"});
+  ok({"unlinkp", "adder.0.in"});
+}
+
 TEST_F(HostTest, WordsAreCounted) {
   EXPECT_EQ(refused({"setp", "x"}), "setp requires 2 arguments, 1 given");
   EXPECT_EQ(refused({"loadrt"}), "loadrt requires at least 1 arguments, 0 given");
