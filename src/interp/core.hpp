@@ -265,6 +265,7 @@ class Core {
   [[nodiscard]] bool add_code(Block& b, char letter, double value, int code);
   [[nodiscard]] bool undefined_name(std::uint32_t id, std::size_t at);
   [[nodiscard]] bool position_unknown(std::size_t at);
+  [[nodiscard]] bool no_number(std::size_t at, double value);
   [[nodiscard]] std::string nearest_codes(char letter, int code) const;
   [[nodiscard]] bool check_word(char name, double v);
   /// Some code of the block takes the text in quotes.

@@ -158,6 +158,11 @@ bool Core::position_unknown(std::size_t at) {
                  "Cannot read current position with cutter radius compensation on");
 }
 
+bool Core::no_number(std::size_t at, double value) {
+  return fail_at(at, "The values lead to no number that can be used", "Calculation resulted in '%s'",
+                 std::isnan(value) ? "not a number" : "infinity");
+}
+
 bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
   double stack[kStack];
   double* top = stack;  // the last operand; the first place stays empty
@@ -229,12 +234,11 @@ bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {
     } else if (const char* why = compute(op->op, *top); why != nullptr) {
       return fail_at(op->at, "", "%s", why);
     }
+    // Here already: a comparison would make a number of it again.
+    if (!std::isfinite(*top)) return no_number(op->at, *top);
   }
   value = top > stack ? *top : 0;
-  if (!std::isfinite(value))
-    return fail_at(b.ops[e.first].at, "The values lead to no number that can be used",
-                   "Calculation resulted in '%s'", std::isnan(value) ? "not a number" : "infinity");
-  return true;
+  return std::isfinite(value) || no_number(b.ops[e.first].at, value);
 }
 
 }  // namespace kerf::interp

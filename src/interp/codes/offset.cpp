@@ -129,14 +129,18 @@ bool g10_tool(Core& c, const Block& b, int l) {
     CanonFrame f = c.state.frame;
     if (l == 11) f = frame_of(c, 9), f.set_g92_offset({});
     const Pose machine = c.state.frame.to_machine(c.tool_position());
-    f.use_tool_length_offset({});
+    // What is not named reads on as with the present row.
+    f.use_tool_length_offset(t.offset);
     Pose wanted = f.to_program(machine);
+    f.use_tool_length_offset({});
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
       if (b.has_axis(i)) wanted[i] = c.axis_word(b, i);
     }
     const Pose offset = machine - f.to_machine(wanted);
+    // In a turned system a value of X or Y takes both axes of the machine.
+    const bool turned = f.rotation_deg() != 0 && (b.has_axis(0) || b.has_axis(1));
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-      if (b.has_axis(i)) t.offset[i] = offset[i];
+      if (b.has_axis(i) || (turned && i < 2)) t.offset[i] = offset[i];
     }
   }
   c.out.call<&Canon::set_tool_table_entry>(t);
