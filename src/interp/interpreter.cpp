@@ -1,5 +1,7 @@
 #include "interp/interpreter.hpp"
 
+#include <algorithm>
+
 #include "interp/core.hpp"
 
 namespace kerf::interp {
@@ -15,6 +17,14 @@ std::string InterpError::message() const {
   m += text;
   if (!help.empty()) m += '\n' + help;
   return m;
+}
+
+std::string InterpError::caret() const {
+  const auto before = static_cast<std::size_t>(std::max(column, 1) - 1);
+  if (column <= 0 || before >= source.size() || before > 200) return {};
+  std::string s;
+  for (const char c : std::string_view(source).substr(0, before)) s += c == '\t' ? '\t' : ' ';
+  return s + '^';
 }
 
 Interpreter::Interpreter(Environment& environment, Canon& canon, Settings settings)

@@ -76,6 +76,8 @@ struct InterpError {
 
   /// "FILE:LINE:COLUMN: text" and, on a second line, the help.
   [[nodiscard]] std::string message() const;
+  /// What to print below `source` so that a ^ stands under the word to blame; "" when it is the whole line.
+  [[nodiscard]] std::string caret() const;
 };
 
 class Interpreter {

@@ -48,6 +48,9 @@ void Core::expand_text(std::string_view text, std::string& result) {
       for (const char n : text.substr(i + 2, end - i - 2)) {
         if (n != ' ' && n != '\t') name += n >= 'A' && n <= 'Z' ? static_cast<char>(n + 32) : n;
       }
+      // Names of HAL keep their case: a pin may have capitals.
+      if (settings.no_downcase_oword && name.starts_with("_hal["))
+        name = "_hal[" + std::string(text.substr(i + 7, end - i - 7));
       parameter_here = true;
       exists = params.has_room(name);
       if (exists) (void)read_named(params.intern(name), value, exists);

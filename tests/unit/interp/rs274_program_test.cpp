@@ -117,6 +117,13 @@ TEST_F(Rs274, AsksWhatToDoWithoutTheBatchOption) {
   EXPECT_NE(err_.find("name of parameter file => Cannot open nowhere.var\n"), std::string::npos);
 }
 
+TEST_F(Rs274, PointsAtTheWordToBlame) {
+  (void)run("-g " + file("a.ngc", "G0 X1\n\tG0 X2 Q3\nM2\n"));
+  EXPECT_EQ(status_, 1);
+  EXPECT_NE(err_.find("\n\tG0 X2 Q3\n\t      ^\n"), std::string::npos) << err_;
+  EXPECT_NE(err_.find("a.ngc:2:8: "), std::string::npos) << err_;
+}
+
 TEST_F(Rs274, MakesAParameterFileThatIsNotThere) {
   const std::string variables = (dir_ / "new.var").string();
   (void)run("-g -v " + variables + " " + file("a.ngc", "G10 L2 P1 X3\nM2\n"));
