@@ -159,8 +159,8 @@ bool Core::position_unknown(std::size_t at) {
 }
 
 bool Core::no_number(std::size_t at, double value) {
-  return fail_at(at, "The values lead to no number that can be used", "Calculation resulted in '%s'",
-                 std::isnan(value) ? "not a number" : "infinity");
+  return fail_at(at, "The values lead to no number that can be used",
+                 "Calculation resulted in '%s'", std::isnan(value) ? "not a number" : "infinity");
 }
 
 bool Core::evaluate(const ParsedBlock& b, const Expr& e, double& value) {

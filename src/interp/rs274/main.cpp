@@ -185,7 +185,8 @@ class Session {
     std::fflush(out_);
     const InterpError& e = interp_.error();
     std::fprintf(stderr, "%s\n%s\n", e.text.c_str(), e.source.c_str());
-    if (const std::string caret = e.caret(); !caret.empty()) std::fprintf(stderr, "%s\n", caret.c_str());
+    if (const std::string caret = e.caret(); !caret.empty())
+      std::fprintf(stderr, "%s\n", caret.c_str());
     if (e.line > 0) {
       std::fprintf(stderr, "%s:%d", e.file.empty() ? "MDI" : e.file.c_str(), e.line);
       if (e.column > 0) std::fprintf(stderr, ":%d", e.column);
