@@ -27,7 +27,7 @@ std::string InterpError::caret() const {
   return s + '^';
 }
 
-Interpreter::Interpreter(Environment& environment, Canon& canon, Settings settings)
+Interpreter::Interpreter(Environment& environment, Canon& canon, const Settings& settings)
     : core_(std::make_unique<Core>(environment, canon, settings, linuxcnc_dialect())) {}
 Interpreter::~Interpreter() = default;
 

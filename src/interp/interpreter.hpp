@@ -83,7 +83,7 @@ struct InterpError {
 class Interpreter {
  public:
   /// Both references must outlive the interpreter.
-  Interpreter(Environment& environment, Canon& canon, Settings settings = {});
+  Interpreter(Environment& environment, Canon& canon, const Settings& settings = {});
   ~Interpreter();
   Interpreter(const Interpreter&) = delete;
   Interpreter& operator=(const Interpreter&) = delete;

@@ -19,7 +19,7 @@ CurvePoint NurbsCurve::at(double u, int span) const {
   const int degree = order_ - 1;
   std::array<Homogeneous, kHighestOrder> d;  // NOLINT(*-member-init): filled below
   for (int j = 0; j <= degree; ++j) {
-    const SplinePoint& p = points_[static_cast<std::size_t>(span + j)];
+    const SplinePoint& p = points_[static_cast<std::size_t>(span) + static_cast<std::size_t>(j)];
     d[static_cast<std::size_t>(j)] = {p.x * p.weight, p.y * p.weight, p.weight};
   }
   const int k = span + degree;

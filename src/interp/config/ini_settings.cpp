@@ -145,7 +145,7 @@ void read_remaps(Reader& r, InterpSetup& s) {
     if (line.empty()) continue;
     RemapParse parsed = parse_remap(line);
     for (const std::string& warning : parsed.warnings)
-      r.complain(kSection, "REMAP", warning + ": REMAP = " + line, false);
+      r.complain(kSection, "REMAP", std::string(warning).append(": REMAP = ").append(line), false);
     if (parsed.remap && parsed.error.empty()) parsed.error = remap_problem(s, *parsed.remap);
     if (!parsed.error.empty())
       r.complain(kSection, "REMAP", parsed.error + ": REMAP = " + line);
@@ -187,7 +187,8 @@ std::string find_sub_file(const ProgramPaths& paths, std::string_view name) {
   if (!paths.wizard_root.empty()) folders.push_back(paths.wizard_root);
   for (const std::string& folder : folders) {
     std::error_code ec;
-    const std::string path = folder + "/" + file;
+    std::string path = folder;
+    path.append("/").append(file);
     if (fs::is_regular_file(path, ec)) return path;
   }
   return {};

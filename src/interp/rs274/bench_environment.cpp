@@ -53,13 +53,13 @@ ExternalState bench_answer(const Interpreter& interpreter, const Pose& start, Te
     }
   }
   if (interpreter.sync_reason() != SyncReason::probe) return state;
-  constexpr double kShort_mm = 0.254;
+  constexpr double kShortMm = 0.254;
   const ModalState& modal = interpreter.modal();
   const Pose end = modal.position, way = end - start;
   const double length = std::hypot(way.x, way.y, way.z);
   Pose stop = end;
   if (length > 0) {
-    for (std::size_t i = 0; i < 3; ++i) stop[i] -= way[i] / length * kShort_mm;
+    for (std::size_t i = 0; i < 3; ++i) stop[i] -= way[i] / length * kShortMm;
   }
   state.probe = ExternalState::Probe{modal.frame.to_machine(end), false};
   state.machine_position = modal.frame.to_machine(stop);

@@ -100,7 +100,7 @@ class IniSession {
   /// Units and axes are those of rs274 whatever the file says, as at the peer.
   [[nodiscard]] Settings settings() const {
     const Settings bench = bench_settings();
-    if (!file_) return bench;
+    if (!file_) return bench_settings();
     Settings s = setup_.settings;
     s.machine_unit_mm = bench.machine_unit_mm;
     s.start_units = bench.start_units;

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kCases = fs::path(KERF_SOURCE_DIR) / "tests/golden/interp";
+const fs::path cases_folder = fs::path(KERF_SOURCE_DIR) / "tests/golden/interp";
 
 std::string read(const fs::path& path) {
   std::ostringstream s;
@@ -38,7 +38,7 @@ std::string read(const fs::path& path) {
 Settings settings_of(const fs::path& dir, BenchEnvironment& world) {
   const Settings bench = bench_settings();
   const fs::path path = dir / "config.ini";
-  if (!fs::exists(path)) return bench;
+  if (!fs::exists(path)) return bench_settings();
   const auto loaded = ini::IniFile::load(path.string());
   EXPECT_TRUE(loaded.ok) << path;
   ini::Reader reader(loaded.file);
@@ -95,9 +95,9 @@ std::string interpret(const fs::path& dir) {
 
 std::vector<std::string> cases() {
   std::vector<std::string> names;
-  for (const auto& entry : fs::recursive_directory_iterator(kCases)) {
+  for (const auto& entry : fs::recursive_directory_iterator(cases_folder)) {
     if (entry.path().filename() == "test.ngc")
-      names.push_back(fs::relative(entry.path().parent_path(), kCases).string());
+      names.push_back(fs::relative(entry.path().parent_path(), cases_folder).string());
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -106,7 +106,7 @@ std::vector<std::string> cases() {
 class Golden : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Golden, PrintsWhatWasReviewed) {
-  const fs::path dir = kCases / GetParam();
+  const fs::path dir = cases_folder / GetParam();
   const std::string got = interpret(dir);
   if (std::getenv("KERF_GOLDEN_WRITE") != nullptr) std::ofstream(dir / "expected") << got;
   EXPECT_TRUE(fs::exists(dir / "README"));

@@ -71,5 +71,11 @@ TEST(Comments, AMistakeInsideIsFoundWhateverTheyAre) {
   EXPECT_EQ(rig.mdi("G4 P1 )"), "error: Bad character ')' used");
 }
 
+TEST(Comments, AbortWithoutAReasonIsStillAnError) {
+  Rig rig;
+  EXPECT_EQ(rig.mdi("(abort,)"), "error: (abort,) without a reason");
+  EXPECT_EQ(rig.mdi("(abort,no stock)"), "error: no stock");
+}
+
 }  // namespace
 }  // namespace kerf::interp

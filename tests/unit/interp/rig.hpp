@@ -45,7 +45,7 @@ class ScriptedWorld final : public Environment {
 
 class Rig {
  public:
-  explicit Rig(Settings settings = {})
+  explicit Rig(const Settings& settings = {})
       : out_(open_memstream(&text_, &size_)), canon_(out_), interp(world, canon_, settings) {
     interp.init();
     (void)calls();
