@@ -49,15 +49,19 @@ function(kerf_script name file)
   configure_file(${file} ${CMAKE_BINARY_DIR}/bin/${name} COPYONLY)
 endfunction()
 
-# kerf_component(file-name SOURCES ... [LINK ...])  -> build/<preset>/components/file-name.so, loaded by `loadrt file-name`.
+# kerf_component(file-name SOURCES ... [LINK ...] [DEFINES ...])  -> build/<preset>/components/file-name.so, loaded by `loadrt file-name`.
 # Also adds the same code to the object list that the whole-machine harness links in (KERF_COMPONENT_OBJECTS).
 function(kerf_component name)
-  cmake_parse_arguments(A "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(A "" "" "SOURCES;LINK;DEFINES" ${ARGN})
   string(REPLACE "-" "_" id ${name})
   add_library(component_${id}_objects OBJECT ${A_SOURCES})
   _kerf_common(component_${id}_objects)
   target_compile_options(component_${id}_objects PRIVATE ${KERF_RT_FLAGS} -fvisibility=hidden)
-  target_compile_definitions(component_${id}_objects PRIVATE KERF_MODULE_ID=${id})
+  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+    # Sanitizers give each temporary a place of its own; constructors, which run at load time, may have hundreds of them.
+    target_compile_options(component_${id}_objects PRIVATE -Wno-frame-larger-than)
+  endif()
+  target_compile_definitions(component_${id}_objects PRIVATE KERF_MODULE_ID=${id} ${A_DEFINES})
   if(A_LINK)
     target_link_libraries(component_${id}_objects PUBLIC ${A_LINK})
   endif()

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Says which behaviour sentences of the seed documents have a test, and which have none.
 
-tests/seeds/NNN.tsv has one row per sentence, with the tab-separated columns
+tests/seeds/NNN.tsv has one row per sentence, edge.tsv one per edge case that users of other controls have met, with the
+tab-separated columns
   id    seed, section and number, such as 002-m66-07; never reused
   gist  what the sentence asks for, in our words
   test  later               no test yet
@@ -23,7 +24,7 @@ from collections import Counter
 from pathlib import Path
 
 COLUMNS = ["id", "gist", "test", "note"]
-ID = re.compile(r"^(\d{3})-[a-z0-9_]+-\d{2,3}$")
+ID = re.compile(r"^(\d{3}|edge)-[a-z0-9_]+-\d{2,3}$")
 GTEST = re.compile(r"\b(?:TEST|TEST_F|TEST_P|TYPED_TEST|TYPED_TEST_P)\s*\(\s*(\w+)\s*,\s*(\w+)\s*\)")
 GTEST_NAME = re.compile(r"^(?:\w+/)?(\w+)(?:/\d+)?\.(\w+)(?:/\w+)?$")
 SAME = "same as "
@@ -120,7 +121,7 @@ def main():
         target = resolve(row, rows, problems.append)
         if target is None:
             continue
-        count = counts[row.id[:3]]
+        count = counts[row.id.split("-")[0]]
         count["rows"] += 1
         if target.test == "no behaviour":
             count["none"] += 1
@@ -135,7 +136,7 @@ def main():
 
     if args.missing:
         for row in missing:
-            if args.seed in (None, row.id[:3]):
+            if args.seed in (None, row.id.split("-")[0]):
                 print(f"{row.id}\t{row.gist}")
     else:
         print(f"{'seed':<6}{'rows':>6}{'tested':>8}{'later':>7}{'no behaviour':>14}{'tested %':>10}")

@@ -109,6 +109,8 @@ struct Info {
   std::string_view example{};
   /// Names, between blanks, of the loadrt parameters that take a list: with [HAL]TWOPASS those of several lines are joined.
   std::string_view lists{};
+  /// A singleton that takes names= itself (hal/channels.hpp).
+  bool own_names{false};
 };
 
 /// Collects what a component declares. The live one exports into the segment, others write docs or serve unit tests.
@@ -472,7 +474,7 @@ struct Module {
       nullptr};  ///< set by the loader: a module of the C API, for dlsym; the rest of it is empty
 };
 /// Raised when Builder, Module, Info or the handles change.
-inline constexpr std::uint64_t kModuleAbi = 4;
+inline constexpr std::uint64_t kModuleAbi = 5;
 
 /// Name of the symbol for component file ID (dashes as underscores): kerf_hal_module_ID.
 inline constexpr std::string_view kModuleSymbolPrefix = "kerf_hal_module_";

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "hal/channels.hpp"
 #include "hal/component.hpp"
 #include "hal/stream.hpp"
 
@@ -25,15 +26,6 @@ struct StreamChannels {
 };
 
 namespace detail {
-/// Cuts the text up to the next comma off the front of `list`.
-inline std::string_view next_field(std::string_view& list) noexcept {
-  const std::size_t comma = list.find(',');
-  const std::size_t size = comma == std::string_view::npos ? list.size() : comma;
-  const std::string_view field(list.data(), size);
-  list.remove_prefix(comma == std::string_view::npos ? size : size + 1);
-  return field;
-}
-
 inline void complain(Builder& b, std::string_view what, std::string_view about,
                      std::string_view expected = {}) noexcept {
   rtapi::FixedString<240> text;
@@ -84,8 +76,7 @@ inline StreamChannels read_stream_channels(Builder& b) noexcept {
       detail::complain(b, "more than 8 channels", "");
       return {};
     }
-    if (!detail::read_channel(b, detail::next_field(cfg), detail::next_field(depth),
-                              out.channel[n])) {
+    if (!detail::read_channel(b, next_field(cfg), next_field(depth), out.channel[n])) {
       return {};
     }
     out.size = n + 1;

@@ -126,6 +126,9 @@ std::optional<bool> to_bool(std::string_view text) {
 }
 
 std::optional<double> mm_per_unit(std::string_view name) {
+  // Old files say how many units are a millimetre.
+  if (const auto per_mm = to_real(name); per_mm.valid && !per_mm.has_trailing() && per_mm.value > 0)
+    return 1.0 / per_mm.value;
   return look_up(name, {{"mm", 1.0},
                         {"metric", 1.0},
                         {"cm", 10.0},
@@ -135,6 +138,9 @@ std::optional<double> mm_per_unit(std::string_view name) {
 }
 
 std::optional<double> deg_per_unit(std::string_view name) {
+  if (const auto per_deg = to_real(name);
+      per_deg.valid && !per_deg.has_trailing() && per_deg.value > 0)
+    return 1.0 / per_deg.value;
   return look_up(name, {{"deg", 1.0},
                         {"degree", 1.0},
                         {"rad", 180.0 / std::numbers::pi},

@@ -56,19 +56,22 @@ std::string_view next_line(std::string_view text, std::size_t& at) {
   return line;
 }
 
-/// All bytes of a file, or errno.
-int slurp(const std::string& path, std::string& out) {
+}  // namespace
+
+int Parser::slurp(const std::string& path, std::string& out) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
                                                              &std::fclose);
   if (!file) return errno;
   char buffer[16384];
   std::size_t got = 0;
   errno = 0;
-  while ((got = std::fread(buffer, 1, sizeof buffer, file.get())) > 0) out.append(buffer, got);
+  while ((got = std::fread(buffer, 1, sizeof buffer, file.get())) > 0) {
+    if (got > bytes_left_) return EFBIG;
+    bytes_left_ -= got;
+    out.append(buffer, got);
+  }
   return std::ferror(file.get()) != 0 ? (errno != 0 ? errno : EIO) : 0;
 }
-
-}  // namespace
 
 void Parser::read_file(const std::string& path) {
   std::string text;
@@ -88,9 +91,7 @@ void Parser::read_file(const std::string& path) {
 void Parser::read_text(std::string_view text, const std::string& name) {
   const bool own_source = stack_.empty();
   if (own_source) stack_.push_back({name, {}});
-  if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) {
-    warning(1, "The file begins with a UTF-8 byte order mark; save it without one");
-  }
+  const bool has_mark = text.substr(0, kByteOrderMark.size()) == kByteOrderMark;
   std::size_t at = 0;
   int number = 0;
   while (at < text.size()) {
@@ -121,6 +122,8 @@ void Parser::read_text(std::string_view text, const std::string& name) {
     }
     if (!part) line(whole, begin);
   }
+  // After LinuxCNC's own words about that line, which do not show what is wrong.
+  if (has_mark) warning(1, "The file begins with a UTF-8 byte order mark; save it without one");
   if (own_source) stack_.pop_back();
 }
 
@@ -236,6 +239,12 @@ void Parser::include(std::string_view name, int number) {
   if (stack_.size() >= kMaxIncludeDepth) {
     error(number, "Maximum include depth (" + std::to_string(kMaxIncludeDepth) +
                       ") reached on loading " + in_quotes(path));
+    return;
+  }
+  if (++includes_ >= kMaxIncludes) {
+    if (includes_ == kMaxIncludes)
+      error(number, "More than " + std::to_string(kMaxIncludes) + " files on loading " +
+                        in_quotes(path) + "; the others are not read");
     return;
   }
   std::string text;

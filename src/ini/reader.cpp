@@ -173,86 +173,187 @@ Value<std::string> get_string(const IniFile& file, std::string_view section, std
   return out;
 }
 
+namespace {
+
+RealSpec real_spec(const Key& key, double fallback, std::size_t num = 1) {
+  RealSpec spec;
+  spec.fallback = fallback;
+  if (key.min != -Key::kNone) spec.min = key.min;
+  if (key.max != Key::kNone) spec.max = key.max;
+  spec.min_excluded = key.min_excluded;
+  spec.required = key.is_required;
+  spec.unit = key.units;
+  spec.num = num;
+  return spec;
+}
+
+IntSpec int_spec(const Key& key, std::int64_t fallback, std::size_t num = 1) {
+  IntSpec spec;
+  spec.fallback = fallback;
+  if (key.min != -Key::kNone) spec.min = static_cast<std::int64_t>(key.min);
+  if (key.max != Key::kNone) spec.max = static_cast<std::int64_t>(key.max);
+  spec.min_excluded = key.min_excluded;
+  spec.required = key.is_required;
+  spec.unit = key.units;
+  spec.num = num;
+  return spec;
+}
+
+Value<std::size_t> get_choice(const IniFile& file, std::string_view section, std::string_view name,
+                              const Key& key, std::size_t num = 1) {
+  const std::vector<std::string> names = split_choices(key.choices);
+  Value<std::size_t> out;
+  std::string expected = "one of";
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    expected += ' ' + names[i];
+    if (names[i] == key.fallback) out.value = i;
+  }
+  const Entry* entry = file.find(section, name, num);
+  if (entry == nullptr) {
+    if (key.is_required) out.diagnostics.push_back(missing(file, section, name, expected));
+    return out;
+  }
+  out.found = true;
+  out.at = entry->at;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!equal_ignoring_case(names[i], entry->value)) continue;
+    out.value = i;
+    return out;
+  }
+  const std::string near = nearest_name(entry->value, names);
+  if (!near.empty()) expected += "; did you mean '" + near + "'?";
+  out.diagnostics.push_back(bad_value(*entry, expected));
+  return out;
+}
+
+std::string expected_reals(const Key& key) {
+  const std::vector<std::string> counts = split_choices(key.choices);
+  std::string out;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    out += (i == 0 ? "" : i + 1 == counts.size() ? " or " : ", ") + counts[i];
+  }
+  return (out.empty() ? out : out + ' ') + "numbers" +
+         (key.units.empty() ? "" : " [" + std::string(key.units) + ']');
+}
+
+Value<std::vector<double>> get_reals(const IniFile& file, std::string_view section,
+                                     std::string_view name, const Key& key, std::size_t num = 1) {
+  Value<std::vector<double>> out;
+  const Entry* entry = file.find(section, name, num);
+  if (entry == nullptr) {
+    if (key.is_required)
+      out.diagnostics.push_back(missing(file, section, name, expected_reals(key)));
+    return out;
+  }
+  out.found = true;
+  out.at = entry->at;
+  bool good = true;
+  for (std::string_view rest = entry->value; good;) {
+    const auto first = rest.find_first_not_of(" \t");
+    if (first == std::string_view::npos) break;
+    const Number<double> number = to_real(rest.substr(first));
+    good = number.valid && !number.has_trailing();
+    out.value.push_back(number.value);
+    rest = number.rest;
+  }
+  bool fits = key.choices.empty() || out.value.empty();
+  for (const std::string& count : split_choices(key.choices))
+    fits = fits || count == std::to_string(out.value.size());
+  if (good && fits) return out;
+  out.value.clear();
+  out.diagnostics.push_back(bad_value(*entry, expected_reals(key)));
+  return out;
+}
+
+Value<double> get_unit(const IniFile& file, std::string_view section, std::string_view name,
+                       bool is_linear, double fallback, std::size_t num = 1) {
+  Value<double> out;
+  out.value = fallback;
+  const Entry* entry = file.find(section, name, num);
+  if (entry == nullptr) return out;
+  out.found = true;
+  out.at = entry->at;
+  if (const auto unit = is_linear ? mm_per_unit(entry->value) : deg_per_unit(entry->value)) {
+    out.value = *unit;
+  } else {
+    out.diagnostics.push_back(bad_value(*entry, is_linear
+                                                    ? "one of mm cm inch in metric imperial"
+                                                    : "one of deg degree rad radian grad gon"));
+  }
+  return out;
+}
+
+}  // namespace
+
+const Key& Reader::row(std::string_view section, std::string_view key) {
+  if (const KeyPlace place = table_.find(section, key); place.key != nullptr) return *place.key;
+  complain(section, key, "is not in the table of INI keys (src/ini/keys)");
+  static constexpr Key kNoRow{};
+  return kNoRow;
+}
+
 template <class T>
-T Reader::take(std::string_view section, std::string_view key, Value<T> value) {
-  known_key(section, key);
+T Reader::take(Value<T> value) {
   for (auto& d : value.diagnostics) complaints_.push_back(std::move(d));
   return std::move(value.value);
 }
 
-double Reader::real(std::string_view section, std::string_view key, const RealSpec& spec) {
-  return take(section, key, get_real(file_, section, key, spec));
+double Reader::real(std::string_view section, std::string_view key) {
+  const Key& k = row(section, key);
+  return take(get_real(file_, section, key, real_spec(k, to_real(k.fallback).value)));
 }
 
-std::int64_t Reader::integer(std::string_view section, std::string_view key, const IntSpec& spec) {
-  return take(section, key, get_int(file_, section, key, spec));
+double Reader::real(std::string_view section, std::string_view key, double fallback) {
+  return take(get_real(file_, section, key, real_spec(row(section, key), fallback)));
 }
 
-std::uint64_t Reader::unsigned_integer(std::string_view section, std::string_view key,
-                                       const UintSpec& spec) {
-  return take(section, key, get_uint(file_, section, key, spec));
+std::int64_t Reader::integer(std::string_view section, std::string_view key) {
+  const Key& k = row(section, key);
+  return take(get_int(file_, section, key, int_spec(k, to_int(k.fallback).value)));
 }
 
-bool Reader::boolean(std::string_view section, std::string_view key, const BoolSpec& spec) {
-  return take(section, key, get_bool(file_, section, key, spec));
+std::int64_t Reader::integer(std::string_view section, std::string_view key,
+                             std::int64_t fallback) {
+  return take(get_int(file_, section, key, int_spec(row(section, key), fallback)));
 }
 
-std::string Reader::string(std::string_view section, std::string_view key, const StringSpec& spec) {
-  return take(section, key, get_string(file_, section, key, spec));
+bool Reader::boolean(std::string_view section, std::string_view key) {
+  return boolean(section, key, to_bool(row(section, key).fallback).value_or(false));
+}
+
+bool Reader::boolean(std::string_view section, std::string_view key, bool fallback) {
+  const Key& k = row(section, key);
+  return take(get_bool(file_, section, key, {.fallback = fallback, .required = k.is_required}));
+}
+
+std::string Reader::string(std::string_view section, std::string_view key) {
+  const Key& k = row(section, key);
+  return take(get_string(file_, section, key, {.fallback = k.fallback, .required = k.is_required}));
 }
 
 std::vector<std::string> Reader::strings(std::string_view section, std::string_view key) {
-  known_key(section, key);
+  (void)row(section, key);
   std::vector<std::string> out;
   for (const Entry* entry : file_.find_all(section, key)) out.push_back(entry->value);
   return out;
 }
 
-std::size_t Reader::choice(std::string_view section, std::string_view key,
-                           const std::vector<std::string>& names, std::size_t fallback,
-                           bool required) {
-  known_key(section, key);
-  std::string expected = "one of";
-  for (const auto& name : names) expected += ' ' + name;
-  const Entry* entry = file_.find(section, key);
-  if (entry == nullptr) {
-    if (required) complaints_.push_back(missing(file_, section, key, expected));
-    return fallback;
-  }
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (equal_ignoring_case(names[i], entry->value)) return i;
-  }
-  const std::string near = nearest_name(entry->value, names);
-  if (!near.empty()) expected += "; did you mean '" + near + "'?";
-  complaints_.push_back(bad_value(*entry, expected));
-  return fallback;
+std::size_t Reader::choice(std::string_view section, std::string_view key) {
+  return take(get_choice(file_, section, key, row(section, key)));
+}
+
+std::vector<double> Reader::reals(std::string_view section, std::string_view key) {
+  return take(get_reals(file_, section, key, row(section, key)));
 }
 
 double Reader::linear_unit(std::string_view section, std::string_view key, double fallback_mm) {
-  known_key(section, key);
-  const Entry* entry = file_.find(section, key);
-  if (entry == nullptr) return fallback_mm;
-  if (const auto mm = mm_per_unit(entry->value)) return *mm;
-  complaints_.push_back(bad_value(*entry, "one of mm cm inch in metric imperial"));
-  return fallback_mm;
+  (void)row(section, key);
+  return take(get_unit(file_, section, key, true, fallback_mm));
 }
 
 double Reader::angular_unit(std::string_view section, std::string_view key, double fallback_deg) {
-  known_key(section, key);
-  const Entry* entry = file_.find(section, key);
-  if (entry == nullptr) return fallback_deg;
-  if (const auto deg = deg_per_unit(entry->value)) return *deg;
-  complaints_.push_back(bad_value(*entry, "one of deg degree rad radian grad gon"));
-  return fallback_deg;
-}
-
-bool Reader::has(std::string_view section, std::string_view key) {
-  known_key(section, key);
-  return file_.find(section, key) != nullptr;
-}
-
-void Reader::known_key(std::string_view section, std::string_view key) {
-  asked_.emplace(section, key);
+  (void)row(section, key);
+  return take(get_unit(file_, section, key, false, fallback_deg));
 }
 
 void Reader::complain(std::string_view section, std::string_view key, const std::string& text,
@@ -269,23 +370,19 @@ bool Reader::failed() const {
   return false;
 }
 
-std::vector<Diagnostic> Reader::unknown_keys(const std::vector<std::string>& sections) const {
-  std::vector<Diagnostic> out;
-  for (const auto& section : sections) {
-    std::vector<std::string> known;
-    for (const auto& [asked_section, key] : asked_) {
-      if (asked_section == section) known.push_back(key);
-    }
-    std::set<std::string_view> told;
-    for (const Entry* entry : file_.variables(section)) {
-      if (asked_.count({section, entry->key}) != 0 || !told.insert(entry->key).second) continue;
-      std::string text = "unknown key " + full_name(section, entry->key);
-      const std::string near = nearest_name(entry->key, known);
-      if (!near.empty()) text += "; did you mean '" + near + "'?";
-      out.push_back({entry->at, false, std::move(text)});
-    }
+std::vector<Diagnostic> check_value(const IniFile& file, const Key& key, std::string_view section,
+                                    std::string_view name, std::size_t num) {
+  switch (key.kind) {
+    case Kind::text: break;
+    case Kind::real: return get_real(file, section, name, real_spec(key, 0, num)).diagnostics;
+    case Kind::integer: return get_int(file, section, name, int_spec(key, 0, num)).diagnostics;
+    case Kind::boolean: return get_bool(file, section, name, {.num = num}).diagnostics;
+    case Kind::choice: return get_choice(file, section, name, key, num).diagnostics;
+    case Kind::reals: return get_reals(file, section, name, key, num).diagnostics;
+    case Kind::linear_unit: return get_unit(file, section, name, true, 1, num).diagnostics;
+    case Kind::angular_unit: return get_unit(file, section, name, false, 1, num).diagnostics;
   }
-  return out;
+  return {};
 }
 
 }  // namespace kerf::ini

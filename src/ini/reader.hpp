@@ -2,8 +2,8 @@
 // collected, so that a user sees all bad keys of a machine at once.
 //
 //   Reader r(file);
-//   const double v = r.real("JOINT_0", "MAX_VELOCITY", {.min = 0, .required = true, .unit = "mm/s"});
-//   const bool mist = r.boolean("EMCIO", "MIST", false);
+//   const double v = r.real("JOINT_0", "MAX_VELOCITY");  // type, range and default: src/ini/keys/
+//   const bool random = r.boolean("EMCIO", "RANDOM_TOOLCHANGER");
 //   for (const auto& c : r.complaints()) std::fputs((c.message() + "\n").c_str(), stderr);
 //   if (r.failed()) return 1;
 #pragma once
@@ -11,13 +11,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <set>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "ini/ini_file.hpp"
+#include "ini/keys.hpp"
 
 namespace kerf::ini {
 
@@ -86,57 +85,59 @@ struct Value {
 [[nodiscard]] Value<std::string> get_string(const IniFile& file, std::string_view section,
                                             std::string_view key, const StringSpec& spec = {});
 
-/// Reads keys and remembers what was asked and what was wrong. The IniFile must outlive it.
+/// Reads keys as the table declares them, and collects what is wrong. File and table must outlive it.
 class Reader {
  public:
-  explicit Reader(const IniFile& file) : file_(file) {}
+  explicit Reader(const IniFile& file, const KeyTable& table = machine_keys())
+      : file_(file), table_(table) {}
 
-  double real(std::string_view section, std::string_view key, const RealSpec& spec = {});
-  std::int64_t integer(std::string_view section, std::string_view key, const IntSpec& spec = {});
-  std::uint64_t unsigned_integer(std::string_view section, std::string_view key,
-                                 const UintSpec& spec = {});
-  bool boolean(std::string_view section, std::string_view key, const BoolSpec& spec = {});
-  bool boolean(std::string_view section, std::string_view key, bool fallback) {
-    return boolean(section, key, BoolSpec{.fallback = fallback});
-  }
-  std::string string(std::string_view section, std::string_view key, const StringSpec& spec = {});
-  std::string string(std::string_view section, std::string_view key, const char* fallback) {
-    return string(section, key, StringSpec{.fallback = fallback});
-  }
+  /// Type, range, unit, default and whether the key is required come from the table. Pass `fallback` only for a default
+  /// that depends on other keys.
+  double real(std::string_view section, std::string_view key);
+  double real(std::string_view section, std::string_view key, double fallback);
+  std::int64_t integer(std::string_view section, std::string_view key);
+  std::int64_t integer(std::string_view section, std::string_view key, std::int64_t fallback);
+  bool boolean(std::string_view section, std::string_view key);
+  bool boolean(std::string_view section, std::string_view key, bool fallback);
+  std::string string(std::string_view section, std::string_view key);
   /// Every instance of a repeated key (HALFILE, HALCMD), in file order.
   std::vector<std::string> strings(std::string_view section, std::string_view key);
-  /// The index in `names` (any case) of the value; else a complaint that lists the names.
-  std::size_t choice(std::string_view section, std::string_view key,
-                     const std::vector<std::string>& names, std::size_t fallback,
-                     bool required = false);
-  /// Millimetres per unit of a key that names a linear unit; degrees per unit of an angular one.
+  /// The index in the key's choices (any case) of the value; else a complaint that lists them.
+  std::size_t choice(std::string_view section, std::string_view key);
+  /// The numbers of the value; none after a complaint, or without the key.
+  std::vector<double> reals(std::string_view section, std::string_view key);
+  /// Millimetres per linear unit, degrees per angular unit.
   double linear_unit(std::string_view section, std::string_view key, double fallback_mm = 1.0);
   double angular_unit(std::string_view section, std::string_view key, double fallback_deg = 1.0);
 
-  [[nodiscard]] bool has(std::string_view section, std::string_view key);
-  /// Marks a key as known that somebody else reads (a HAL file, a screen).
-  void known_key(std::string_view section, std::string_view key);
-  /// Adds a complaint of the caller, placed at the key (or its section) if the file has it.
-  void complain(std::string_view section, std::string_view key, const std::string& text,
-                bool is_error = true);
-
-  /// Everything wrong so far, errors and warnings, in the order of reading.
-  [[nodiscard]] const std::vector<Diagnostic>& complaints() const { return complaints_; }
-  [[nodiscard]] bool failed() const;
-  /// A warning for each key of `sections` that nobody asked for, with the nearest known key. Call
-  /// it after everything is read.
-  [[nodiscard]] std::vector<Diagnostic> unknown_keys(
-      const std::vector<std::string>& sections) const;
+  [[nodiscard]] bool has(std::string_view section, std::string_view key) const {
+    return file_.find(section, key) != nullptr;
+  }
 
   [[nodiscard]] const IniFile& file() const { return file_; }
 
+  /// Adds a complaint of the caller's own about a key (its value contradicts another one ...).
+  void complain(std::string_view section, std::string_view key, const std::string& text,
+                bool is_error = true);
+
+  [[nodiscard]] const std::vector<Diagnostic>& complaints() const { return complaints_; }
+  /// There is an error among the complaints.
+  [[nodiscard]] bool failed() const;
+
  private:
+  /// The row of the table; a key that is not in it is a complaint of its own.
+  const Key& row(std::string_view section, std::string_view key);
   template <class T>
-  T take(std::string_view section, std::string_view key, Value<T> value);
+  T take(Value<T> value);
 
   const IniFile& file_;
+  const KeyTable& table_;
   std::vector<Diagnostic> complaints_;
-  std::set<std::pair<std::string, std::string>> asked_;
 };
+
+/// What is wrong with one value of a key, by its row in the table: one error at most, and warnings.
+[[nodiscard]] std::vector<Diagnostic> check_value(const IniFile& file, const Key& key,
+                                                  std::string_view section, std::string_view name,
+                                                  std::size_t num);
 
 }  // namespace kerf::ini

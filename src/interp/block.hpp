@@ -101,6 +101,7 @@ enum class Flow : std::uint8_t {
   endrepeat,
   break_loop,
   continue_loop,
+  go_to,           ///< to the line with an N number
   program_number,  ///< O with a number and nothing else: a numbered program begins
   call_number,     ///< M98
   return_number,   ///< M99
@@ -139,6 +140,7 @@ struct Jump {
   bool known{false};              ///< `to` is: no search any more
   ParsedBlock* block{nullptr};    ///< the block that was jumped to last
   ParsedBlock* landing{nullptr};  ///< the block that a search reached, when it computes something
+  std::uint32_t leaves{0};        ///< loops and IF blocks in progress that the jump leaves
 };
 
 /// Plain and trivially copyable: what the spans and texts show belongs to the parser (until its next line) or to a BlockCache.
@@ -156,6 +158,9 @@ struct ParsedBlock {
   bool skip{false};         ///< begins with /
   bool percent{false};      ///< a line that begins with %
   bool statement{false};    ///< `flow` was written without an O-word
+  bool nested{false};       ///< a statement whose parts belong together by their nesting
+  bool conditional{false};  ///< the words and settings happen when arguments[0] is not 0 ...
+  std::uint32_t else_words{0}, else_assignments{0};  ///< ... those from here on when it is
   std::uint32_t quoted{0};  ///< a quoted text among the words: its name + 1; 0 none
   bool cached{false};       ///< lives in a BlockCache
   std::int32_t sequence{-1};

@@ -124,7 +124,22 @@ void Core::undo_block() {
   compensation.undo();
 }
 
-Outcome Core::execute_next() { return attached_ ? execute_scripted() : execute_one(); }
+Outcome Core::execute_next() {
+  const Outcome o = attached_ ? execute_scripted() : execute_one();
+  return o == Outcome::error && logs(LogLevel::errors) ? log_error() : o;
+}
+
+void Core::log(std::string_view what, std::int32_t line) {
+  const std::string_view file = current_file();
+  std::string text(file.empty() ? "MDI" : file);
+  if (line > 0) text += ':' + std::to_string(line);
+  env.log(text.append(": ").append(what));
+}
+
+Outcome Core::log_error() {
+  env.log("error: " + error.message());
+  return Outcome::error;
+}
 
 Outcome Core::execute_one() {
   if (repeats.left > 0) return next_repeat();
@@ -132,6 +147,7 @@ Outcome Core::execute_one() {
   if (flows.skip.active) return continue_skip();
   if (flows.frames.empty()) return Outcome::idle;
   if (flows.profile != nullptr) return profile_step();
+  if (flows.programs[flows.frames[0].program].stream != nullptr) forget_lines();
   ParsedBlock* b = nullptr;
   const LineRead r = read_block(b);
   if (r == LineRead::bad) return Outcome::error;
@@ -142,6 +158,7 @@ Outcome Core::execute_one() {
 Outcome Core::read_problem(LineRead r) {
   current = nullptr;
   switch (r) {
+    case LineRead::none_yet: return Outcome::needs_line;
     case LineRead::end: return end_of_file();
     case LineRead::too_long:
       fail(0,
@@ -193,6 +210,7 @@ Outcome Core::execute_block(ParsedBlock& b) {
     begin_block();
   current = &b;
   state.line = b.place.line + 1;
+  if (logs(LogLevel::blocks)) log(b.text, state.line);
   if (b.percent) {
     const bool first_line = flows.frames.size() == 1 && !flows.mdi && !state.percent_file &&
                             flows.loops.empty() && !flows.started;
@@ -218,6 +236,11 @@ Outcome Core::execute_block(ParsedBlock& b) {
                      b.comment != CommentKind::none))
     flows.started = true;
   if (b.flow != Flow::none) return run_flow(b);
+  if (b.conditional) {
+    ParsedBlock* const part = chosen_part(b);
+    if (part == nullptr) return undo_block(), Outcome::error;
+    return execute_block(*part);
+  }
   if (!build(b, block_) || !store(b) || !run_comment(b) || !run_rows(block_)) {
     undo_block();
     return Outcome::error;
@@ -261,6 +284,7 @@ Outcome Core::finish_block(const ParsedBlock& p) {
 
 Outcome Core::block_done() {
   if (ended) {
+    if (logs(LogLevel::calls)) log("program end", state.line);
     drop_frames();
     return Outcome::program_end;
   }
@@ -509,6 +533,10 @@ void Core::abort() {
   state.cutter_comp = 400;
   flows.skip.active = false;
   drop_frames();
+  if (LineStream* const s = stream(); s != nullptr && !flows.mdi) {
+    Frame& f = flows.frames[0];
+    f.go_to({s->end_offset(), f.place.line + s->drop_from(f.place.offset)});
+  }
   drop_nurbs();
   state.percent_file = false;
 }

@@ -119,6 +119,9 @@ class Core {
   [[nodiscard]] Outcome execute_next();
   [[nodiscard]] Outcome execute_mdi(std::string_view text);
   void open_main(const std::string& path, std::unique_ptr<LineSource> source);
+  void open_stream(const std::string& name);
+  /// The main program, when it is a stream.
+  [[nodiscard]] LineStream* stream() const;
   void close_main();
   void synchronize(const ExternalState& external);
   void abort();
@@ -181,6 +184,12 @@ class Core {
   [[nodiscard]] bool read_named(std::uint32_t id, Value& value, bool& exists);
   [[nodiscard]] const CodeRow* row(char letter, int code) const;
 
+  [[nodiscard]] bool logs(LogLevel level) const { return settings.log_level >= level; }
+  /// "FILE:LINE: WHAT"; line 0: without.
+  void log(std::string_view what, std::int32_t line = 0);
+  /// A block in error.
+  Outcome log_error();
+
   // --- program flow (flow.cpp) ---
   [[nodiscard]] Outcome run_flow(ParsedBlock& b);
   [[nodiscard]] Outcome continue_skip();
@@ -191,6 +200,13 @@ class Core {
   void start_skip(ParsedBlock& b, Label label, FlowMask stop_at);
   [[nodiscard]] bool flow_label(const ParsedBlock& b, Label& label);
   [[nodiscard]] bool flow_step(ParsedBlock& b, Label label, double condition);
+  // --- statements without O-words (statements.cpp) ---
+  [[nodiscard]] bool nested_step(ParsedBlock& b, bool condition);
+  void enter_nested(const ParsedBlock& b, Flow kind);
+  [[nodiscard]] Outcome look_for_line();
+  void pass_line(std::string_view line);
+  /// The part of an IF THEN ELSE that its condition chooses; null: core.fail() was called.
+  [[nodiscard]] ParsedBlock* chosen_part(ParsedBlock& b);
   [[nodiscard]] bool run_while(ParsedBlock& b, Label label, bool condition);
   [[nodiscard]] bool loop_end_step(ParsedBlock& b, Label label);
   [[nodiscard]] bool label_problem(const char* help, const std::string& text);
@@ -223,6 +239,7 @@ class Core {
   /// A lasting copy; null when there is no room.
   [[nodiscard]] ParsedBlock* cache_block(const ParsedBlock& b);
   void forget_blocks(std::uint32_t program);
+  void forget_lines();
 
   // --- lathe cycles (codes/lathe.cpp) ---
   /// G70-G72: begins to read the profile from its sub.
@@ -329,7 +346,7 @@ class Core {
   ModalState saved_;
   Tool saved_tool_;
   Block block_;
-  ParsedBlock scratch_;
+  ParsedBlock scratch_, chosen_;
   std::size_t cached_bytes_{0};
   std::string message_, held_text_;
   std::unique_ptr<CoreSelf> self_;

@@ -40,13 +40,24 @@ struct LetterRow {
   const char* unused;  ///< null: always allowed (f, s, t, n)
 };
 
-/// A statement without an O-word at the beginning of a line, `WHILE [#1 LT 9] DO2` ... `END2`: the word, a condition, what stands
-/// before the number, the number that joins the parts. Numbers may be used again.
+/// What joins the parts of a statement, or what it refers to.
+enum class Joins : std::uint8_t {
+  number,   ///< `WHILE [..] DO2` ... `END2`; numbers may be used again
+  nesting,  ///< `IF [..]` ... `ELSE` ... `ENDIF`, `WHILE [..]` ... `ENDWHILE`
+  line,     ///< `IF [..] GOTO 100`: the line that begins with N100; the number may be computed
+  rest,     ///< `IF [..] THEN #1=2 ELSE #1=3`: the rest of the line
+};
+
+/// A statement without an O-word at the beginning of a line: its first word, whether a condition follows, and what stands behind
+/// that. Of rows with one word the first that fits counts, so the one with nothing behind the condition comes last; a word
+/// that begins with another one comes before that (ENDIF before END).
 struct StatementRow {
   std::string_view word;
   Flow flow;
   bool condition;
-  std::string_view before_number;
+  std::string_view behind;
+  Joins joins{Joins::number};
+  std::string_view otherwise{};  ///< of Joins::rest: what the line does when the condition is 0
 };
 
 /// A function beside those of the language, `PRM[110]`: false when core.fail() was called.
@@ -76,6 +87,11 @@ struct Dialect {
 
 /// RS274NGC as LinuxCNC speaks it.
 [[nodiscard]] const Dialect& linuxcnc_dialect();
+
+/// Names that [RS274NGC]DIALECT may have; the first is the default.
+[[nodiscard]] std::span<const std::string_view> dialect_names();
+/// The dialect of one of these names; of any other the default.
+[[nodiscard]] const Dialect& dialect_of(std::string_view name);
 
 // Places in the order of execution (manual: "G-code Order of Execution").
 inline constexpr std::int16_t kOrderComment = 10;

@@ -18,6 +18,15 @@ class ScriptHost;
 /// Whose manual rules where the manuals of LinuxCNC differ ([RS274NGC]COMPAT = 2.7, 2.8).
 enum class Compat : std::uint8_t { v2_7, v2_8, newest };
 
+/// [RS274NGC]LOG_LEVEL: what Environment::log() gets; each level has those before it too.
+enum class LogLevel : int {
+  nothing = -1,
+  errors = 0,  ///< blocks in error
+  calls =
+      1,  ///< programs and MDI lines that begin, programs that end, subs, bodies of remapped codes
+  blocks = 2,  ///< each block, as written
+};
+
 /// Fixed for the life of an interpreter. Keys: [RS274NGC], [TRAJ], [EMCIO] of the INI (integrator manual).
 struct Settings {
   double machine_unit_mm{
@@ -44,18 +53,18 @@ struct Settings {
   int smooth_planner{1};       ///< [TRAJ]SMOOTH_PLANNER: what G64 R chooses; 0 refuses R
   double g73_clearance_mm{0};  ///< 0 = the documented default (1 mm, .050 in)
   double g83_clearance_mm{0};
-  bool ini_vars{true};                  ///< INI_VARS: #<_ini[section]key> may be read
-  bool hal_pin_vars{true};              ///< HAL_PIN_VARS: #<_hal[name]> may be read
-  bool oword_nargs{false};              ///< OWORD_NARGS: a called sub has #<n_args>
-  bool no_downcase_oword{false};        ///< NO_DOWNCASE_OWORD: names in comments keep their case
-  bool oword_warnonly{false};           ///< OWORD_WARNONLY: errors around O-words only warn
-  bool disable_fanuc_style_sub{false};  ///< DISABLE_FANUC_STYLE_SUB: no M98, M99 and O-numbers
-  Compat compat{Compat::newest};        ///< COMPAT
-  std::string dialect{"linuxcnc"};      ///< DIALECT
-  int log_level{-1};                    ///< LOG_LEVEL
-  std::string log_file;                 ///< LOG_FILE; "": standard error
-  std::vector<Remap> remaps;            ///< REMAP
-  int debug_mask{0};                    ///< [EMC]DEBUG, for scripts
+  bool ini_vars{true};                    ///< INI_VARS: #<_ini[section]key> may be read
+  bool hal_pin_vars{true};                ///< HAL_PIN_VARS: #<_hal[name]> may be read
+  bool oword_nargs{false};                ///< OWORD_NARGS: a called sub has #<n_args>
+  bool no_downcase_oword{false};          ///< NO_DOWNCASE_OWORD: names in comments keep their case
+  bool oword_warnonly{false};             ///< OWORD_WARNONLY: errors around O-words only warn
+  bool disable_fanuc_style_sub{false};    ///< DISABLE_FANUC_STYLE_SUB: no M98, M99 and O-numbers
+  Compat compat{Compat::newest};          ///< COMPAT
+  std::string dialect{"linuxcnc"};        ///< DIALECT
+  LogLevel log_level{LogLevel::nothing};  ///< LOG_LEVEL
+  std::string log_file;                   ///< LOG_FILE; "": standard error
+  std::vector<Remap> remaps;              ///< REMAP
+  int debug_mask{0};                      ///< [EMC]DEBUG, for scripts
 };
 
 /// Outcome of a look-up of a user M-code.
@@ -92,6 +101,8 @@ class Environment {
   }
   /// Something that the program should not do and that is no error (OWORD_WARNONLY).
   virtual void warning(std::string_view text) { (void)text; }
+  /// A line of the log that LOG_LEVEL asks for.
+  virtual void log(std::string_view line) { (void)line; }
   /// Functions in Python, when the machine has them ([PYTHON]TOPLEVEL); must outlive the interpreter.
   [[nodiscard]] virtual ScriptHost* scripts() { return nullptr; }
   /// #<_hal[name]>: pin, signal or parameter; nullopt: no such name.

@@ -12,10 +12,6 @@ namespace kerf::interp {
 
 namespace {
 
-/// What is looked at per execute_next() while searching a label.
-constexpr int kSkipLines = 1000;
-constexpr std::uint64_t kSkipBytes = 65536;
-
 /// Where to go on in a block that a search may remember; null when it may not.
 Jump* memory_of(const ParsedBlock& b, Jump& jump) {
   return b.cached && b.label_expr.count == 0 ? &jump : nullptr;
@@ -34,11 +30,13 @@ std::uint32_t Core::add_program(std::string path, std::unique_ptr<LineSource> so
         std::none_of(flows.parked.begin(), flows.parked.end(), uses)) {
       p.source = std::move(source);
       p.labels.clear();
+      p.stream = nullptr;
+      p.goes_back = false;
       forget_blocks(static_cast<std::uint32_t>(i));
     }
     return static_cast<std::uint32_t>(i);
   }
-  flows.programs.push_back({std::move(path), std::move(source), nullptr, {}});
+  flows.programs.push_back({std::move(path), std::move(source), nullptr, {}, nullptr, false});
   return static_cast<std::uint32_t>(flows.programs.size() - 1);
 }
 
@@ -85,7 +83,8 @@ LineRead Core::read_block(ParsedBlock*& b) {
   }
   b = &scratch_;
   // Lines of loops and subs run again.
-  const bool again = flows.frames.size() > 1 || flows.loops.size() > f.first_loop;
+  const bool again =
+      flows.frames.size() > 1 || flows.loops.size() > f.first_loop || program.goes_back;
   if (r == LineRead::line && again) {
     if (ParsedBlock* const kept = cache_block(scratch_); kept != nullptr) {
       b = kept;
@@ -138,6 +137,7 @@ void Core::close_main() {
   for (std::uint32_t i = 1; i < flows.programs.size(); ++i) {
     forget_blocks(i);
     flows.programs[i].source = nullptr;
+    flows.programs[i].stream = nullptr;
     flows.programs[i].cache = nullptr;
     flows.programs[i].labels.clear();
   }
@@ -148,6 +148,33 @@ void Core::open_main(const std::string& path, std::unique_ptr<LineSource> source
   Frame f;
   f.program = add_program(path, std::move(source));
   flows.frames.push_back(std::move(f));
+  if (logs(LogLevel::calls)) log("program begins");
+}
+
+void Core::open_stream(const std::string& name) {
+  auto source = std::make_unique<LineStream>(dialect.longest_line);
+  LineStream* const stream = source.get();
+  open_main(name, std::move(source));
+  flows.programs[flows.frames[0].program].stream = stream;
+}
+
+LineStream* Core::stream() const {
+  const Frame* main = !flows.parked.empty()                 ? &flows.parked[0]
+                      : !flows.mdi && !flows.frames.empty() ? &flows.frames[0]
+                                                            : nullptr;
+  return main == nullptr ? nullptr : flows.programs[main->program].stream;
+}
+
+// Lines of a stream that no loop and no sub needs again go, and so do their parsed copies.
+void Core::forget_lines() {
+  Frame& f = flows.frames[0];
+  Program& p = flows.programs[f.program];
+  if (flows.frames.size() > 1 || flows.mdi || !flows.loops.empty()) return;
+  p.stream->forget_before(f.place.offset);
+  constexpr std::size_t kMany = std::size_t{1} * 1024 * 1024;
+  if (p.cache == nullptr || p.cache->bytes() < kMany) return;
+  forget_blocks(f.program);
+  f.go_to(f.place);
 }
 
 Outcome Core::execute_mdi(std::string_view text) {
@@ -167,6 +194,7 @@ Outcome Core::execute_mdi(std::string_view text) {
   flows.frames.clear();
   flows.frames.emplace_back().first_loop = flows.loops.size();
   flows.mdi = true;
+  if (logs(LogLevel::calls)) log(text);
   const Outcome o = execute_next();
   if (o == Outcome::idle) return Outcome::ok;  // an empty line
   if (o == Outcome::error) drop_frames();
@@ -192,7 +220,8 @@ void Core::drop_frames() {
     flows.mdi = false;
     return;
   }
-  if (!flows.frames.empty()) flows.frames[0].go_to({});
+  // A stream goes on where it is; a file begins anew.
+  if (!flows.frames.empty()) flows.frames[0].go_to(stream() ? flows.frames[0].place : Place{});
   flows.started = false;
   state.percent_file = false;
 }
@@ -200,6 +229,7 @@ void Core::drop_frames() {
 bool Core::enter_sub(const Sub& sub, ParsedBlock** link) {
   if (flows.frames.size() > static_cast<std::size_t>(dialect.call_levels))
     return fail(0, "A sub that calls itself needs a way out", "Too many subroutine levels");
+  if (logs(LogLevel::calls)) log("call of o" + flows.labels.text(flows.skip.label), state.line);
   Frame& f = flows.frames.emplace_back();
   f.program = sub.where.program;
   f.place = sub.where.place;
@@ -273,10 +303,13 @@ void Core::search(ParsedBlock& b, Jump& jump, Label label, FlowMask stop_at) {
   Skip& s = flows.skip;
   s.landing = jump.landing;
   if (jump.known) {
+    flows.loops.resize(flows.loops.size() - jump.leaves);
     f.go_to(jump.to, b, jump);
     return;
   }
   s.active = true;
+  s.depth = 0;
+  s.open = flows.loops.size();
   s.label = label;
   s.stop_at = stop_at;
   s.from = b.place;
@@ -296,6 +329,8 @@ Outcome Core::skip_failed() {
                   ? "A numbered program (O with the number) stands behind the M98 that calls it"
                   : "Define the sub, or put it into a file of its name in the search path",
               flows.programs[s.program].path);
+  } else if (s.label == Label::nested) {
+    fail(0, "The end of the statement in this line is missing", "%s", kNoEnd);
   } else {
     const std::string help = "The end of the O-word in line " + std::to_string(s.from.line + 1) +
                              " is missing: label " + flows.labels.text(s.label);
@@ -320,11 +355,14 @@ Outcome Core::continue_skip() {
     flows.frames.back().go_behind(*s.landing);
     return land(*s.landing);
   }
+  if (s.stop_at == flow_bit(Flow::go_to)) return look_for_line();
   std::uint64_t bytes = 0;
   for (int i = 0; i < kSkipLines && bytes < kSkipBytes; ++i) {
     std::string_view line;
     std::uint64_t next = 0;
     const LineRead r = flows.programs[s.program].source->read(s.place.offset, line, next);
+    if (r == LineRead::none_yet && !s.to_sub) return Outcome::needs_line;
+    if (r == LineRead::none_yet) return skip_failed();  // a sender waits for the answer to its call
     if (r == LineRead::end) {
       // A numbered program stands behind its call (manual: "Fanuc-Style Numbered Programs").
       if (!s.to_sub || s.wrapped || s.numbered) return skip_failed();
@@ -340,7 +378,9 @@ Outcome Core::continue_skip() {
     const Place here = s.place;
     s.place = {next, here.line + 1};
     ParsedBlock& b = scratch_;
-    if (!parser_.peek_flow(line, b) || (flow_bit(b.flow) & s.stop_at) == 0) continue;
+    if (!parser_.peek_flow(line, b) || (s.label == Label::nested && s.passes(b)) ||
+        (flow_bit(b.flow) & s.stop_at) == 0)
+      continue;
     Label label{};
     if (!flow_label(b, label) || label != s.label) continue;
     b.text = line;
@@ -359,7 +399,7 @@ Outcome Core::found(ParsedBlock& b) {
   Frame& f = flows.frames.back();
   f.go_to(b.after);
   if (s.origin == nullptr) return land(b);
-  if (b.flow != Flow::elseif && b.flow != Flow::while_loop) {
+  if (b.flow != Flow::elseif && b.flow != Flow::while_loop && !b.nested) {
     s.origin->to = b.after;
     s.origin->known = true;
     f.link = &s.origin->block;
@@ -389,14 +429,21 @@ Outcome Core::land(ParsedBlock& b) {
     undo_block();
     return Outcome::error;
   }
+  if (b.flow == Flow::endsub && flows.programs[b.program].stream != nullptr)
+    flows.programs[b.program].stream->keep_before(b.after.offset);
   // An elseif or the while of a do is computed; every other landing just goes on behind the line.
   if (b.flow == Flow::elseif) {
     double condition = 0;
     if (!evaluate(b, b.arguments[0], condition)) return undo_block(), Outcome::error;
-    if (condition == 0) search(b, b.otherwise, s.label, kNextBranch);
+    if (condition == 0)
+      search(b, b.otherwise, s.label, kNextBranch);
+    else if (b.nested)
+      enter_nested(b, Flow::if_block);
     return Outcome::ok;
   }
-  if (b.flow == Flow::while_loop && find_loop(flows, s.label) != nullptr) return run_flow(b);
+  if (b.nested && b.flow == Flow::else_block) enter_nested(b, Flow::if_block);
+  if (b.flow == Flow::while_loop && !b.nested && find_loop(flows, s.label) != nullptr)
+    return run_flow(b);
   return Outcome::ok;
 }
 

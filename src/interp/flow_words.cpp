@@ -99,8 +99,8 @@ bool Core::begin_label(ParsedBlock& b, Label label) {
     const Frame& f = flows.frames.back();
     auto& labels = flows.programs[f.program].labels;
     if (labels.size() < kMostLabels) labels.emplace(label_key(f.sub, label), here);
-  } else if (b.flow == Flow::do_loop) {
-    *use = here;
+  } else if (b.flow == Flow::do_loop || (stream() != nullptr && !find_loop(flows, label))) {
+    *use = here;  // a sender may use a label again
   } else if (use->offset != here.offset &&
              !(b.flow == Flow::while_loop && use->kind == Flow::do_loop)) {
     const std::string number = std::to_string(here.line) + ": duplicate O-word label";
@@ -146,7 +146,11 @@ bool Core::undefined_label(const ParsedBlock& b) {
 
 bool Core::flow_step(ParsedBlock& b, Label label, double condition) {
   constexpr FlowMask kIf = flow_bit(Flow::if_block);
+  if (b.nested) return nested_step(b, condition != 0);
   switch (b.flow) {
+    case Flow::go_to:
+      if (b.arguments.empty() || condition != 0) start_skip(b, label, flow_bit(Flow::go_to));
+      return true;
     case Flow::sub: return define_sub(b, label);
     case Flow::endsub:
     case Flow::ret: return end_sub(b, condition);
@@ -414,7 +418,7 @@ bool Core::return_numbered() {
 
 // M99 in the main program begins it anew; where nothing moves (a preview, a listing) that would never end, so it ends there.
 bool Core::end_or_restart() {
-  if (!settings.is_task || flows.mdi) return end_program(*this, 2);
+  if (!settings.is_task || flows.mdi || stream() != nullptr) return end_program(*this, 2);
   reset_g92_at_end(*this);
   flows.frames[0].go_to({});
   flows.loops.resize(flows.frames[0].first_loop);

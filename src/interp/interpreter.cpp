@@ -28,7 +28,7 @@ std::string InterpError::caret() const {
 }
 
 Interpreter::Interpreter(Environment& environment, Canon& canon, const Settings& settings)
-    : core_(std::make_unique<Core>(environment, canon, settings, linuxcnc_dialect())) {}
+    : core_(std::make_unique<Core>(environment, canon, settings, dialect_of(settings.dialect))) {}
 Interpreter::~Interpreter() = default;
 
 void Interpreter::init() { core_->init(); }
@@ -43,6 +43,19 @@ rtapi::Status Interpreter::open(const std::string& path) {
 rtapi::Status Interpreter::open_text(const std::string& name, std::string text) {
   core_->open_main(name, make_text_source(std::move(text), core_->dialect.longest_line));
   return {};
+}
+
+void Interpreter::open_stream(const std::string& name) { core_->open_stream(name); }
+
+rtapi::Status Interpreter::push_line(std::string_view line) {
+  LineStream* const stream = core_->stream();
+  if (stream == nullptr)
+    return rtapi::fail(rtapi::Errc::busy, "No stream is open\nopen_stream() first");
+  return stream->push(line);
+}
+
+void Interpreter::end_stream() {
+  if (LineStream* const stream = core_->stream(); stream != nullptr) stream->end();
 }
 
 void Interpreter::close() { core_->close_main(); }

@@ -36,6 +36,7 @@ enum class Outcome : std::uint8_t {
   ok,  ///< a block was executed (or skipped); call again
   needs_sync,  ///< wait until all canon work is done, then synchronize(), then call again; why: sync_reason()
   program_end,  ///< M2, M30 or the closing %; the program is rewound
+  needs_line,  ///< all lines of the stream are done: answer the sender, push_line(), then call again
   idle,   ///< nothing to execute: no program open, or the MDI line (and the sub it called) is done
   error,  ///< nothing of the block was done; see error(). The next call goes on with the next line
 };
@@ -96,6 +97,14 @@ class Interpreter {
   [[nodiscard]] rtapi::Status open(const std::string& path);
   /// The same with the text in memory; `name` is shown as its file.
   [[nodiscard]] rtapi::Status open_text(const std::string& name, std::string text);
+  /// Lines that come one by one, each answered before the next: push_line(), then execute_next() until `needs_line` (the line is
+  /// done: ok), `error` (it did nothing; the next line may be pushed) or `program_end` (the stream goes on). Modes, parameters,
+  /// subs and loops work over lines as in a file. abort() drops lines that wait.
+  void open_stream(const std::string& name);
+  /// One line of the stream. Error: no stream is open, or a loop or sub is too long to be kept.
+  [[nodiscard]] rtapi::Status push_line(std::string_view line);
+  /// No more lines come: what is unfinished becomes an error as at the end of a file.
+  void end_stream();
   void close();
   [[nodiscard]] bool is_open() const;
 

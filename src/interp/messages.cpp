@@ -110,7 +110,7 @@ bool Core::run_comment(const ParsedBlock& b) {
       break;
     case CommentKind::abort:
       expand_text(text, message_);
-      if (message_.empty()) message_ = "(abort,) without a reason";
+      if (*message_.c_str() == '\0') message_ = "(abort,) without a reason";  // a zero byte too
       return fail(0, "The program asked to stop here", "%s", message_.c_str());
   }
   return true;

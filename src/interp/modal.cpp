@@ -19,10 +19,10 @@ std::array<std::int32_t, 17> ModalState::active_g_codes() const noexcept {
   g[9] = tool_offset_code;
   g[10] = retract == RetractMode::old_z ? 980 : 990;
   g[11] = path == PathMode::exact_path ? 610 : path == PathMode::exact_stop ? 611 : 640;
-  g[12] = css[0] ? 960 : 970;
-  g[13] = arc_distance == DistanceMode::absolute ? 901 : 911;
-  g[14] = lathe_diameter ? 70 : 80;
-  g[15] = g92_applied ? 920 : 922;
+  g[13] = css[0] ? 960 : 970;
+  g[14] = arc_distance == DistanceMode::absolute ? 901 : 911;
+  g[15] = lathe_diameter ? 70 : 80;
+  g[16] = g92_applied ? 923 : 922;
   return g;
 }
 
@@ -41,6 +41,7 @@ std::array<std::int32_t, 10> ModalState::active_m_codes() const noexcept {
   m[6] = feed_override ? (speed_override[0] ? 48 : 50) : speed_override[0] ? 51 : 49;
   m[7] = adaptive_feed ? 52 : -1;
   m[8] = feed_hold ? 53 : -1;
+  m[9] = 0;
   return m;
 }
 

@@ -96,9 +96,9 @@ struct ModalState {
 
   /// As `stat.gcodes` of the Python module: [0] line, then codes times ten in the order
   /// motion, non-modal (-1), plane, cutter compensation, units, distance, feed mode, coordinate system, tool offset,
-  /// retract, path control, spindle mode (G96/G97), arc distance, lathe diameter (G7/G8), G92 applied (920 or -1), -1.
+  /// retract, path control, -1, spindle mode (G96/G97), arc distance, lathe diameter (G7/G8), G92 applied (923) or not (922).
   [[nodiscard]] std::array<std::int32_t, 17> active_g_codes() const noexcept;
-  /// As `stat.mcodes`: [0] line, then stopping, spindle, tool change, mist, flood, overrides, adaptive feed, feed hold; -1: none.
+  /// As `stat.mcodes`: [0] line, then stopping, spindle, tool change, mist, flood, overrides, adaptive feed, feed hold, 0; -1: none.
   [[nodiscard]] std::array<std::int32_t, 10> active_m_codes() const noexcept;
   /// As `stat.settings`: line, F, S, tolerance, naive-cam tolerance; F and tolerances in program units.
   [[nodiscard]] std::array<double, 5> settings() const noexcept;

@@ -37,7 +37,10 @@ class NameTable {
 };
 
 /// Label of an O-word. Numbers below 2^31 are themselves, so a program that computes its labels fills no table.
-enum class Label : std::uint32_t { none = 0xFFFFFFFF };
+enum class Label : std::uint32_t {
+  none = 0xFFFFFFFF,
+  nested = 0xFFFFFFFE  ///< of statements that belong together by their nesting
+};
 
 class LabelTable {
  public:

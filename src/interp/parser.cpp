@@ -1,5 +1,6 @@
 #include "interp/parser.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -359,6 +360,21 @@ bool Parser::peek_flow(std::string_view line, ParsedBlock& out) {
   return parse(line, out) && out.flow != Flow::none;
 }
 
+std::int64_t Parser::peek_sequence(std::string_view line) const {
+  std::size_t i = 0;
+  const auto next = [&] {
+    while (i < line.size() && is_blank(line[i])) ++i;
+    return i < line.size() ? lower(line[i]) : '\0';
+  };
+  if (dialect_.block_delete && next() == '/') ++i;
+  if (next() != 'n') return -1;
+  ++i;
+  std::int64_t n = -1;
+  for (; is_digit(next()) && n < 1000000000; ++i)
+    n = std::max<std::int64_t>(n, 0) * 10 + (line[i] - '0');
+  return n;
+}
+
 bool Parser::sequence() {
   if (peek() != 'n') return true;
   const std::size_t start = ++pos_;
@@ -383,9 +399,13 @@ bool Parser::items() {
       out_->flow = buffer_[pos_ + 2] == '8' ? Flow::call_number : Flow::return_number;
   }
   for (const StatementRow& row : dialect_.statements) {
-    if (starts(row.word)) return statement(row);
+    if (starts(row.word)) return statement(row.word);
   }
-  while (pos_ < size_) {
+  return words_to({});
+}
+
+bool Parser::words_to(std::string_view stop) {
+  while (pos_ < size_ && (stop.empty() || !starts(stop))) {
     const char c = buffer_[pos_];
     if (c == '(') {
       if (!comment()) return false;
@@ -410,23 +430,54 @@ std::uint32_t Parser::quoted() {
   return id + 1;
 }
 
-bool Parser::statement(const StatementRow& row) {
-  pos_ += row.word.size();
+bool Parser::statement(std::string_view word) {
+  pos_ += word.size();
+  char expected[100] = "";
+  for (const StatementRow& row : dialect_.statements) {
+    if (row.word != word) continue;
+    if (row.condition && arguments_.empty()) {
+      const auto first = ops_.size();
+      if (!expression()) return false;
+      arguments_.push_back(since(first));
+    }
+    const bool bare = row.behind.empty() && row.joins == Joins::nesting;
+    if (starts(row.behind) && (!bare || pos_ == size_ || peek() == '(')) {
+      pos_ += row.behind.size();
+      return end_of_statement(row);
+    }
+    const std::size_t used = std::strlen(expected);
+    std::snprintf(expected + used, sizeof expected - used,
+                  row.behind.empty() ? "%sthe end of the line" : "%s'%.*s'", used > 0 ? " or " : "",
+                  static_cast<int>(row.behind.size()), row.behind.data());
+  }
+  return fail("%s expected", expected);
+}
+
+bool Parser::end_of_statement(const StatementRow& row) {
+  if (row.joins == Joins::rest) {
+    out_->conditional = true;
+    if (!words_to(row.otherwise)) return false;
+    out_->else_words = static_cast<std::uint32_t>(words_.size());
+    out_->else_assignments = static_cast<std::uint32_t>(assignments_.size());
+    if (pos_ < size_) pos_ += row.otherwise.size();
+    return words_to({});
+  }
   out_->flow = row.flow;
   out_->statement = true;
-  if (row.condition) {
-    const auto first = ops_.size();
-    if (!expression()) return false;
-    arguments_.push_back(since(first));
-  }
-  if (!starts(row.before_number))
-    return fail("'%.*s' expected", static_cast<int>(row.before_number.size()),
-                row.before_number.data());
-  pos_ += row.before_number.size();
   const std::size_t digits = pos_;
-  while (is_digit(peek())) ++pos_;
-  if (pos_ == digits) return fail("Bad format unsigned integer");
-  out_->label = labels_.number(std::string_view(buffer_).substr(digits, pos_ - digits));
+  while (row.joins != Joins::nesting && is_digit(peek())) ++pos_;
+  if (row.joins == Joins::nesting) {
+    out_->nested = true;
+    out_->label = Label::nested;
+  } else if (pos_ > digits) {
+    out_->label = labels_.number(std::string_view(buffer_).substr(digits, pos_ - digits));
+  } else if (row.joins == Joins::line && (peek() == '[' || peek() == '#')) {
+    const auto first = ops_.size();
+    if (!value()) return false;
+    out_->label_expr = since(first);
+  } else {
+    return fail("Bad format unsigned integer");
+  }
   while (pos_ < size_) {
     if (peek() != '(') return fail("Unexpected character after statement");
     if (!comment()) return false;

@@ -21,6 +21,9 @@ class Parser {
   /// O-word label and keyword of a line, for skipping: false when the line has none (or cannot be read).
   [[nodiscard]] bool peek_flow(std::string_view line, ParsedBlock& out);
 
+  /// N number of a line, -1 without: for a jump to it.
+  [[nodiscard]] std::int64_t peek_sequence(std::string_view line) const;
+
   [[nodiscard]] const char* error() const { return error_; }
   /// Column in the line as written, from 1.
   [[nodiscard]] int column_of(std::string_view line, std::size_t normalised) const;
@@ -34,7 +37,9 @@ class Parser {
   [[nodiscard]] bool normalise(std::string_view line);
   [[nodiscard]] bool items();
   [[nodiscard]] bool word(int letter);
-  [[nodiscard]] bool statement(const StatementRow& row);
+  [[nodiscard]] bool statement(std::string_view word);
+  [[nodiscard]] bool end_of_statement(const StatementRow& row);
+  [[nodiscard]] bool words_to(std::string_view stop);
   [[nodiscard]] std::uint32_t quoted();
   [[nodiscard]] bool assignment();
   [[nodiscard]] bool comment();

@@ -73,6 +73,8 @@ struct Program {
   std::unique_ptr<LineSource> source;
   std::unique_ptr<BlockCache> cache;                   ///< null until a line is kept
   std::unordered_map<std::uint64_t, LabelUse> labels;  ///< by label_key()
+  LineStream* stream{nullptr};                         ///< `source`, when it is one
+  bool goes_back{false};                               ///< a GOTO led back, so its lines run again
 };
 
 /// A sub that was seen.
@@ -81,9 +83,10 @@ struct Sub {
   ParsedBlock* body{nullptr};  ///< its first block, when known
 };
 
+/// A loop, or an IF block of a statement without an O-word.
 struct Loop {
   Label label{Label::none};
-  Flow kind{Flow::while_loop};  ///< while_, do_, repeat
+  Flow kind{Flow::while_loop};  ///< while_, do_, repeat, if_
   Place start;                  ///< line of the O-word
   Place body;                   ///< line after it
   std::int64_t left{0};         ///< repeats to do, this one included
@@ -147,8 +150,18 @@ struct Skip {
   bool to_sub{false};    ///< looks for a definition to call, with `arguments`
   bool sub_file{false};  ///< in a file that was opened for it
   bool wrapped{false};   ///< the search has begun again at the top of the file
+  int depth{0};          ///< nested statements that the search is inside of
+  std::size_t open{0};   ///< of a GOTO: Flows::loops that the place looked at is still inside of
   std::array<double, kSubArguments> arguments{};
 
+  /// A statement that belongs to another one, inside of what is searched.
+  [[nodiscard]] bool passes(const ParsedBlock& b) noexcept {
+    if (!b.nested) return true;
+    if (b.flow == Flow::if_block || b.flow == Flow::while_loop) return ++depth, true;
+    if (depth == 0) return false;
+    if (b.flow == Flow::endif || b.flow == Flow::endwhile) --depth;
+    return true;
+  }
   /// A call of an O-sub without arguments; the caller sets the rest.
   void begin_call() noexcept {
     numbered = false;

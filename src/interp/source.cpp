@@ -126,7 +126,47 @@ class FileSource final : public LineSource {
   std::size_t filled_{0};
 };
 
+/// What a line costs besides its text; an estimate.
+constexpr std::size_t kPerLine = 100;
+
 }  // namespace
+
+rtapi::Status LineStream::push(std::string_view line) {
+  if (line.ends_with('\n')) line.remove_suffix(1);
+  line = without_return(line);
+  if (bytes_ + line.size() + kPerLine > kMostKept)
+    return rtapi::fail(rtapi::Errc::no_memory,
+                       "More lines than can be kept\nend the loop or the sub, or open a file");
+  lines_.emplace(end_, line);
+  bytes_ += line.size() + kPerLine;
+  end_ += line.size() + 1;
+  return {};
+}
+
+LineRead LineStream::read(std::uint64_t offset, std::string_view& line, std::uint64_t& next) {
+  if (offset >= end_) return ended_ ? LineRead::end : LineRead::none_yet;
+  const auto hit = lines_.find(offset);
+  if (hit == lines_.end()) return LineRead::failed;
+  line = hit->second;
+  next = offset + line.size() + 1;
+  return line.size() > longest_line_ ? LineRead::too_long : LineRead::line;
+}
+
+void LineStream::forget_before(std::uint64_t offset) {
+  auto i = lines_.lower_bound(fresh_);
+  while (i != lines_.end() && i->first < offset) {
+    bytes_ -= i->second.size() + kPerLine;
+    i = lines_.erase(i);
+  }
+  fresh_ = std::max(fresh_, offset);
+}
+
+std::int32_t LineStream::drop_from(std::uint64_t offset) {
+  std::int32_t count = 0;
+  for (auto i = lines_.lower_bound(offset); i != lines_.end(); ++i) ++count;
+  forget_before(end_);
+  return count;
+}
 
 rtapi::Result<std::unique_ptr<LineSource>> open_file_source(const std::string& path,
                                                             std::size_t longest_line) {

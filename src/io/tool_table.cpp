@@ -45,11 +45,18 @@ std::string number_text(double value) {
   return std::string(text == "-0" ? "0" : text);
 }
 
+/// A letter and a number, whichever, such as T1 or P-5.
+bool begins_with_word(std::string_view line) {
+  if (line.size() < 2 || std::isalpha(static_cast<unsigned char>(line[0])) == 0) return false;
+  return std::isalpha(static_cast<unsigned char>(line[1])) == 0;
+}
+
 /// Reads the words of one line.
 class LineReader {
  public:
-  LineReader(const std::string& file, int line, double unit_mm, std::string& complaints)
-      : file_(file), line_(line), unit_mm_(unit_mm), complaints_(complaints) {}
+  LineReader(const std::string& file, int line, double unit_mm, bool random,
+             std::string& complaints)
+      : file_(file), line_(line), unit_mm_(unit_mm), random_(random), complaints_(complaints) {}
 
   void complain(const std::string& text) {
     if (!complaints_.empty()) complaints_ += '\n';
@@ -89,7 +96,9 @@ class LineReader {
                  : letter == 'Q' ? &entry.orientation
                                  : nullptr;
     if (whole != nullptr) {
-      const int top = letter == 'P' ? ToolTable::kMaxPocket : letter == 'Q' ? 9 : 2'000'000'000;
+      const int top = letter == 'P' && random_ ? ToolTable::kMaxPocket
+                      : letter == 'Q'          ? 9
+                                               : 2'000'000'000;
       if (!read_whole(text, *whole) || *whole < 0 || *whole > top)
         complain(std::string(1, letter) + std::string(text) +
                  ": expected a whole number from 0 to " + std::to_string(top) + " behind " +
@@ -116,6 +125,7 @@ class LineReader {
   const std::string& file_;
   int line_;
   double unit_mm_;
+  bool random_;
   std::string& complaints_;
   std::uint32_t seen_{0};
   bool bad_{false};
@@ -142,7 +152,14 @@ rtapi::Result<ToolTable> ToolTable::parse(std::string_view text, const std::stri
       table.lines_.push_back({-1, std::string(row)});
       continue;
     }
-    LineReader reader(file, line, unit_mm, complaints);
+    // Headings, and lines of old formats without letters: LinuxCNC skips them too.
+    if (!begins_with_word(data)) {
+      table.warnings_.push_back(file + ':' + std::to_string(line) +
+                                ": not a line of a tool, skipped: expected T and a number first");
+      table.lines_.push_back({-1, std::string(row)});
+      continue;
+    }
+    LineReader reader(file, line, unit_mm, random, complaints);
     while (!data.empty()) {
       std::size_t n = 0;
       while (n < data.size() && !is_blank(data[n])) ++n;
@@ -154,8 +171,11 @@ rtapi::Result<ToolTable> ToolTable::parse(std::string_view text, const std::stri
     ToolEntry& entry = reader.entry;
     if (semicolon != std::string_view::npos) entry.remark = std::string(row.substr(semicolon + 1));
     if (table.find(entry.number) != nullptr) {
-      reader.complain("tool T" + std::to_string(entry.number) +
-                      " is defined twice; tool numbers must be unique");
+      // LinuxCNC's tables have such lines, and it takes the first.
+      table.warnings_.push_back(file + ':' + std::to_string(line) + ": tool T" +
+                                std::to_string(entry.number) +
+                                " is defined twice; the first line counts");
+      table.lines_.push_back({-1, std::string(row)});
       continue;
     }
     if (const ToolEntry* other = random ? table.find_pocket(entry.pocket) : nullptr;

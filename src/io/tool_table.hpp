@@ -34,7 +34,7 @@ struct ToolEntry {
 /// A value: copy it to hand it to another thread.
 class ToolTable {
  public:
-  static constexpr int kMaxPocket = 1000;
+  static constexpr int kMaxPocket = 1000;  ///< of a random changer; on others P is the user's own
 
   /// `unit_mm`: mm in one machine unit. Every complaint of the file stands in one error, a line each, with file and line.
   /// `random`: for a random changer, where no two tools can be in one pocket; on others P is the user's own.
@@ -56,6 +56,8 @@ class ToolTable {
   [[nodiscard]] const ToolEntry* find_pocket(int pocket) const noexcept;
   /// Position of a tool in tools(), or -1.
   [[nodiscard]] int index_of(int number) const noexcept;
+  /// Lines of the file that have no effect, each with file and line.
+  [[nodiscard]] const std::vector<std::string>& warnings() const noexcept { return warnings_; }
   /// Replaces the tool of that number or adds it at the end; an empty remark keeps the old one.
   void put(const ToolEntry& entry);
   /// Moves a tool to a pocket (random changers after M6); nothing for a number that is not in the table.
@@ -73,6 +75,7 @@ class ToolTable {
   };
   std::vector<ToolEntry> tools_;
   std::vector<Line> lines_;
+  std::vector<std::string> warnings_;
 };
 
 /// Writes `text` to `file` whole or not at all: temporary file in the same folder, fsync, rename, fsync of the folder. A symbolic link

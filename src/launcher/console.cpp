@@ -21,9 +21,9 @@ void Console::say(const std::string& text) {
   std::fprintf(stderr, "kerf: %s\n", text.c_str());
 }
 
-void Console::diagnostic(const ini::Diagnostic& diagnostic) {
+void Console::line(const std::string& text) {
   end_progress();
-  std::fprintf(stderr, "%s\n", diagnostic.message().c_str());
+  std::fprintf(stderr, "%s\n", text.c_str());
 }
 
 void Console::print(const std::string& text) {

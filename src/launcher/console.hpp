@@ -17,7 +17,9 @@ class Console {
   void detail(const std::string& text) {
     if (verbose_) say(text);
   }
-  void diagnostic(const ini::Diagnostic& diagnostic);
+  void diagnostic(const ini::Diagnostic& diagnostic) { line(diagnostic.message()); }
+  /// To stderr, as it is.
+  void line(const std::string& text);
   /// To stdout, as it is.
   void print(const std::string& text);
   void progress(const ProgressState& state, double now_s);

@@ -15,9 +15,12 @@ Installation find_installation(const std::string& exe) {
   out.bin = bin.string();
   out.python = (bin.parent_path() / "python").string();
   out.tcl = (bin.parent_path() / "tcl").string();
+  out.components = (bin.parent_path() / "components").string();
+  const fs::path source = bin.parent_path().parent_path().parent_path();
+  for (const fs::path& dir : {bin.parent_path() / "nc_files", source / "nc_files"})
+    if (out.nc_files.empty() && fs::is_directory(dir, ignored)) out.nc_files = dir.string();
   // Installed: lib/kerf/{bin,hallib}; in the source tree: build/PRESET/bin and configs/hallib.
-  for (const fs::path& dir : {bin.parent_path() / "hallib",
-                              bin.parent_path().parent_path().parent_path() / "configs" / "hallib"})
+  for (const fs::path& dir : {bin.parent_path() / "hallib", source / "configs" / "hallib"})
     if (fs::is_directory(dir, ignored)) out.hallib.push_back(dir.string());
   return out;
 }
@@ -50,7 +53,16 @@ void set_environment(const Installation& installation, const RunEnvironment& run
   for (const auto* dirs : {&run.hal_path, &installation.hallib})
     for (const std::string& dir : *dirs) hal_path += (hal_path.empty() ? "" : ":") + dir;
   setenv("HALLIB_PATH", hal_path.c_str(), 1);
+  // What scripts of LinuxCNC's configurations look up.
+  setenv("REALTIME", (installation.bin + "/realtime").c_str(), 1);
+  setenv("HAL_RTMOD_DIR", installation.components.c_str(), 1);
+  setenv("HALCMD", "halcmd", 1);
+  setenv("LINUXCNC_HOME", fs::path(installation.bin).parent_path().c_str(), 1);
+  if (!installation.nc_files.empty())
+    setenv("LINUXCNC_NCFILES_DIR", installation.nc_files.c_str(), 1);
   prepend_variable("PATH", installation.bin, ':');
+  // A configuration's own programs.
+  prepend_variable("PATH", run.ini_dir + "/bin", ':');
   prepend_variable("PYTHONPATH", installation.python, ':');
   prepend_variable("TCLLIBPATH", installation.tcl, ' ');
 }

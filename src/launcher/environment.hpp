@@ -11,6 +11,8 @@ struct Installation {
   std::string bin;                  ///< programs
   std::string python;               ///< Python modules
   std::string tcl;                  ///< Tcl packages
+  std::string components;           ///< HAL components
+  std::string nc_files;             ///< sample programs, "" none
   std::vector<std::string> hallib;  ///< HAL file library, those that exist
 };
 

@@ -76,6 +76,16 @@ bool HalLink::is_ready(const std::string& component) const {
   return found && found->ready;
 }
 
+std::map<pid_t, std::string> HalLink::user_components() const {
+  std::map<pid_t, std::string> out;
+  for (const auto& component : parts_->commander.view().components()) {
+    if (component.type != hal::ComponentKind::user || component.pid <= 1) continue;
+    std::string& names = out[static_cast<pid_t>(component.pid)];
+    names += (names.empty() ? "" : " ") + std::string(component.name);
+  }
+  return out;
+}
+
 std::string HalLink::thread_of(const std::string& function) const {
   for (const hal::ThreadInfo& thread : parts_->commander.view().threads())
     if (std::find(thread.functions.begin(), thread.functions.end(), function) !=

@@ -1,6 +1,9 @@
 // HalLink: HAL commands of the launcher, through the same interpreter as halcmd's.
 #pragma once
 
+#include <sys/types.h>
+
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -33,6 +36,8 @@ class HalLink {
   rtapi::Status command(const std::vector<std::string>& words);
   /// True when the component is there and says that it is ready.
   [[nodiscard]] bool is_ready(const std::string& component) const;
+  /// Components of programs by their process; several of one process with blanks between.
+  [[nodiscard]] std::map<pid_t, std::string> user_components() const;
   /// The thread that runs a function, or "".
   [[nodiscard]] std::string thread_of(const std::string& function) const;
 

@@ -1,8 +1,12 @@
 #include "launcher/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
+#include "ini/keys.hpp"
 #include "rtapi/shm/segment.hpp"
 
 namespace kerf::launcher {
@@ -14,7 +18,8 @@ constexpr const char* kVersion = "kerf 0.1.0";
 constexpr const char* kAbout =
     "Starts the machine that an INI file describes, and watches over it.\n"
     "  kerf INI          start; at a terminal type G-code, end with Ctrl-D or Ctrl-C\n"
-    "  kerf check INI    read the files and report what is wrong, without starting";
+    "  kerf check INI    read the files and report what is wrong, without starting\n"
+    "  kerf keys [WORD]  explain the INI keys that contain all words; --tsv prints the whole table";
 
 constexpr const char* kFooter =
     "With --program the machine is switched on and homed, and the program runs at once; a summary\n"
@@ -30,8 +35,37 @@ std::string absolute(const std::string& path) {
   return path.empty() ? path : std::filesystem::absolute(path).lexically_normal().string();
 }
 
+/// A module by its name and parameters; "" or why it cannot be had. Planner and homing are part of Kerf's motion controller.
+std::string check_module(const std::string& words, const std::string& own, const char* what) {
+  const std::string name = words.substr(0, words.find(' '));
+  if (name == own) return {};
+  return "'" + name + "': Kerf's " + what +
+         " is part of its motion controller and cannot be exchanged for a module; only '" + own +
+         "', its own, is accepted";
+}
+
+/// "-t MODULE a=b c=d" as "-t" and "MODULE a=b c=d": parameters of a module are words of their own.
+void join_module_words(std::vector<std::string>& arguments) {
+  for (std::size_t i = 0; i + 1 < arguments.size(); ++i) {
+    if (arguments[i] != "-t" && arguments[i] != "-m") continue;
+    std::string& module = arguments[++i];
+    while (i + 1 < arguments.size() && arguments[i + 1].front() != '-' &&
+           arguments[i + 1].find('=') != std::string::npos) {
+      module += ' ' + arguments[i + 1];
+      arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+    }
+  }
+}
+
 void declare(CLI::App& app, Options& o) {
-  app.add_option("INI", o.ini, "INI file of the machine")->required()->type_name("");
+  app.add_option("INI", o.ini, "INI file of the machine")->type_name("");
+  app.add_flag("-l", o.last_used, "Start the INI file of the last start again");
+  app.add_option("-t", "Planner module and its parameters; only tpmod, the own one")
+      ->type_name("TPMOD")
+      ->check([](const std::string& words) { return check_module(words, "tpmod", "planner"); });
+  app.add_option("-m", "Homing module and its parameters; only homemod, the own one")
+      ->type_name("HOMEMOD")
+      ->check([](const std::string& words) { return check_module(words, "homemod", "homing"); });
   app.add_option("--program", o.program, "G-code file to run")->type_name("FILE");
   app.add_flag("--once", o.once,
                "Run the program (default: [DISPLAY]OPEN_FILE), print the summary and end");
@@ -46,7 +80,9 @@ void declare(CLI::App& app, Options& o) {
       ->type_name("FILE");
   app.add_option("--svg", o.svg, "Where the drawing goes (default: toolpath.svg)")
       ->type_name("FILE");
-  app.add_option("-H", o.hal_dirs, "Folder to search for HAL files first; may be repeated")
+  app.add_option(
+         "-H", o.hal_dirs,
+         "Folder to search for HAL files first; may be repeated, the last one is searched first")
       ->type_name("DIR")
       ->allow_extra_args(false);
   app.add_flag("-k", o.ignore_hal_errors, "Go on when a HAL file has errors");
@@ -57,15 +93,47 @@ void declare(CLI::App& app, Options& o) {
   app.set_version_flag("--version", kVersion);
 }
 
+ParseEnd explain_keys(const std::vector<std::string>& words) {
+  const ini::KeyTable& table = ini::machine_keys();
+  if (words.size() == 1 && words.front() == "--tsv") return {kExitOk, ini::keys_as_tsv(table)};
+  for (const std::string& word : words)
+    if (word.rfind('-', 0) == 0)
+      return {word == "--help" || word == "-h" ? kExitOk : kExitUsage,
+              "usage: kerf keys [--tsv | WORD ...]\n"};
+  const std::string text = ini::keys_as_text(table, words);
+  if (text.empty()) return {kExitFailure, "kerf: no INI key contains all of these words\n"};
+  return {kExitOk, text};
+}
+
 }  // namespace
+
+std::string last_ini_file() {
+  const char* state = std::getenv("XDG_STATE_HOME");
+  if (state != nullptr && *state == '/') return std::string(state) + "/kerf/last-ini";
+  const char* home = std::getenv("HOME");
+  return std::string(home == nullptr ? "" : home) + "/.local/state/kerf/last-ini";
+}
+
+void remember_ini(const std::string& ini) {
+  const std::filesystem::path file = last_ini_file();
+  std::error_code ignored;
+  std::filesystem::create_directories(file.parent_path(), ignored);
+  std::ofstream(file) << ini << '\n';
+}
 
 rtapi::Result<Options, ParseEnd> parse_options(std::vector<std::string> arguments) {
   Options o;
+  if (!arguments.empty() && arguments.front() == "keys") {
+    arguments.erase(arguments.begin());
+    return rtapi::Failure{explain_keys(arguments)};
+  }
   if (!arguments.empty() && arguments.front() == "check") {
     o.check_only = true;
     arguments.erase(arguments.begin());
   }
+  join_module_words(arguments);
   CLI::App app(kAbout, "kerf");
+  app.set_help_flag("-h,-?,--help", "Print this help and end");
   app.footer(kFooter);
   declare(app, o);
   std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
@@ -79,6 +147,14 @@ rtapi::Result<Options, ParseEnd> parse_options(std::vector<std::string> argument
     return rtapi::Failure{
         ParseEnd{kExitUsage, std::string("kerf: ") + e.what() + "; see kerf --help\n"}};
   }
+  if (o.last_used && o.ini.empty()) {
+    std::ifstream last(last_ini_file());
+    if (!std::getline(last, o.ini) || o.ini.empty())
+      return rtapi::Failure{
+          ParseEnd{kExitUsage, "kerf: -l: no machine was started yet (" + last_ini_file() + ")\n"}};
+  }
+  if (o.ini.empty())
+    return rtapi::Failure{ParseEnd{kExitUsage, "kerf: INI is required; see kerf --help\n"}};
   if (o.speed > 0) o.virtual_time = true;
   if (!o.instance.empty() && !rtapi::valid_instance_name(o.instance)) {
     return rtapi::Failure{
@@ -87,6 +163,7 @@ rtapi::Result<Options, ParseEnd> parse_options(std::vector<std::string> argument
   }
   for (std::string* path : {&o.ini, &o.program, &o.log_joints, &o.svg}) *path = absolute(*path);
   for (std::string& dir : o.hal_dirs) dir = absolute(dir);
+  std::reverse(o.hal_dirs.begin(), o.hal_dirs.end());  // each is put before those so far
   if (o.svg.empty()) o.svg = absolute("toolpath.svg");
   return o;
 }

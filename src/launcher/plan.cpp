@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <system_error>
 
+#include "ini/check.hpp"
 #include "ini/convert.hpp"
 #include "ini/reader.hpp"
 
@@ -36,6 +39,11 @@ std::vector<std::string> names_in(const std::string& dir, std::string_view suffi
   return names;
 }
 
+std::string text_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 class Planner {
  public:
   Planner(const ini::IniFile& file, const HalSearch& search)
@@ -45,12 +53,13 @@ class Planner {
     std::error_code ignored;
     plan_.ini_path = fs::absolute(file_.name(), ignored).lexically_normal().string();
     plan_.ini_dir = fs::path(plan_.ini_path).parent_path().string();
-    plan_.machine_name = reader_.string("EMC", "MACHINE", "machine");
+    plan_.machine_name =
+        reader_.has("EMC", "MACHINE") ? reader_.string("EMC", "MACHINE") : "machine";
     read_kerf();
-    read_hal();
     read_programs();
-    for (const ini::Diagnostic& d : reader_.complaints()) plan_.diagnostics.push_back(d);
-    for (const ini::Diagnostic& d : reader_.unknown_keys({"KERF"})) plan_.diagnostics.push_back(d);
+    read_hal();
+    for (const ini::Diagnostic& d : ini::check_keys(file_, hal_use())) add(d);
+    for (const ini::Diagnostic& d : reader_.complaints()) add(d);
     plan_.ok = std::none_of(plan_.diagnostics.begin(), plan_.diagnostics.end(),
                             [](const ini::Diagnostic& d) { return d.is_error; });
     return std::move(plan_);
@@ -61,16 +70,34 @@ class Planner {
     plan_.diagnostics.push_back({at, is_error, text});
   }
 
+  /// The table and the launcher's own reading may find the same fault.
+  void add(const ini::Diagnostic& diagnostic) {
+    const std::string text = diagnostic.message();
+    if (std::none_of(plan_.diagnostics.begin(), plan_.diagnostics.end(),
+                     [&](const ini::Diagnostic& d) { return d.message() == text; }))
+      plan_.diagnostics.push_back(diagnostic);
+  }
+
+  /// What the HAL files and commands take from the INI file.
+  [[nodiscard]] ini::HalUse hal_use() const {
+    ini::HalUse use;
+    for (const auto* steps : {&plan_.hal, &plan_.postgui, &plan_.shutdown})
+      for (const HalStep& step : *steps) {
+        if (step.is_tcl())
+          use.add_script(text_of(step.text));
+        else
+          use.add_text(step.is_file ? text_of(step.text) : step.text);
+      }
+    for (const ini::Entry* entry : file_.variables({})) use.add_text(entry->value);
+    return use;
+  }
+
   void read_kerf() {
-    plan_.virtual_time = reader_.choice("KERF", "CLOCK", {"real", "virtual"}, 0) == 1;
-    const auto mb = reader_.integer("KERF", "SEGMENT_MB",
-                                    {.fallback = 64, .min = 16, .max = 2047, .unit = "MiB"});
-    plan_.segment_mb = static_cast<std::size_t>(mb);
-    reader_.known_key("KERF", "HEARTBEAT_TIMEOUT");  // of task
+    plan_.virtual_time = reader_.choice("KERF", "CLOCK") == 1;
+    plan_.segment_mb = static_cast<std::size_t>(reader_.integer("KERF", "SEGMENT_MB"));
     constexpr const char* kTiming[] = {"sampled", "every", "off"};
-    plan_.function_timing =
-        kTiming[reader_.choice("KERF", "FUNCTION_TIMING", {"sampled", "every", "off"}, 0)];
-    plan_.rt_cpus = reader_.string("KERF", "RT_CPUS", "");
+    plan_.function_timing = kTiming[reader_.choice("KERF", "FUNCTION_TIMING")];
+    plan_.rt_cpus = reader_.string("KERF", "RT_CPUS");
     if (plan_.rt_cpus.find_first_not_of("0123456789,- ") != std::string::npos) {
       reader_.complain("KERF", "RT_CPUS",
                        "'" + plan_.rt_cpus + "': expected processor numbers such as 2,3 or 2-3");
@@ -78,7 +105,7 @@ class Planner {
   }
 
   /// Path of a HAL file as the manual says it is searched; "" after a complaint.
-  std::string find_hal_file(const ini::Entry& entry, std::string name) {
+  std::string find_hal_file(const ini::Entry& entry, std::string name, bool needed) {
     std::vector<std::string> dirs;
     if (name.rfind("LIB:", 0) == 0) {
       name = name.substr(4);
@@ -105,16 +132,18 @@ class Planner {
     std::string where;
     for (const std::string& dir : dirs)
       if (!dir.empty()) where += (where.empty() ? " in " : ", ") + dir;
-    complain(entry.at, "[HAL]" + entry.key + ": no file '" + name + "'" + where +
-                           rtapi::did_you_mean(fs::path(name).filename().string(), known));
+    complain(entry.at,
+             "[HAL]" + entry.key + ": no file '" + name + "'" + where +
+                 rtapi::did_you_mean(fs::path(name).filename().string(), known),
+             needed);
     return {};
   }
 
-  void add_files(const char* key, std::vector<HalStep>& steps) {
+  void add_files(const char* key, std::vector<HalStep>& steps, bool needed = true) {
     for (const ini::Entry* entry : file_.find_all("HAL", key)) {
       std::vector<std::string> words = split_words(entry->value);
       if (words.empty()) continue;
-      HalStep step{true, find_hal_file(*entry, words.front()), entry->at};
+      HalStep step{true, find_hal_file(*entry, words.front(), needed), entry->at};
       if (step.text.empty()) continue;
       words.erase(words.begin());
       step.arguments = std::move(words);
@@ -140,11 +169,12 @@ class Planner {
                "no [HAL]HALFILE: nothing would load motion control and connect the machine");
     }
     add_commands("HALCMD", plan_.hal);
-    add_files("POSTGUI_HALFILE", plan_.postgui);
+    // The screen does these; it may look elsewhere, and nobody asks for them without it.
+    add_files("POSTGUI_HALFILE", plan_.postgui, plan_.display.empty());
     add_commands("POSTGUI_HALCMD", plan_.postgui);
     add_files("SHUTDOWN", plan_.shutdown);
-    plan_.halui = reader_.string("HAL", "HALUI", "");
-    plan_.two_pass = reader_.string("HAL", "TWOPASS", "");
+    plan_.halui = reader_.string("HAL", "HALUI");
+    plan_.two_pass = reader_.string("HAL", "TWOPASS");
     for (const char* off : {"off", "no", "false", "0"}) {
       if (ini::equal_ignoring_case(plan_.two_pass, off)) {
         reader_.complain(
@@ -156,14 +186,13 @@ class Planner {
   }
 
   void read_programs() {
-    if (const std::string task = reader_.string("TASK", "TASK", ""); !task.empty())
+    if (const std::string task = reader_.string("TASK", "TASK"); !task.empty())
       plan_.task_program = task;
-    plan_.display = split_words(reader_.string("DISPLAY", "DISPLAY", ""));
-    for (const std::string& text : reader_.strings("APPLICATIONS", "APP")) {
-      if (auto words = split_words(text); !words.empty())
-        plan_.applications.push_back(std::move(words));
-    }
-    std::string open = reader_.string("DISPLAY", "OPEN_FILE", "");
+    plan_.display = split_words(reader_.string("DISPLAY", "DISPLAY"));
+    for (const std::string& text : reader_.strings("APPLICATIONS", "APP"))
+      if (!split_words(text).empty()) plan_.applications.push_back(text);
+    plan_.applications_delay_s = reader_.real("APPLICATIONS", "DELAY");
+    std::string open = reader_.string("DISPLAY", "OPEN_FILE");
     if (open == "\"\"") open.clear();
     if (!open.empty()) plan_.open_file = resolve_from(plan_.ini_dir, open);
   }
@@ -182,6 +211,25 @@ std::string resolve_from(const std::string& dir, const std::string& path) {
   const fs::path expanded = ini::expand_tilde(path);
   if (expanded.is_absolute() || dir.empty()) return expanded.lexically_normal().string();
   return (fs::path(dir) / expanded).lexically_normal().string();
+}
+
+std::vector<std::string> filter_for(const ini::IniFile& file, const std::string& program) {
+  const std::string extension = fs::path(program).extension().string();
+  if (extension.size() < 2) return {};
+  const auto lists_it = [&](const ini::Entry* entry) {
+    std::string endings =
+        split_words(entry->value).empty() ? "" : split_words(entry->value).front();
+    for (std::size_t from = 0; from < endings.size();) {
+      const std::size_t comma = std::min(endings.find(',', from), endings.size());
+      if (endings.substr(from, comma - from) == extension) return true;
+      from = comma + 1;
+    }
+    return false;
+  };
+  const auto kinds = file.find_all("FILTER", "PROGRAM_EXTENSION");
+  if (std::none_of(kinds.begin(), kinds.end(), lists_it)) return {};
+  const ini::Entry* entry = file.find("FILTER", extension.substr(1));
+  return entry == nullptr ? std::vector<std::string>{} : split_words(entry->value);
 }
 
 std::vector<std::string> split_words(const std::string& text) {

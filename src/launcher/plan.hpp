@@ -30,11 +30,12 @@ struct LaunchPlan {
   std::string two_pass;          ///< [HAL]TWOPASS, "" off: how the HALFILEs of `hal` are done
   std::vector<HalStep> postgui;  ///< POSTGUI_HALFILE, then POSTGUI_HALCMD
   std::vector<HalStep> shutdown;
-  std::string task_program{"milltask"};                ///< [TASK]TASK
-  std::string halui;                                   ///< [HAL]HALUI, "" none
-  std::vector<std::string> display;                    ///< [DISPLAY]DISPLAY in words, empty: none
-  std::vector<std::vector<std::string>> applications;  ///< [APPLICATIONS]APP
-  std::string open_file;                               ///< [DISPLAY]OPEN_FILE, absolute, "" none
+  std::string task_program{"milltask"};   ///< [TASK]TASK
+  std::string halui;                      ///< [HAL]HALUI, "" none
+  std::vector<std::string> display;       ///< [DISPLAY]DISPLAY in words, empty: none
+  std::vector<std::string> applications;  ///< [APPLICATIONS]APP, command lines
+  double applications_delay_s{0};         ///< [APPLICATIONS]DELAY
+  std::string open_file;                  ///< [DISPLAY]OPEN_FILE, absolute, "" none
   std::vector<ini::Diagnostic> diagnostics;
   bool ok{false};  ///< no error among the diagnostics
 };
@@ -45,8 +46,13 @@ struct HalSearch {
   std::vector<std::string> library;  ///< for LIB:name, and last for all others
 };
 
-/// Reads the sections that the launcher owns. Missing files and bad values become diagnostics with file and line.
+/// Reads the sections that the launcher owns, and holds all keys against the table of keys. Missing files, bad values
+/// and unknown keys become diagnostics with file and line.
 [[nodiscard]] LaunchPlan make_plan(const ini::IniFile& file, const HalSearch& search);
+
+/// Words of the program that turns a file of this kind into G-code ([FILTER]), without the file itself; empty: it is G-code.
+[[nodiscard]] std::vector<std::string> filter_for(const ini::IniFile& file,
+                                                  const std::string& program);
 
 /// "~/x", "x" and "/x" as seen from `dir`.
 [[nodiscard]] std::string resolve_from(const std::string& dir, const std::string& path);

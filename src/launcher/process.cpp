@@ -20,8 +20,8 @@ using rtapi::Errc;
 namespace {
 
 /// In the child, between fork and exec: only calls that are safe there.
-[[noreturn]] void become(char* const* words, bool terminal, int report_fd) {
-  setpgid(0, 0);
+[[noreturn]] void become(char* const* words, bool terminal, int output_fd, int report_fd) {
+  if (!terminal) setpgid(0, 0);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
@@ -29,6 +29,7 @@ namespace {
     const int null = open("/dev/null", O_RDONLY);
     if (null >= 0) dup2(null, STDIN_FILENO);
   }
+  if (output_fd >= 0) dup2(output_fd, STDOUT_FILENO);
   execvp(words[0], words);
   const int error = errno;
   [[maybe_unused]] const ssize_t written = write(report_fd, &error, sizeof error);
@@ -45,16 +46,24 @@ std::string describe_exit(const ExitState& state) {
   return "ended with exit code " + std::to_string(state.number);
 }
 
-rtapi::Result<Child> Child::start(const std::vector<std::string>& words, bool terminal) {
+rtapi::Result<Child> Child::start(const std::vector<std::string>& words, bool terminal,
+                                  const std::string& output) {
   std::vector<char*> argv;
   argv.reserve(words.size() + 1);
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
+  int output_fd = -1;
+  if (!output.empty()) {
+    output_fd = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    if (output_fd < 0)
+      return rtapi::fail(Errc::system, "cannot write " + output + ": " + std::strerror(errno));
+  }
   int report[2];
   if (pipe2(report, O_CLOEXEC) != 0)
     return rtapi::fail(Errc::system, std::string("no pipe: ") + std::strerror(errno));
   const pid_t pid = fork();
-  if (pid == 0) become(argv.data(), terminal, report[1]);
+  if (pid == 0) become(argv.data(), terminal, output_fd, report[1]);
+  if (output_fd >= 0) close(output_fd);
   close(report[1]);
   int error = pid < 0 ? errno : 0;
   // The pipe closes by itself when exec succeeds.
@@ -68,6 +77,7 @@ rtapi::Result<Child> Child::start(const std::vector<std::string>& words, bool te
   Child child;
   const std::size_t slash = words.front().rfind('/');
   child.name_ = slash == std::string::npos ? words.front() : words.front().substr(slash + 1);
+  child.own_group_ = !terminal;
   child.pid_ = pid;
   child.pidfd_ = rtapi::open_pidfd(pid);
   return child;
@@ -77,6 +87,7 @@ Child::Child(Child&& other) noexcept { *this = std::move(other); }
 
 Child& Child::operator=(Child&& other) noexcept {
   std::swap(name_, other.name_);
+  std::swap(own_group_, other.own_group_);
   std::swap(pid_, other.pid_);
   std::swap(pidfd_, other.pidfd_);
   std::swap(exit_, other.exit_);
@@ -102,7 +113,7 @@ std::optional<ExitState> Child::poll_exit() {
 void Child::signal(int number) {
   if (pid_ <= 0 || !running()) return;
   // Before the child has made its group there is only the process itself.
-  if (kill(-pid_, number) != 0) kill(pid_, number);
+  if (!own_group_ || kill(-pid_, number) != 0) kill(pid_, number);
 }
 
 std::string find_program(const std::string& name) {

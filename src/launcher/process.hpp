@@ -21,12 +21,14 @@ struct ExitState {
 /// "ended with exit code 3", "was killed by signal 9 (Killed)".
 [[nodiscard]] std::string describe_exit(const ExitState& state);
 
-/// One child process in a process group of its own, so that Ctrl-C at the terminal reaches the launcher only.
+/// One child process in a process group of its own, so that Ctrl-C at the terminal reaches the launcher only. A child at the
+/// terminal stays in the launcher's group: others may not read there.
 class Child {
  public:
-  /// Looks for the program as execvp does. Input comes from /dev/null unless `terminal`.
+  /// Looks for the program as execvp does. Input comes from /dev/null unless `terminal`. `output`: file for its standard output.
   [[nodiscard]] static rtapi::Result<Child> start(const std::vector<std::string>& words,
-                                                  bool terminal = false);
+                                                  bool terminal = false,
+                                                  const std::string& output = {});
   Child(Child&& other) noexcept;
   Child& operator=(Child&& other) noexcept;
   /// Does not end the process.
@@ -39,12 +41,13 @@ class Child {
   /// Nothing while it runs. Reaps it.
   [[nodiscard]] std::optional<ExitState> poll_exit();
   [[nodiscard]] bool running() { return !poll_exit().has_value(); }
-  /// To its whole process group.
+  /// To its whole process group, but that of the launcher.
   void signal(int number);
 
  private:
   Child() = default;
   std::string name_;
+  bool own_group_{true};
   pid_t pid_{-1};
   int pidfd_{-1};
   std::optional<ExitState> exit_;

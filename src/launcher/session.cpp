@@ -8,13 +8,17 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "launcher/hal_link.hpp"
 #include "launcher/program_run.hpp"
 #include "launcher/prompt.hpp"
+#include "launcher/task_check.hpp"
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/clock/virtual_clock.hpp"
+#include "rtapi/shm/process.hpp"
 #include "task/api/status.hpp"
 
 namespace kerf::launcher {
@@ -54,6 +58,8 @@ Session::Session(Options options, Console& console)
     : options_(std::move(options)), console_(console), installation_(find_installation()) {}
 
 Session::~Session() {
+  std::error_code ignored;
+  if (!filtered_.empty()) std::filesystem::remove(filtered_, ignored);
   if (supervisor_end_ >= 0) close(supervisor_end_);
   if (children_end_ >= 0) close(children_end_);
 }
@@ -64,12 +70,15 @@ bool Session::at_terminal() const {
 
 int Session::run() {
   if (!read_files()) return kExitFailure;
-  if (options_.check_only) {
-    console_.say(plan_.ini_path + ": no errors found");
-    return kExitOk;
+  if (options_.check_only) return check();
+  Status result = filter_program();
+  if (result.ok()) result = start();
+  if (result.ok()) {
+    remember_ini(plan_.ini_path);
+    note_user_components();
+    clock_->watch_strays([this](pid_t pid, const ExitState& state) { tell_of_end(pid, state); });
+    result = operate();
   }
-  Status result = start();
-  if (result.ok()) result = operate();
   // A closed connection, and what fails by it, is seen before the end of the process behind it; that says more.
   if (!result.ok() && clock_ != nullptr)
     (void)clock_->wait_until([] { return false; }, kDeathNoticeMs);
@@ -78,6 +87,22 @@ int Session::run() {
     console_.error(reason.text + "; taking the machine down");
   tear_down();
   return finish(result, reason);
+}
+
+int Session::check() {
+  TaskCheck task;
+  const std::string program = installation_.bin + "/milltask";
+  if (plan_.task_program == "milltask" && access(program.c_str(), X_OK) == 0)
+    task = check_task(program, plan_.ini_path);
+  for (const std::string& line : task.lines) {
+    // Task reads many of the same keys.
+    if (std::none_of(plan_.diagnostics.begin(), plan_.diagnostics.end(),
+                     [&](const ini::Diagnostic& d) { return d.message() == line; }))
+      console_.line(line);
+  }
+  if (!task.ok || !plan_.ok) return kExitFailure;
+  console_.say(plan_.ini_path + ": no errors found");
+  return kExitOk;
 }
 
 int Session::finish(const Status& result, const StopReason& reason) {
@@ -110,7 +135,8 @@ bool Session::read_files() {
     console_.error("cannot read the program " + options_.program + ": " + std::strerror(errno));
     return false;
   }
-  return plan_.ok;
+  // A check goes on, to tell what task finds, too.
+  return plan_.ok || options_.check_only;
 }
 
 Status Session::start() {
@@ -189,11 +215,15 @@ Status Session::start_task() {
   const auto has_pins = [this] { return hal_->is_ready("iocontrol.0"); };
   if (!clock_->hold_until(has_pins, kStartPatienceMs)) return died(*clock_, plan_.task_program);
   if (!plan_.halui.empty()) {
-    if (find_program(plan_.halui).empty()) {
+    std::vector<std::string> words = split_words(plan_.halui);
+    // LinuxCNC's program of this name knows nothing of our task.
+    if (words.front() == "halui") words.front() = installation_.bin + "/halui";
+    if (find_program(words.front()).empty()) {
       console_.say("[HAL]HALUI = " + plan_.halui + ": not found; going on without it");
       return {};
     }
-    KERF_TRY(Child halui, Child::start(split_words(plan_.halui)));
+    words.insert(words.end(), {"-ini", plan_.ini_path});
+    KERF_TRY(Child halui, Child::start(words));
     Child& started = add_child(std::move(halui));
     clock_->watch_child(started);
     if (!clock_->hold_until([&] { return hal_->is_ready("halui"); }, kStartPatienceMs))
@@ -256,13 +286,74 @@ Status Session::start_threads() {
   return hal_->command({"start"});
 }
 
+Status Session::filter_program() {
+  const std::vector<std::string> filter = filter_for(ini_, options_.program);
+  if (filter.empty()) return {};
+  const std::string name = std::filesystem::path(options_.program).filename().string();
+  filtered_ =
+      (std::filesystem::temp_directory_path() / (std::to_string(getpid()) + "-" + name + ".ngc"))
+          .string();
+  std::vector<std::string> words = filter;
+  words.push_back(options_.program);
+  console_.say("[FILTER] " + filter.front() + " makes G-code of " + name);
+  KERF_TRY(Child child, Child::start(words, false, filtered_));
+  for (;;) {
+    const auto exit = child.poll_exit();
+    if (!exit) {
+      pause_ms(5);
+      continue;
+    }
+    if (!exit->by_signal && exit->number == 0) break;
+    return rtapi::fail(Errc::bad_argument, "[FILTER] " + filter.front() + " " +
+                                               describe_exit(*exit) + ": no program of " + name);
+  }
+  options_.program = filtered_;
+  return {};
+}
+
+void Session::note_user_components() { user_components_ = hal_->user_components(); }
+
+void Session::tell_of_end(pid_t pid, const ExitState& state) {
+  if (pid == guard_.pid()) {
+    const Status again = guard_.start(instance_, run_id_, supervisor_end_);
+    console_.say(
+        "kerf's guard " + describe_exit(state) +
+        (again.ok() ? "; there is a new one" : "; nobody cleans up should kerf be killed"));
+    return;
+  }
+  const auto component = user_components_.find(pid);
+  const std::string name = rtapi::process_name(pid);
+  if (component != user_components_.end())
+    console_.say("warning: " + name + " (process " + std::to_string(pid) + ", HAL component " +
+                 component->second + ") " + describe_exit(state) +
+                 "; the machine goes on without it");
+  else if (state.by_signal || state.number != 0)
+    console_.say("warning: " + name + " (process " + std::to_string(pid) + ") " +
+                 describe_exit(state));
+  else
+    console_.detail(name + " (process " + std::to_string(pid) + ") " + describe_exit(state));
+  note_user_components();
+}
+
 void Session::start_applications() {
-  for (const std::vector<std::string>& words : plan_.applications) {
+  if (plan_.applications.empty()) return;
+  if (plan_.applications_delay_s > 0)
+    clock_->call_after(rtapi::seconds(plan_.applications_delay_s), [this] { run_applications(); });
+  else
+    run_applications();
+}
+
+void Session::run_applications() {
+  for (const std::string& line : plan_.applications) {
+    std::vector<std::string> words = split_words(line);
+    // Redirections and the like are the shell's.
+    if (line.find_first_of("<>|&;$*`") != std::string::npos)
+      words = {"/bin/sh", "-c", "exec " + line};
     auto child = Child::start(words);
     if (child.ok())
       add_child(std::move(*child));
     else
-      console_.say("[APPLICATIONS]APP: " + child.error().message());
+      console_.say("[APPLICATIONS]APP = " + line + ": " + child.error().message());
   }
 }
 
@@ -278,7 +369,16 @@ Status Session::start_screen() {
       screen_runs_ = true;
     }
   }
-  return run_hal_steps(plan_.postgui);
+  // A screen that runs does these files itself, when its pins are there (manual: POSTGUI_HALFILE).
+  if (screen_runs_ || plan_.postgui.empty()) return {};
+  if (plan_.display.empty() || options_.ignore_hal_errors) return run_hal_steps(plan_.postgui);
+  hal_->set_keep_going(true);
+  for (const HalStep& step : plan_.postgui)
+    if (!hal_->run(step))
+      console_.say(step.at.text() + ": warning: " + step.text + " is for the screen " +
+                   plan_.display.front() + ", which does not run; what needs its pins is left out");
+  hal_->set_keep_going(false);
+  return clock_->stopped() ? died(*clock_, "HAL") : Status{};
 }
 
 Status Session::operate() {

@@ -5,6 +5,7 @@
 // stands still until the threads start, so that every start is the same.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,6 +40,8 @@ class Session {
 
  private:
   bool read_files();
+  /// `kerf check`: what read_files() found is on the screen already.
+  int check();
   rtapi::Status start();
   rtapi::Status make_instance();
   rtapi::Status start_realtime();
@@ -49,6 +52,10 @@ class Session {
   rtapi::Status start_threads();
   rtapi::Status start_screen();
   void start_applications();
+  void run_applications();
+  rtapi::Status filter_program();
+  void note_user_components();
+  void tell_of_end(pid_t pid, const ExitState& state);
   Child& add_child(Child child);
 
   rtapi::Status operate();
@@ -79,6 +86,8 @@ class Session {
   std::unique_ptr<TaskLink> task_;
   Recorder recorder_;
   bool screen_runs_{false};
+  std::string filtered_;  ///< G-code that a filter has made, removed at the end
+  std::map<pid_t, std::string> user_components_;
 };
 
 }  // namespace kerf::launcher

@@ -3,8 +3,10 @@
 #include <signal.h>
 #include <sys/eventfd.h>
 #include <sys/timerfd.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <utility>
 
@@ -20,6 +22,7 @@ namespace {
 
 // A signal handler can reach nothing else.
 int g_signal_fd = -1;
+int g_child_fd = -1;
 volatile sig_atomic_t g_signals = 0;
 rtapi::WaitClock* volatile g_clock = nullptr;
 
@@ -41,6 +44,13 @@ void on_stop_signal(int number) {
     force_on(number);
 }
 
+void on_child(int) {
+  const int error = errno;
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = write(g_child_fd, &one, sizeof one);
+  errno = error;
+}
+
 void on_broken_pipe(int) {}
 
 bool take(int fd) {
@@ -53,10 +63,15 @@ bool take(int fd) {
 int catch_stop_signals() {
   if (g_signal_fd >= 0) return g_signal_fd;
   g_signal_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  g_child_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   struct sigaction action {};
   action.sa_handler = on_stop_signal;
   action.sa_flags = SA_RESTART;
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaction(number, &action, nullptr);
+  action.sa_handler = on_child;
+  action.sa_flags = SA_RESTART | SA_NOCLDSTOP;
+  sigaction(SIGCHLD, &action, nullptr);
+  action.sa_flags = SA_RESTART;
   action.sa_handler = force_on;
   sigaction(SIGALRM, &action, nullptr);
   // A handler, since "ignored" would be inherited by children.
@@ -89,8 +104,12 @@ void SupervisedClock::wait(const WaitSpec& spec) {
   if (!tearing_down_) {
     all.watch_fd(signal_fd_);
     for (const Watched& watched : children_) all.watch_fd(watched.child->pidfd());
+    if (told_) all.watch_fd(g_child_fd);
   }
-  if (!spec.holds_time) all.wake_at(next_chore_);
+  if (!spec.holds_time) {
+    all.wake_at(next_chore_);
+    for (const auto& [at, task] : timers_) all.wake_at(at);
+  }
   clock_->wait(all);
   look();
 }
@@ -126,11 +145,51 @@ void SupervisedClock::look() {
     chore_();
   }
   if (tearing_down_) return;
+  for (auto at = timers_.begin(); at != timers_.end();) {
+    if (clock_->now() < at->first) {
+      ++at;
+      continue;
+    }
+    const std::function<void()> task = std::move(at->second);
+    at = timers_.erase(at);
+    task();
+  }
   for (auto at = children_.begin(); at != children_.end();) {
     look_at(*at);
     at = at->child->running() ? std::next(at) : children_.erase(at);
   }
+  if (told_ && take(g_child_fd)) look_for_strays();
   if (take(signal_fd_)) stop();
+}
+
+bool SupervisedClock::watches(pid_t pid) const {
+  for (const Watched& watched : children_)
+    if (watched.child->pid() == pid) return true;
+  return false;
+}
+
+void SupervisedClock::look_for_strays() {
+  for (;;) {
+    siginfo_t info{};
+    // Only looked at first: the end of a watched child belongs to its owner.
+    if (waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == 0) return;
+    if (watches(info.si_pid)) {
+      on_child(SIGCHLD);  // others may have ended behind it: look again
+      return;
+    }
+    const ExitState state{info.si_code != CLD_EXITED, info.si_status};
+    told_(info.si_pid, state);
+    waitpid(info.si_pid, nullptr, WNOHANG);
+  }
+}
+
+void SupervisedClock::call_after(Nanos delay, std::function<void()> task) {
+  timers_.emplace_back(clock_->now() + delay, std::move(task));
+}
+
+void SupervisedClock::watch_strays(std::function<void(pid_t, const ExitState&)> told) {
+  told_ = std::move(told);
+  if (told_) look_for_strays();
 }
 
 void SupervisedClock::look_at(Watched& watched) {

@@ -5,6 +5,7 @@
 #include <list>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "launcher/process.hpp"
 #include "rtapi/base/result.hpp"
@@ -49,6 +50,12 @@ class SupervisedClock final : public rtapi::WaitClock {
   /// Called at least every `period` of instance time during waits that do not hold time.
   void set_chore(std::function<void()> chore, rtapi::Nanos period);
 
+  /// Calls `task` once, when `delay` of instance time has passed.
+  void call_after(rtapi::Nanos delay, std::function<void()> task);
+  /// Programs that others have started here (loadusr, and what their parents left): `told` is called for each that ends from now
+  /// on, before its process number is free again. Not while somebody else waits for a program. {}: no more.
+  void watch_strays(std::function<void(pid_t, const ExitState&)> told);
+
   /// Waits until `done` or until stopped, while time stands on a virtual clock; looks every millisecond of real time. False:
   /// stopped, or `limit_ms` of real time has passed.
   bool hold_until(const std::function<bool()>& done, int limit_ms);
@@ -63,6 +70,8 @@ class SupervisedClock final : public rtapi::WaitClock {
     bool ends_session;
   };
   void look();
+  void look_for_strays();
+  [[nodiscard]] bool watches(pid_t pid) const;
   void look_at(Watched& watched);
   bool poll_until(const std::function<bool()>& done, int limit_ms, bool hold);
 
@@ -73,6 +82,8 @@ class SupervisedClock final : public rtapi::WaitClock {
   bool tearing_down_{false};
   std::list<Watched> children_;
   std::function<void()> chore_;
+  std::function<void(pid_t, const ExitState&)> told_;
+  std::list<std::pair<rtapi::Nanos, std::function<void()>>> timers_;
   rtapi::Nanos chore_period_{rtapi::kForever};
   rtapi::Nanos next_chore_{rtapi::kForever};
   StopReason reason_;

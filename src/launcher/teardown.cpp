@@ -20,6 +20,7 @@ void Session::tear_down() {
   segment_->begin_end();
   console_.end_progress();
   if (clock_ != nullptr) {
+    clock_->watch_strays({});
     clock_->begin_teardown();
     if (!clock_->stopped()) stop_machine();
     clock_->set_chore({}, rtapi::kForever);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "io/tool_table.hpp"
 #include "rtapi/base/fixed_string.hpp"
 #include "rtapi/base/pose.hpp"
 #include "rtapi/sync/cell.hpp"
@@ -21,11 +22,23 @@ using Ticket = std::uint64_t;
 
 /// Command thread -> interpreter thread. Orders of an epoch older than the present one are answered `aborted`.
 struct Order {
-  enum class Kind : std::uint8_t { open, run, step, mdi, reload_tools, save };
+  enum class Kind : std::uint8_t {
+    open,
+    run,
+    step,
+    mdi,
+    reload_tools,
+    put_tool,
+    reset,
+    synch,
+    save
+  };
   Kind kind{Kind::mdi};
+  bool by_hand{false};  ///< of mdi: it moves nothing, so motion may be in any mode
   std::uint32_t epoch{0};
   Ticket ticket{0};
-  std::string text;  ///< file or MDI line
+  std::string text;    ///< file or MDI line
+  io::ToolEntry tool;  ///< of put_tool
 };
 
 /// Argument of [RS274NGC]ON_ABORT_COMMAND; the numbers are documented.
@@ -81,7 +94,9 @@ struct InterpreterView {
   bool idle{true};                 ///< no order in progress, nothing queued, all executed
   bool running_program{false};
   bool program_open{false};
-  bool stopped{false};  ///< at M0, M1, M60 or after a step: waits for resume
+  bool stopped{false};        ///< at M0, M1, M60 or after a step: waits for resume
+  bool failed{false};         ///< the last order ended in an error of the interpreter
+  bool input_timeout{false};  ///< of the last M66
 };
 
 class Exchange {
@@ -148,9 +163,9 @@ class Exchange {
     return orders_.size();
   }
 
-  // Switches of the operator: each word alone, written by the command thread.
-  rtapi::Word<std::uint32_t> optional_stop{0};
-  rtapi::Word<std::uint32_t> block_delete{0};
+  // Switches of the operator: each word alone, written by the command thread. The first two are on at the start, as LinuxCNC's are.
+  rtapi::Word<std::uint32_t> optional_stop{1};
+  rtapi::Word<std::uint32_t> block_delete{1};
   rtapi::Word<std::uint32_t> paused{0};    ///< the operator's pause: begin nothing new
   rtapi::Word<std::uint32_t> resumes{0};   ///< a new value: go on after M0, M1, M60 or a step
   rtapi::Word<std::uint32_t> stepping{0};  ///< stop after each block

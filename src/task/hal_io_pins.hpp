@@ -34,6 +34,9 @@ class HalIoPins final : public io::IoPins {
   Out<std::int32_t> tool_prep_index_{component_.pin<Out<std::int32_t>>("tool-prep-index")};
   Out<std::int32_t> tool_prep_number_{component_.pin<Out<std::int32_t>>("tool-prep-number")};
   Out<std::int32_t> tool_prep_pocket_{component_.pin<Out<std::int32_t>>("tool-prep-pocket")};
+  // Lubrication is gone since LinuxCNC 2.10; HAL files from before connect its pins.
+  Out<bool> lube_{component_.pin<Out<bool>>("lube")};
+  In<bool> lube_level_{component_.pin<In<bool>>("lube_level")};
   rtapi::Status status_;
 };
 

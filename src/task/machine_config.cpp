@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 
@@ -11,9 +12,7 @@
 namespace kerf::task {
 namespace {
 
-using ini::IntSpec;
 using ini::Reader;
-using ini::RealSpec;
 
 /// "%g" without surprises.
 std::string show(double v) {
@@ -22,12 +21,17 @@ std::string show(double v) {
   return out.str();
 }
 
+/// "0x7FFFFFFF", "3"; 0 for anything else: it only sets how much is printed.
+int debug_level(const std::string& text) {
+  return static_cast<int>(std::strtoul(text.c_str(), nullptr, 0));
+}
+
 class SetupReader {
  public:
   explicit SetupReader(const ini::IniFile& file) : r_(file) {}
 
   SetupResult run() {
-    out_.setup.machine_name = r_.string("EMC", "MACHINE", "");
+    out_.setup.machine_name = r_.string("EMC", "MACHINE");
     units();
     traj();
     for (int j = 0; j < out_.setup.motion.joints; ++j) joint(j);
@@ -38,34 +42,21 @@ class SetupReader {
     display();
     rs274ngc();
     emcio();
-    out_.setup.mdi_queue = static_cast<int>(
-        r_.integer("TASK", "MDI_QUEUED_COMMANDS", IntSpec{.fallback = 10, .min = 1, .max = 1000}));
-    out_.setup.motion.heartbeat_timeout_s =
-        r_.real("KERF", "HEARTBEAT_TIMEOUT",
-                RealSpec{.fallback = 0.1, .min = 0.01, .max = 10, .unit = "s"});
+    out_.setup.mdi_queue = static_cast<int>(r_.integer("TASK", "MDI_QUEUED_COMMANDS"));
+    out_.setup.motion.heartbeat_timeout_s = r_.real("KERF", "HEARTBEAT_TIMEOUT");
     out_.diagnostics = r_.complaints();
-    unknown_keys();
     out_.ok = std::none_of(out_.diagnostics.begin(), out_.diagnostics.end(),
                            [](const auto& d) { return d.is_error; });
     return std::move(out_);
   }
 
  private:
-  double length(std::string_view section, std::string_view key, double fallback_units,
-                bool required = false, double min = -1e99) {
-    return r_.real(
-        section, key,
-        RealSpec{
-            .fallback = fallback_units, .min = min, .required = required, .unit = "machine units"});
-  }
-  double rate(std::string_view section, std::string_view key, double fallback, bool required,
-              const char* unit) {
-    return r_.real(section, key,
-                   RealSpec{.fallback = fallback,
-                            .min = 0,
-                            .min_excluded = true,
-                            .required = required,
-                            .unit = unit});
+  /// LinuxCNC goes on with its default, too; at 1 mm/s nobody would know why the machine is slow.
+  double rate(const std::string& section, const char* key) {
+    const double value = r_.real(section, key);
+    if (!r_.has(section, key))
+      r_.complain(section, key, "is not given: " + show(value) + " is used", false);
+    return value;
   }
   static double scaled(double value, double unit) {
     return std::fabs(value) >= 1e98 ? value : value * unit;
@@ -83,38 +74,25 @@ class SetupReader {
     auto& s = out_.setup;
     auto& m = s.motion;
     coordinates();
-    m.joints = static_cast<std::int32_t>(
-        r_.integer("KINS", "JOINTS",
-                   IntSpec{.fallback = 0,
-                           .min = 1,
-                           .max = static_cast<std::int64_t>(motion::kMaxJoints),
-                           .required = true}));
-    (void)r_.string("KINS", "KINEMATICS", {.fallback = "trivkins", .required = true});
-    m.spindles = static_cast<std::int32_t>(r_.integer(
-        "TRAJ", "SPINDLES",
-        IntSpec{.fallback = 1, .min = 1, .max = static_cast<std::int64_t>(motion::kMaxSpindles)}));
+    m.joints = static_cast<std::int32_t>(r_.integer("KINS", "JOINTS"));
+    (void)r_.string("KINS", "KINEMATICS");
+    m.spindles = static_cast<std::int32_t>(r_.integer("TRAJ", "SPINDLES"));
     s.interp.spindles = m.spindles;
-    m.traj_max_vel_mm_s =
-        rate("TRAJ", "MAX_LINEAR_VELOCITY", 1e9, false, "machine units/s") * s.linear_unit_mm;
-    m.traj_max_acc_mm_s2 =
-        rate("TRAJ", "MAX_LINEAR_ACCELERATION", 1e9, false, "machine units/s^2") * s.linear_unit_mm;
-    m.traj_max_ang_vel_deg_s =
-        rate("TRAJ", "MAX_ANGULAR_VELOCITY", 1e9, false, "machine units/s") * s.angular_unit_deg;
-    m.no_force_homing = r_.boolean("TRAJ", "NO_FORCE_HOMING", false);
-    m.probe_error_inhibit_jog = r_.boolean("TRAJ", "NO_PROBE_JOG_ERROR", false);
-    m.probe_error_inhibit_home = r_.boolean("TRAJ", "NO_PROBE_HOME_ERROR", false);
-    for (const char* key :
-         {"DEFAULT_LINEAR_VELOCITY", "DEFAULT_LINEAR_ACCELERATION", "DEFAULT_ANGULAR_VELOCITY",
-          "DEFAULT_ANGULAR_ACCELERATION", "MAX_ANGULAR_ACCELERATION", "MAX_LINEAR_JERK",
-          "POSITION_FILE", "HOME", "TPMOD", "AXES", "ARC_BLEND_ENABLE", "ARC_BLEND_FALLBACK_ENABLE",
-          "ARC_BLEND_OPTIMIZATION_DEPTH", "ARC_BLEND_GAP_CYCLES", "ARC_BLEND_RAMP_FREQ",
-          "ARC_BLEND_KINK_RATIO", "PLANNER_TYPE", "SCURVE_PEAK_SCALE", "CYCLE_TIME"})
-      r_.known_key("TRAJ", key);
+    const double linear = s.linear_unit_mm;
+    m.traj_max_vel_mm_s = r_.real("TRAJ", "MAX_LINEAR_VELOCITY", 1e9) * linear;
+    m.traj_max_acc_mm_s2 = r_.real("TRAJ", "MAX_LINEAR_ACCELERATION", 1e9) * linear;
+    m.traj_max_ang_vel_deg_s = r_.real("TRAJ", "MAX_ANGULAR_VELOCITY", 1e9) * s.angular_unit_deg;
+    s.default_vel_mm_s = r_.real("TRAJ", "DEFAULT_LINEAR_VELOCITY") * linear;
+    s.default_acc_mm_s2 = r_.real("TRAJ", "DEFAULT_LINEAR_ACCELERATION") * linear;
+    s.task_cycle_s = r_.real("TASK", "CYCLE_TIME");
+    s.debug = debug_level(r_.string("EMC", "DEBUG"));
+    m.no_force_homing = r_.boolean("TRAJ", "NO_FORCE_HOMING");
+    m.probe_error_inhibit_jog = r_.boolean("TRAJ", "NO_PROBE_JOG_ERROR");
+    m.probe_error_inhibit_home = r_.boolean("TRAJ", "NO_PROBE_HOME_ERROR");
   }
 
   void coordinates() {
-    const std::string text =
-        r_.string("TRAJ", "COORDINATES", {.fallback = "X Y Z", .required = true});
+    const std::string text = r_.string("TRAJ", "COORDINATES");
     std::uint32_t mask = 0;
     for (const char c : text) {
       if (c == ' ' || c == '\t') continue;
@@ -126,7 +104,7 @@ class SetupReader {
       }
       mask |= 1U << static_cast<unsigned>(axis);
     }
-    if (mask == 0)
+    if (mask == 0 && r_.has("TRAJ", "COORDINATES"))
       r_.complain("TRAJ", "COORDINATES",
                   "no axis named: expected letters of XYZABCUVW, such as X Y Z");
     out_.setup.motion.axis_mask = mask;
@@ -136,89 +114,59 @@ class SetupReader {
   void joint(int index) {
     const std::string section = "JOINT_" + std::to_string(index);
     auto& j = out_.setup.motion.joint[index];
-    const std::size_t type = r_.choice(section, "TYPE", {"LINEAR", "ANGULAR"}, 0);
-    j.rotary = type == 1;
+    j.rotary = r_.choice(section, "TYPE") == 1;
     double unit = j.rotary ? out_.setup.angular_unit_deg : out_.setup.linear_unit_mm;
     if (r_.has(section, "UNITS"))
       unit = j.rotary ? r_.angular_unit(section, "UNITS", unit)
                       : r_.linear_unit(section, "UNITS", unit);
-    j.min_limit = scaled(length(section, "MIN_LIMIT", -1e99), unit);
-    j.max_limit = scaled(length(section, "MAX_LIMIT", 1e99), unit);
-    if (!(j.min_limit < j.max_limit))
-      r_.complain(section, "MIN_LIMIT",
-                  "MIN_LIMIT " + show(j.min_limit / unit) + " is not below MAX_LIMIT " +
-                      show(j.max_limit / unit));
-    j.max_vel = rate(section, "MAX_VELOCITY", 1, true, "machine units/s") * unit;
-    j.max_acc = rate(section, "MAX_ACCELERATION", 1, true, "machine units/s^2") * unit;
-    j.max_jerk = length(section, "MAX_JERK", 0, false, 0) * unit;
-    const bool has_ferror = r_.has(section, "FERROR");
-    j.ferror = scaled(length(section, "FERROR", 1e99, false, 0), unit);
-    j.min_ferror = r_.has(section, "MIN_FERROR") ? length(section, "MIN_FERROR", 0, false, 0) * unit
-                                                 : j.ferror;
-    if (has_ferror && j.min_ferror > j.ferror) j.min_ferror = j.ferror;
-    j.backlash = length(section, "BACKLASH", 0, false, 0) * unit;
+    out_.setup.joint_unit[static_cast<std::size_t>(index)] = unit;
+    limits(section, unit, j);
+    j.max_vel = rate(section, "MAX_VELOCITY") * unit;
+    j.max_acc = rate(section, "MAX_ACCELERATION") * unit;
+    j.max_jerk = r_.real(section, "MAX_JERK") * unit;
+    j.ferror = scaled(r_.real(section, "FERROR", 1e99), unit);
+    j.min_ferror = r_.has(section, "MIN_FERROR") ? r_.real(section, "MIN_FERROR") * unit : j.ferror;
+    if (r_.has(section, "FERROR") && j.min_ferror > j.ferror) j.min_ferror = j.ferror;
+    j.backlash = r_.real(section, "BACKLASH") * unit;
     homing(section, j, unit);
-    for (const char* key : {"COMP_FILE",
-                            "COMP_FILE_TYPE",
-                            "LOCKING_INDEXER",
-                            "POSTHOME_CMD",
-                            "STEPGEN_MAXVEL",
-                            "STEPGEN_MAXACCEL",
-                            "SCALE",
-                            "STEP_SCALE",
-                            "ENCODER_SCALE",
-                            "INPUT_SCALE",
-                            "OUTPUT_SCALE",
-                            "P",
-                            "I",
-                            "D",
-                            "FF0",
-                            "FF1",
-                            "FF2",
-                            "BIAS",
-                            "DEADBAND",
-                            "MAX_OUTPUT",
-                            "MIN_OUTPUT",
-                            "DIRSETUP",
-                            "DIRHOLD",
-                            "STEPLEN",
-                            "STEPSPACE",
-                            "OUTPUT_OFFSET",
-                            "OUTPUT_MIN_LIMIT",
-                            "OUTPUT_MAX_LIMIT"})
-      r_.known_key(section, key);
+  }
+
+  /// MIN_LIMIT and MAX_LIMIT of a joint or an axis.
+  template <class Config>
+  void limits(const std::string& section, double unit, Config& config) {
+    config.min_limit = scaled(r_.real(section, "MIN_LIMIT", -1e99), unit);
+    config.max_limit = scaled(r_.real(section, "MAX_LIMIT", 1e99), unit);
+    if (!(config.min_limit < config.max_limit))
+      r_.complain(section, "MIN_LIMIT",
+                  "MIN_LIMIT " + show(config.min_limit / unit) + " is not below MAX_LIMIT " +
+                      show(config.max_limit / unit));
   }
 
   void homing(const std::string& section, motion::JointConfig& j, double unit) {
-    j.home = length(section, "HOME", 0) * unit;
-    j.home_offset = length(section, "HOME_OFFSET", 0) * unit;
-    j.home_search_vel = length(section, "HOME_SEARCH_VEL", 0) * unit;
-    j.home_latch_vel = length(section, "HOME_LATCH_VEL", 0) * unit;
-    j.home_final_vel = length(section, "HOME_FINAL_VEL", 0) * unit;
+    j.home = r_.real(section, "HOME") * unit;
+    j.home_offset = r_.real(section, "HOME_OFFSET") * unit;
+    j.home_search_vel = r_.real(section, "HOME_SEARCH_VEL") * unit;
+    j.home_latch_vel = r_.real(section, "HOME_LATCH_VEL") * unit;
+    j.home_final_vel = r_.real(section, "HOME_FINAL_VEL") * unit;
     if (j.home_search_vel != 0 && j.home_latch_vel == 0)
       r_.complain(section, "HOME_LATCH_VEL",
                   "HOME_SEARCH_VEL is set and HOME_LATCH_VEL is 0: expected a velocity towards or "
                   "off the switch, in machine units/s");
-    j.home_search_dist = length(section, "HOME_SEARCH_DIST", 0, false, 0) * unit;
-    j.home_latch_dist = length(section, "HOME_LATCH_DIST", 0, false, 0) * unit;
+    j.home_search_dist = r_.real(section, "HOME_SEARCH_DIST") * unit;
+    j.home_latch_dist = r_.real(section, "HOME_LATCH_DIST") * unit;
     j.home_sequence =
-        r_.has(section, "HOME_SEQUENCE")
-            ? static_cast<std::int32_t>(
-                  r_.integer(section, "HOME_SEQUENCE",
-                             IntSpec{.fallback = motion::kNoHomeSequence, .min = -100, .max = 100}))
-            : motion::kNoHomeSequence;
+        static_cast<std::int32_t>(r_.integer(section, "HOME_SEQUENCE", motion::kNoHomeSequence));
     const auto flag = [&](const char* key, std::int32_t bit) {
-      if (r_.boolean(section, key, false)) j.home_flags |= bit;
+      if (r_.boolean(section, key)) j.home_flags |= bit;
     };
     flag("HOME_IGNORE_LIMITS", motion::home_ignore_limits);
     flag("HOME_USE_INDEX", motion::home_use_index);
     flag("HOME_IS_SHARED", motion::home_is_shared);
     flag("HOME_INDEX_NO_ENCODER_RESET", motion::home_index_no_encoder_reset);
-    const auto absolute =
-        r_.integer(section, "HOME_ABSOLUTE_ENCODER", IntSpec{.fallback = 0, .min = 0, .max = 2});
+    const auto absolute = r_.integer(section, "HOME_ABSOLUTE_ENCODER");
     if (absolute > 0) j.home_flags |= motion::home_absolute_encoder;
     if (absolute == 2) j.home_flags |= motion::home_no_final_move;
-    j.volatile_home = r_.boolean(section, "VOLATILE_HOME", false);
+    j.volatile_home = r_.boolean(section, "VOLATILE_HOME");
   }
 
   void axis(std::size_t index) {
@@ -226,26 +174,18 @@ class SetupReader {
     auto& a = out_.setup.motion.axis[index];
     const double unit =
         rtapi::is_rotary(index) ? out_.setup.angular_unit_deg : out_.setup.linear_unit_mm;
-    a.max_vel = rate(section, "MAX_VELOCITY", 1, true, "machine units/s") * unit;
+    a.max_vel = rate(section, "MAX_VELOCITY") * unit;
     out_.setup.interp.axis_max_per_s[index] = a.max_vel;
-    a.max_acc = rate(section, "MAX_ACCELERATION", 1, true, "machine units/s^2") * unit;
-    a.max_jerk = length(section, "MAX_JERK", 0, false, 0) * unit;
-    a.min_limit = scaled(length(section, "MIN_LIMIT", -1e99), unit);
-    a.max_limit = scaled(length(section, "MAX_LIMIT", 1e99), unit);
-    if (!(a.min_limit < a.max_limit))
-      r_.complain(section, "MIN_LIMIT",
-                  "MIN_LIMIT " + show(a.min_limit / unit) + " is not below MAX_LIMIT " +
-                      show(a.max_limit / unit));
-    a.offset_av_ratio =
-        r_.real(section, "OFFSET_AV_RATIO", RealSpec{.fallback = 0, .min = 0, .max = 0.9});
-    for (const char* key : {"WRAPPED_ROTARY", "LOCKING_INDEXER_JOINT", "HOME"})
-      r_.known_key(section, key);
+    a.max_acc = rate(section, "MAX_ACCELERATION") * unit;
+    a.max_jerk = r_.real(section, "MAX_JERK") * unit;
+    limits(section, unit, a);
+    a.offset_av_ratio = r_.real(section, "OFFSET_AV_RATIO");
   }
 
   /// Identity kinematics: a joint must reach all that its axis may.
   void identity_limits() {
-    const std::string kinematics =
-        out_.setup.motion.joints > 0 ? r_.string("KINS", "KINEMATICS", "trivkins") : std::string();
+    const ini::Entry* entry = r_.file().find("KINS", "KINEMATICS");
+    const std::string kinematics = entry != nullptr ? entry->value : "trivkins";
     if (kinematics.rfind("trivkins", 0) != 0) return;
     std::string order;
     if (const auto at = kinematics.find("coordinates="); at != std::string::npos) {
@@ -277,34 +217,24 @@ class SetupReader {
   void spindle(int index) {
     const std::string section = "SPINDLE_" + std::to_string(index);
     auto& s = out_.setup.motion.spindle[index];
-    const auto rpm = [&](const char* key, double fallback) {
-      return r_.real(section, key, RealSpec{.fallback = fallback, .min = 0, .unit = "rpm"});
-    };
-    s.max_forward_rpm = rpm("MAX_FORWARD_VELOCITY", 1e99);
-    s.min_forward_rpm = rpm("MIN_FORWARD_VELOCITY", 0);
-    s.max_reverse_rpm = rpm("MAX_REVERSE_VELOCITY", s.max_forward_rpm);
-    s.min_reverse_rpm = rpm("MIN_REVERSE_VELOCITY", s.min_forward_rpm);
+    s.max_forward_rpm = r_.real(section, "MAX_FORWARD_VELOCITY", 1e99);
+    s.min_forward_rpm = r_.real(section, "MIN_FORWARD_VELOCITY");
+    s.max_reverse_rpm = r_.real(section, "MAX_REVERSE_VELOCITY", s.max_forward_rpm);
+    s.min_reverse_rpm = r_.real(section, "MIN_REVERSE_VELOCITY", s.min_forward_rpm);
     const double most = std::max(s.max_forward_rpm, s.max_reverse_rpm);
     out_.setup.interp.spindle_max_rpm[static_cast<std::size_t>(index)] = most < 1e99 ? most : 0;
-    s.home_search_rpm = r_.real(section, "HOME_SEARCH_VELOCITY", RealSpec{.unit = "rpm"});
-    s.increment_rpm = rpm("INCREMENT", 100);
+    s.home_search_rpm = r_.real(section, "HOME_SEARCH_VELOCITY");
+    s.increment_rpm = r_.real(section, "INCREMENT");
     if (s.min_forward_rpm > s.max_forward_rpm)
       r_.complain(section, "MIN_FORWARD_VELOCITY", "it is above MAX_FORWARD_VELOCITY");
-    for (const char* key : {"HOME_SEQUENCE", "P", "I", "D", "FF0", "FF1", "FF2", "BIAS", "DEADBAND",
-                            "MAX_OUTPUT", "MAX_VELOCITY", "MIN_VELOCITY"})
-      r_.known_key(section, key);
   }
 
   void display() {
     auto& l = out_.setup.limits;
-    l.max_feed_override =
-        r_.real("DISPLAY", "MAX_FEED_OVERRIDE",
-                RealSpec{.fallback = 1.0, .min = 0, .max = 100, .min_excluded = true});
+    l.max_feed_override = r_.real("DISPLAY", "MAX_FEED_OVERRIDE");
     out_.setup.motion.max_feed_override = l.max_feed_override;
-    l.min_spindle_override =
-        r_.real("DISPLAY", "MIN_SPINDLE_OVERRIDE", RealSpec{.fallback = 0.5, .min = 0, .max = 100});
-    l.max_spindle_override =
-        r_.real("DISPLAY", "MAX_SPINDLE_OVERRIDE", RealSpec{.fallback = 1.0, .min = 0, .max = 100});
+    l.min_spindle_override = r_.real("DISPLAY", "MIN_SPINDLE_OVERRIDE");
+    l.max_spindle_override = r_.real("DISPLAY", "MAX_SPINDLE_OVERRIDE");
   }
 
   void rs274ngc() {
@@ -317,8 +247,11 @@ class SetupReader {
     read.settings.random_toolchanger = s.interp.random_toolchanger;
     read.settings.is_task = true;
     s.interp = std::move(read.settings);
+    s.motion.adaptive_only_slows = s.interp.compat != interp::Compat::newest;
     s.paths = std::move(read.paths);
     s.python = std::move(read.python);
+    const std::string positions = r_.string("TRAJ", "POSITION_FILE");
+    if (!positions.empty()) s.position_file = resolve_path(s.paths.ini_dir, positions);
     s.startup_code = std::move(read.startup_code);
     s.on_abort_command = std::move(read.on_abort_command);
   }
@@ -327,60 +260,19 @@ class SetupReader {
     constexpr const char* kSection = "EMCIO";
     auto& t = out_.setup.tools;
     const double unit = out_.setup.linear_unit_mm;
-    const std::string table = r_.string(kSection, "TOOL_TABLE", "");
+    const std::string table = r_.string(kSection, "TOOL_TABLE");
     if (!table.empty()) t.table_file = resolve_path(out_.setup.paths.ini_dir, table);
-    t.random_changer = r_.boolean(kSection, "RANDOM_TOOLCHANGER", false);
+    t.random_changer = r_.boolean(kSection, "RANDOM_TOOLCHANGER");
     out_.setup.interp.random_toolchanger = t.random_changer;
-    t.cycle_time_s = r_.real(kSection, "CYCLE_TIME", RealSpec{.fallback = 0.1, .unit = "s"});
-    t.spindle_on_during_change = r_.boolean(kSection, "TOOL_CHANGE_WITH_SPINDLE_ON", false);
-    t.quill_up = r_.boolean(kSection, "TOOL_CHANGE_QUILL_UP", false);
-    t.at_g30 = r_.boolean(kSection, "TOOL_CHANGE_AT_G30", false);
-    const std::string position = r_.string(kSection, "TOOL_CHANGE_POSITION", "");
-    if (!position.empty()) {
-      std::istringstream in(position);
-      std::vector<double> numbers;
-      for (double v = 0; in >> v;) numbers.push_back(v);
-      if (!in.eof() || (numbers.size() != 3 && numbers.size() != 6 && numbers.size() != 9)) {
-        r_.complain(kSection, "TOOL_CHANGE_POSITION",
-                    "'" + position + "': expected 3, 6 or 9 numbers in machine units");
-      } else {
-        t.has_position = true;
-        for (std::size_t a = 0; a < numbers.size(); ++a) {
-          t.position[a] = numbers[a] * (rtapi::is_rotary(a) ? out_.setup.angular_unit_deg : unit);
-          t.position_mask |= 1U << a;
-        }
-      }
+    t.spindle_on_during_change = r_.boolean(kSection, "TOOL_CHANGE_WITH_SPINDLE_ON");
+    t.quill_up = r_.boolean(kSection, "TOOL_CHANGE_QUILL_UP");
+    t.at_g30 = r_.boolean(kSection, "TOOL_CHANGE_AT_G30");
+    const std::vector<double> position = r_.reals(kSection, "TOOL_CHANGE_POSITION");
+    t.has_position = !position.empty();
+    for (std::size_t a = 0; a < position.size(); ++a) {
+      t.position[a] = position[a] * (rtapi::is_rotary(a) ? out_.setup.angular_unit_deg : unit);
+      t.position_mask |= 1U << a;
     }
-    for (const char* key : {"EMCIO", "DB_PROGRAM", "TOOL_TABLE_FORMAT", "COMMENT"})
-      r_.known_key(kSection, key);
-  }
-
-  void unknown_keys() {
-    std::vector<std::string> sections{"TRAJ", "KINS", "RS274NGC", "EMCIO", "PYTHON"};
-    for (int j = 0; j < out_.setup.motion.joints; ++j)
-      sections.push_back("JOINT_" + std::to_string(j));
-    for (std::size_t a = 0; a < rtapi::kAxes; ++a)
-      if ((out_.setup.motion.axis_mask & (1U << a)) != 0)
-        sections.push_back(std::string("AXIS_") + rtapi::kAxisLetters[a]);
-    for (int s = 0; s < out_.setup.motion.spindles; ++s)
-      sections.push_back("SPINDLE_" + std::to_string(s));
-    mark_keys_of_hal_files(sections);
-    for (auto& d : r_.unknown_keys(sections)) out_.diagnostics.push_back(std::move(d));
-  }
-
-  /// Custom keys ([JOINT_0]SCALE ...) are legal where a HAL file uses them.
-  void mark_keys_of_hal_files(const std::vector<std::string>& sections) {
-    std::string hal;
-    for (const char* key : {"HALFILE", "POSTGUI_HALFILE", "HALCMD", "SHUTDOWN"})
-      for (const auto* entry : r_.file().find_all("HAL", key)) {
-        hal += entry->value + '\n';
-        const std::string name = entry->value.substr(0, entry->value.find(' '));
-        if (auto text = io::read_file(resolve_path(out_.setup.paths.ini_dir, name)); text.ok())
-          hal += *text + '\n';
-      }
-    for (const auto& section : sections)
-      for (const auto* entry : r_.file().variables(section))
-        if (hal.find(entry->key) != std::string::npos) r_.known_key(section, entry->key);
   }
 
   Reader r_;

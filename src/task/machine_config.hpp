@@ -25,7 +25,6 @@ struct OperatorLimits {
 struct ToolConfig {
   std::string table_file;  ///< absolute; "" without a tool table
   bool random_changer{false};
-  double cycle_time_s{0.1};
   bool spindle_on_during_change{false};
   bool quill_up{false};
   bool at_g30{false};
@@ -45,11 +44,16 @@ struct MachineSetup {
   ToolConfig tools;
   ProgramPaths paths;
   interp::PythonSettings python;
+  std::string position_file;     ///< [TRAJ]POSITION_FILE, absolute; "" none
   std::string startup_code;      ///< [RS274NGC]RS274NGC_STARTUP_CODE
   std::string on_abort_command;  ///< [RS274NGC]ON_ABORT_COMMAND
   int mdi_queue{10};             ///< [TASK]MDI_QUEUED_COMMANDS
   double linear_unit_mm{1};      ///< mm per machine unit
   double angular_unit_deg{1};
+  std::array<double, motion::kMaxJoints> joint_unit{};  ///< mm or degrees per unit of [JOINT_n]
+  double default_vel_mm_s{0}, default_acc_mm_s2{0};     ///< [TRAJ]DEFAULT_LINEAR_...
+  double task_cycle_s{0.01};                            ///< [TASK]CYCLE_TIME
+  int debug{0};                                         ///< [EMC]DEBUG
 };
 
 struct SetupResult {
@@ -62,8 +66,7 @@ struct SetupResult {
   [[nodiscard]] std::string text() const;
 };
 
-/// Reads all of it. Warns of unknown keys in the sections that task owns ([TRAJ], [JOINT_n], [AXIS_L], [SPINDLE_n], [RS274NGC], [EMCIO]),
-/// unless a HAL file may use them.
+/// Reads all of it. Unknown keys are the business of ini::check_keys, which the launcher asks.
 [[nodiscard]] SetupResult read_machine_setup(const ini::IniFile& file);
 
 }  // namespace kerf::task

@@ -14,10 +14,12 @@
 
 #include "hal/client/session.hpp"
 #include "ini/ini_file.hpp"
+#include "io/tool_store.hpp"
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/log/log.hpp"
 #include "rtapi/shm/segment.hpp"
 #include "rtapi/thread/cyclic_thread.hpp"
+#include "task/machine_config.hpp"
 #include "task/task.hpp"
 
 namespace {
@@ -25,17 +27,19 @@ namespace {
 using namespace kerf;
 
 constexpr const char* kUsage =
-    "usage: milltask --ini FILE [--instance NAME]\n"
+    "usage: milltask --ini FILE [--instance NAME | --check]\n"
     "\n"
     "Interprets G-code and sequences the machine of a running instance: started by kerf, which\n"
     "gives it KERF_INSTANCE and KERF_SUPERVISOR_FD, and ended by it.\n"
     "\n"
     "  --ini FILE        machine file (-ini FILE works too)\n"
-    "  --instance NAME   instance; default: KERF_INSTANCE, else by user id\n";
+    "  --instance NAME   instance; default: KERF_INSTANCE, else by user id\n"
+    "  --check           only report what is wrong with the INI file and the tool table\n";
 
 struct Options {
   std::string ini;
   std::string instance{rtapi::default_instance()};
+  bool check{false};
 };
 
 int usage_error(const std::string& what) {
@@ -51,8 +55,13 @@ int read_options(int argc, char** argv, Options& options) {
       std::fputs(kUsage, stdout);
       return 1;
     }
+    if (word == "--check") {
+      options.check = true;
+      continue;
+    }
     if (word != "--ini" && word != "-ini" && word != "--instance")
-      return 1 + usage_error("unknown option '" + word + "': expected --ini or --instance");
+      return 1 +
+             usage_error("unknown option '" + word + "': expected --ini, --instance or --check");
     if (++i == argc) return 1 + usage_error(word + " needs a value");
     (word == "--instance" ? options.instance : options.ini) = argv[i];
   }
@@ -149,6 +158,23 @@ rtapi::Result<std::unique_ptr<hal::SocketSession>> open_session(rtapi::Segment& 
   }
 }
 
+/// The complaints that would keep this machine from starting, and the warnings.
+int check(const Options& options) {
+  auto loaded = ini::IniFile::load(options.ini);
+  for (const auto& d : loaded.diagnostics) std::fprintf(stderr, "%s\n", d.message().c_str());
+  if (!loaded.ok) return 1;
+  const task::SetupResult read = task::read_machine_setup(loaded.file);
+  std::fputs(read.text().c_str(), stderr);
+  io::ToolStore tools(read.setup.tools.table_file, read.setup.linear_unit_mm,
+                      read.setup.tools.random_changer);
+  const auto loaded_tools = tools.load();
+  const bool absent = !loaded_tools.ok() && loaded_tools.error().code == rtapi::Errc::not_found;
+  if (!loaded_tools.ok())
+    std::fprintf(stderr, "%s: %s\n", absent ? "warning: no tool table" : "error",
+                 loaded_tools.error().message().c_str());
+  return read.ok && (loaded_tools.ok() || absent) ? 0 : 1;
+}
+
 int run(const Options& options) {
   const Ending ending;
   auto loaded = ini::IniFile::load(options.ini);
@@ -192,5 +218,5 @@ int main(int argc, char** argv) {
   rtapi::set_program_name("milltask");
   Options options;
   if (const int end = read_options(argc, argv, options); end != 0) return end - 1;
-  return run(options);
+  return options.check ? check(options) : run(options);
 }

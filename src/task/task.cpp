@@ -7,9 +7,12 @@
 #include "task/api/message_reader.hpp"
 #include "task/command/command_participant.hpp"
 #include "task/exchange.hpp"
+#include "task/hal_ini_pins.hpp"
 #include "task/hal_io_pins.hpp"
 #include "task/interpreter/interpreter_participant.hpp"
 #include "task/machine_config.hpp"
+#include "task/older_pin_names.hpp"
+#include "task/position_file.hpp"
 
 namespace kerf::task {
 
@@ -26,6 +29,8 @@ struct Task::Parts {
   TaskShared* shared{nullptr};
   motion::MotionShared* motion{nullptr};
   std::unique_ptr<HalIoPins> hal_pins;
+  std::unique_ptr<LiveConfig> live;
+  std::unique_ptr<HalIniPins> ini_pins;
   std::unique_ptr<io::ToolStore> tools;
   std::unique_ptr<io::IoLink> link;
   std::unique_ptr<io::IoControl> iocontrol;
@@ -68,6 +73,27 @@ HalReader hal_reader(rtapi::Segment& segment) {
   };
 }
 
+MachineFacts facts_of(const MachineSetup& setup, const ini::IniFile& ini) {
+  MachineFacts f;
+  f.ini_file = rtapi::FixedString<511>(ini.name());
+  f.machine_name = rtapi::FixedString<127>(setup.machine_name);
+  f.linear_unit_mm = setup.linear_unit_mm;
+  f.angular_unit_deg = setup.angular_unit_deg;
+  for (std::size_t j = 0; j < motion::kMaxJoints; ++j) f.joint_unit[j] = setup.joint_unit[j];
+  f.default_vel_mm_s = setup.default_vel_mm_s;
+  f.default_acc_mm_s2 = setup.default_acc_mm_s2;
+  f.max_acc_mm_s2 = setup.motion.traj_max_acc_mm_s2;
+  f.cycle_time_s = setup.task_cycle_s;
+  f.max_feed_override = setup.limits.max_feed_override;
+  f.min_spindle_override = setup.limits.min_spindle_override;
+  f.max_spindle_override = setup.limits.max_spindle_override;
+  for (std::size_t n = 0; n < kMaxSpindles; ++n)
+    f.spindle_increment_rpm[n] = setup.motion.spindle[n].increment_rpm;
+  f.random_toolchanger = setup.tools.random_changer;
+  f.no_force_homing = setup.motion.no_force_homing;
+  return f;
+}
+
 }  // namespace
 
 rtapi::Status make_task_block(rtapi::Segment& segment) {
@@ -78,24 +104,8 @@ rtapi::Status make_task_block(rtapi::Segment& segment) {
 
 Task::Task(const ini::IniFile& ini, rtapi::Segment& segment, hal::Session* session,
            TaskOptions options)
-    : parts_(new Parts{ini,
-                       segment,
-                       session,
-                       options,
-                       {},
-                       {},
-                       nullptr,
-                       nullptr,
-                       {},
-                       {},
-                       {},
-                       {},
-                       {},
-                       {},
-                       {},
-                       {},
-                       {},
-                       {}}) {}
+    : parts_(new Parts{ini, segment, session, options, {}, {}, nullptr, nullptr, {}, {},
+                       {},  {},      {},      {},      {}, {}, {},      {},      {}, {}}) {}
 
 Task::~Task() = default;
 
@@ -115,6 +125,11 @@ rtapi::Status Task::prepare() {
   p.warnings = setup.text();
   p.setup = std::move(setup.setup);
 
+  if (!p.setup.position_file.empty()) {
+    if (const auto loaded = load_positions(p.setup.position_file, p.setup); !loaded.ok())
+      p.warnings += "warning: " + loaded.error().message() + '\n';
+  }
+
   auto shared = find_or_make(p.segment);
   if (!shared.ok()) return rtapi::Failure{shared.error()};
   p.shared = *shared;
@@ -122,9 +137,21 @@ rtapi::Status Task::prepare() {
 
   p.tools = std::make_unique<io::ToolStore>(p.setup.tools.table_file, p.setup.linear_unit_mm,
                                             p.setup.tools.random_changer);
-  KERF_CHECK(p.tools->load());
+  if (const rtapi::Status loaded = p.tools->load(); !loaded.ok()) {
+    // A machine without its table has no tools; a table with mistakes would have wrong ones.
+    if (loaded.error().code != Errc::not_found) return loaded;
+    p.warnings += "warning: no tool table: " + loaded.error().message() + '\n';
+  }
+  for (const std::string& warning : p.tools->table()->warnings())
+    p.warnings += "warning: " + warning + '\n';
   p.link =
       std::make_unique<io::IoLink>(p.shared->to_io, p.shared->to_command, p.shared->to_interpreter);
+  p.live = std::make_unique<LiveConfig>(p.setup, p.ini);
+  if (p.session != nullptr) {
+    KERF_CHECK(ask_for_older_pin_names(*p.session, p.setup.interp.compat));
+    p.ini_pins = std::make_unique<HalIniPins>(*p.session, p.live->pins());
+    KERF_CHECK(p.ini_pins->status());
+  }
   io::IoPins* pins = p.options.pins;
   if (pins == nullptr) {
     if (p.session == nullptr) return fail(Errc::bad_argument, "task needs a HAL session or pins");
@@ -167,8 +194,10 @@ rtapi::Status Task::connect() {
       error.at = {rtapi::FixedString<160>(code->at.file), code->at.line, 0};
     return rtapi::Failure<rtapi::Error>{error};
   }
-  p.command = std::make_unique<CommandParticipant>(CommandParticipant::Parts{
-      *p.motion, *p.shared, *p.exchange, *p.link, p.setup, p.options.pid});
+  p.command = std::make_unique<CommandParticipant>(
+      CommandParticipant::Parts{*p.motion, *p.shared, *p.exchange, *p.link, p.setup, p.options.pid,
+                                p.tools.get(), p.live.get(), p.ini_pins.get()});
+  p.shared->facts.write(facts_of(p.setup, p.ini));
   if (p.options.listen)
     KERF_CHECK(p.command->listen(rtapi::socket_name(p.segment.instance(), kTaskService)));
   return {};
@@ -205,6 +234,13 @@ void Task::shut_down() {
   parts_->command->shut_down();
   parts_->interpreter->shut_down();
   if (auto saved = parts_->interpreter->save_parameters(); !saved.ok())
+    rtapi::log_error(saved.error());
+  motion::MotionStatus status;
+  // Without a single cycle of motion nobody knows where the joints are.
+  if (parts_->setup.position_file.empty() || !parts_->motion->status.read(status) ||
+      status.cycle == 0)
+    return;
+  if (auto saved = save_positions(parts_->setup.position_file, parts_->setup, status); !saved.ok())
     rtapi::log_error(saved.error());
 }
 

@@ -246,6 +246,8 @@ std::string Machine::errors() const {
   return all;
 }
 
+rtapi::Segment& Machine::segment() const { return *parts_->segment; }
+
 const std::string& Machine::folder() const {
   static thread_local std::string text;
   text = parts_->folder.string();
@@ -333,6 +335,13 @@ std::string Machine::pin_kind(const std::string& name) const {
   return std::string(hal::type_name(pin->type)) + " " + std::string(hal::dir_name(pin->dir));
 }
 
+std::string Machine::parameter_kind(const std::string& name) const {
+  const auto param = parts_->halcmd->view().find_param(name);
+  if (!param) return "";
+  return std::string(hal::type_name(param->type)) + " " + std::string(hal::dir_name(param->dir));
+}
+
+hal::Session& Machine::session() const { return *parts_->session; }
 bool Machine::hal(const std::string& line) { return parts_->halcmd->run_line(line, "test", 0); }
 
 void Machine::on_cycle(std::function<void(const motion::MotionStatus&)> f) {

@@ -20,6 +20,12 @@
 #include "task/api/protocol.hpp"
 #include "task/api/status.hpp"
 
+namespace kerf::rtapi {
+class Segment;
+}
+namespace kerf::hal {
+class Session;
+}
 namespace kerf::launcher {
 struct HalStep;
 }
@@ -89,10 +95,16 @@ class Machine {
   [[nodiscard]] bool bit(const std::string& name) const { return get(name) != 0; }
   /// "bit IN", "float OUT", "s32 I/O", or "" when there is no such pin.
   [[nodiscard]] std::string pin_kind(const std::string& name) const;
+  /// "float RO", "s32 RW", or "".
+  [[nodiscard]] std::string parameter_kind(const std::string& name) const;
   /// One halcmd line ("setp motion.probe-input 1"). False: it failed; the text is in errors().
   bool hal(const std::string& line);
   /// Called after each servo cycle, with the status of that cycle.
   void on_cycle(std::function<void(const motion::MotionStatus&)> f);
+  /// The instance's memory, for clients that only read.
+  [[nodiscard]] rtapi::Segment& segment() const;
+  /// For user components of a test.
+  [[nodiscard]] hal::Session& session() const;
   /// Folder of this machine's copies of the INI file, tool table, programs.
   [[nodiscard]] const std::string& folder() const;
 

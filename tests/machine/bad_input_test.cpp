@@ -105,6 +105,7 @@ TEST_F(Homed, SyntaxErrorNamesFileLineAndColumn) {
   const auto reply = m->run_text("G21 G90\nM3 S100\nG1 X1O0 F100\nM2\n");
   EXPECT_EQ(reply.state, task::CommandState::error);
   EXPECT_THAT(m->errors(), HasSubstr("test.ngc:3"));
+  EXPECT_THAT(m->errors(), HasSubstr("\nG1 X1O0 F100\n     ^"));
   expect_unharmed();
 }
 

@@ -171,6 +171,51 @@ TEST(KerfStays, MdiAndHalcmdReachTheRunningMachine) {
   EXPECT_EQ(kerf.leftovers(), "");
 }
 
+TEST(KerfStays, ManualToolChangeStopsTheSpindleAndAsksForTheTool) {
+  Mill mill("toolchange");
+  std::string panel = test::read_file(mill.path("panel.hal"));
+  test::replace(panel, "=>  iocontrol.0.tool-changed", "=>  hal_manualtoolchange.change");
+  test::replace(panel, "net tool-number    iocontrol.0.tool-number",
+                "net tool-changed   hal_manualtoolchange.changed  =>  iocontrol.0.tool-changed\n"
+                "net tool-number    iocontrol.0.tool-prep-number  =>  hal_manualtoolchange.number");
+  mill.write("panel.hal", "loadusr -W hal_manualtoolchange --text\n" + panel);
+  Kerf kerf(mill, "toolchange", {"--speed", "50"});
+  ASSERT_TRUE(kerf.wait_output("simulated mill runs")) << kerf.output();
+  const auto command = [&](const std::string& words) {
+    return "KERF_INSTANCE=" + kerf.instance() + " timeout 60 " + KERF_BUILD_DIR + "/bin/" + words +
+           " >" + mill.path("words.out") + " 2>&1 </dev/null";
+  };
+  const auto run = [&](const std::string& words) {
+    return WEXITSTATUS(std::system(command(words).c_str()));
+  };
+  const auto pin = [&](const std::string& name) {
+    EXPECT_EQ(run("halcmd getp " + name), 0) << test::read_file(mill.path("words.out"));
+    return test::read_file(mill.path("words.out"));
+  };
+  ASSERT_EQ(run("mdi ':state estop-reset' ':state on' ':home' 'M3 S500' 'T2'"), 0)
+      << test::read_file(mill.path("words.out"));
+  EXPECT_EQ(pin("spindle.0.on"), "TRUE\n");
+  // In the background: it waits for the operator.
+  ASSERT_EQ(std::system(("KERF_INSTANCE=" + kerf.instance() + " timeout 60 " + KERF_BUILD_DIR +
+                         "/bin/mdi M6 >" + mill.path("m6.out") + " 2>&1 </dev/null &")
+                            .c_str()),
+            0);
+  ASSERT_TRUE(kerf.wait_output("Insert tool 2")) << kerf.output();
+  EXPECT_EQ(pin("spindle.0.on"), "FALSE\n");
+  EXPECT_EQ(pin("iocontrol.0.tool-change"), "TRUE\n");
+  EXPECT_EQ(pin("iocontrol.0.tool-number"), "0\n") << "not before the operator says so";
+  EXPECT_EQ(run("halcmd setp hal_manualtoolchange.change_button 1"), 0);
+  std::string number;
+  for (int waited = 0; waited < 10'000 && number != "2\n"; waited += 50) {
+    number = pin("iocontrol.0.tool-number");
+    pause_ms(50);
+  }
+  EXPECT_EQ(number, "2\n") << test::read_file(mill.path("m6.out"));
+  kerf.signal(SIGINT);
+  EXPECT_EQ(kerf.wait_exit(), 0) << kerf.output();
+  EXPECT_EQ(kerf.leftovers(), "");
+}
+
 TEST(KerfStays, AnInterruptedProgramIsAFailure) {
   Mill mill("interrupt");
   Kerf kerf(mill, "interrupt", {"--speed", "5", "--once", "--program", kFirstPart});

@@ -275,5 +275,86 @@ TEST_F(MCodePins, SingleModesAreKeptInALocalParameter) {
   EXPECT_NEAR(m->joint(0), 4, 1e-9);
 }
 
+TEST_F(MCodePins, ProgramEndEndsCutterCompensation) {
+  for (const char* code : {"M2", "M30"}) {
+    start();
+    m->start_program(
+        m->write_program(std::string("G0 X5 Y5\nG41.1 D4\nG1 X20 F600\nX60 F300\n") + code + "\n"));
+    EXPECT_TRUE(m->run_until([&] { return shows(410); }, 20)) << code;
+    EXPECT_TRUE(m->run_until([&] { return shows(400); }, 60)) << code;
+    EXPECT_TRUE(m->mdi("G0 X10 Y20")) << code;
+    EXPECT_NEAR(m->joint(0), 10, 1e-9) << code;
+    EXPECT_NEAR(m->joint(1), 20, 1e-9) << code;
+  }
+}
+
+TEST_F(MCodePins, CoolantPinsActOnWhatTheyAreConnectedTo) {
+  MachineOptions o;
+  o.hal = {"net coolant-mist motion.digital-in-02", "unlinkp iocontrol.0.coolant-flood"};
+  start(o);
+  EXPECT_TRUE(m->mdi("M7") && m->mdi("M8"));
+  EXPECT_TRUE(m->bit("motion.digital-in-02"));
+  EXPECT_TRUE(m->bit("iocontrol.0.coolant-flood"));
+  EXPECT_TRUE(m->mdi("M9"));
+  EXPECT_FALSE(m->bit("motion.digital-in-02"));
+}
+
+TEST_F(MCodePins, NetConnectsAnInputForM66) {
+  MachineOptions o;
+  o.hal = {"loadrt or2 names=button", "addf button servo-thread",
+           "alias pin button.out parport.0.pin10-in",
+           "net stop-signal motion.digital-in-00 <= parport.0.pin10-in"};
+  start(o);
+  const auto id = m->send({"mdi", "M66 P0 L3 Q9"});
+  m->run_for(0.5);
+  EXPECT_FALSE(task::is_terminal(m->outcome(id).state));
+  m->hal("setp button.in0 1");
+  EXPECT_TRUE(ends(id, 0.2));
+  EXPECT_EQ(m->outcome(id).state, task::CommandState::done);
+  EXPECT_TRUE(m->bit("motion.digital-in-00"));
+}
+
+TEST_F(MCodePins, TShowsThePocketOfTheToolNotItsPlaceInTheTable) {
+  MachineOptions o;
+  o.hal = {"unlinkp iocontrol.0.tool-prepared"};
+  start(o);
+  m->write_program("T1 P9 Z40 D16\nT20 P5 Z30 D6\nT3 P7 Z50 D5\n", "mill.tbl");
+  EXPECT_TRUE(m->does({"tool-table"}));
+  const auto id = m->send({"mdi", "T20"});
+  EXPECT_TRUE(m->run_until([&] { return m->bit("iocontrol.0.tool-prepare"); }, 1));
+  EXPECT_EQ(m->get("iocontrol.0.tool-prep-number"), 20);
+  EXPECT_EQ(m->get("iocontrol.0.tool-prep-pocket"), 5);
+  m->hal("setp iocontrol.0.tool-prepared 1");
+  EXPECT_TRUE(ends(id, 1));
+  EXPECT_EQ(m->command({"mdi", "T2.5"}).state, task::CommandState::error) << "an integer";
+}
+
+/// The component orient makes of the pins the way that a drive turns: position 0.1 revolutions, target 0.75.
+TEST_F(MCodePins, OrientModeSaysWhichWayToTurn) {
+  MachineOptions o;
+  o.hal = {"unlinkp spindle.0.is-oriented",
+           "loadrt orient names=drive",
+           "addf drive servo-thread",
+           "net spindle-orient drive.enable",
+           "net spindle-orient-angle drive.angle",
+           "net spindle-orient-mode spindle.0.orient-mode => drive.mode",
+           "net drive-oriented drive.is-oriented => spindle.0.is-oriented",
+           "setp drive.position 0.1"};
+  start(o);
+  const std::pair<const char*, double> ways[] = {
+      {"M19 R270 Q5 P0", -0.25}, {"M19 R270 Q5 P1", 0.75}, {"M19 R270 Q5 P2", -0.25},
+      {"M19 R180 Q5 P0", 0.5},   {"M19 R180 Q5 P2", -0.5}, {"M19 R18 Q5 P1", 1.05}};
+  for (const auto& [line, target] : ways) {
+    m->hal("setp drive.position 0.1");
+    const auto id = m->send({"mdi", line});
+    m->run_for(0.2);
+    EXPECT_NEAR(m->get("drive.command"), target, 1e-9) << line;
+    m->hal("setp drive.position " + std::to_string(target));
+    EXPECT_TRUE(ends(id, 0.5)) << line;
+    EXPECT_EQ(m->outcome(id).state, task::CommandState::done) << line;
+    EXPECT_TRUE(m->bit("spindle.0.locked")) << line;
+  }
+}
+
 }  // namespace
 }  // namespace kerf::harness

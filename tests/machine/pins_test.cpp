@@ -30,6 +30,24 @@ TEST(Pins, NoneOfTheDocumentedIsMissing) {
   EXPECT_GT(checked, 380);
 }
 
+TEST(Pins, NoneOfTheDocumentedParametersIsMissing) {
+  auto m = Machine::start();
+  ASSERT_TRUE(m->ready()) << m->errors();
+  std::ifstream list(KERF_SOURCE_DIR "/tests/machine/documented_parameters.tsv");
+  std::string type, dir, name, line;
+  int checked = 0;
+  while (std::getline(list, line)) {
+    if (line.empty() || line[0] == '#') continue;
+    std::istringstream words(line);
+    words >> type >> dir >> name;
+    type += " ";
+    type += dir;
+    EXPECT_EQ(m->parameter_kind(name), type) << name;
+    ++checked;
+  }
+  EXPECT_GT(checked, 25);
+}
+
 TEST(Limits, NoJointExceedsThemInTheFirstPart) {
   auto m = Machine::start();
   ASSERT_TRUE(m->ready()) << m->errors();

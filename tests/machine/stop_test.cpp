@@ -65,7 +65,7 @@ void expect_safe_stop(Machine& m, const std::string& where) {
   const double z = later.pos_cmd.z - t.g5x_offset.z - t.g92_offset.z - t.tool_offset.z;
   char line[120];
   const bool inch = t.program_units == 1;
-  std::snprintf(line, sizeof line, "G90 G0 X%.15g Y%.15g Z%.15g", inch ? x / 25.4 : x,
+  std::snprintf(line, sizeof line, "G90 G0 X%.13f Y%.13f Z%.13f", inch ? x / 25.4 : x,
                 inch ? y / 25.4 : y, inch ? z / 25.4 : z);
   EXPECT_TRUE(m.mdi(line)) << where << m.errors();
   for (int j = 0; j < 3; ++j)

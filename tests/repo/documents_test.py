@@ -31,6 +31,13 @@ class Documents(unittest.TestCase):
                    if name != "none" and not any((pages / f"{n}.md").is_file() for n in (name, name.replace("_", "-")))]
         self.assertEqual(missing, [], "faults without a page in docs/troubleshooting")
 
+    def test_names_for_python_are_documented(self):
+        page = (TOP / "docs/python-remaps.md").read_text()
+        for file, pattern in (("script_self.cpp", r'\{"(\w+)", k(?:Real|Int|Bool),'), ("script_canon.cpp", r'\{"([A-Z_]+)", \d')):
+            names = re.findall(pattern, (TOP / "src/interp" / file).read_text())
+            self.assertGreater(len(names), 40)
+            self.assertEqual([name for name in names if f"`{name}`" not in page], [], file)
+
     def test_keys_of_the_sample_are_documented(self):
         """Every key of the sample INI stands in docs/configuration.md, or one of its HAL files uses it."""
         documented = (TOP / "docs/configuration.md").read_text()

@@ -57,7 +57,7 @@ class ManPages(unittest.TestCase):
 
     def test_pages_belong_to_programs(self):
         lists = list((TOP / "src").rglob("CMakeLists.txt"))
-        known = set(re.findall(r"kerf_(?:program|script)\((\w+)", "".join(f.read_text() for f in lists))) | {"linuxcnc"}
+        known = set(re.findall(r"kerf_(?:program|script)\(([\w-]+)", "".join(f.read_text() for f in lists))) | {"linuxcnc"}
         # Commands of a program may have pages of their own: halcmd-check.
         self.assertEqual({page.stem for page in self.pages if page.stem.split("-")[0] not in known} - known, set())
 

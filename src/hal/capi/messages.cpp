@@ -11,7 +11,7 @@ MessageRing ring;
 std::uint64_t ring_seen = 0;
 DirectOutput direct = nullptr;
 bool use_ring = false;
-const void* ordinary_thread = nullptr;
+rtapi::Word<const void*> ordinary_thread{nullptr};
 rtapi::Word<std::int32_t> msg_level{RTAPI_MSG_ERR};
 
 void default_handler(msg_level_t level, const char* fmt, std::va_list args) {
@@ -41,8 +41,10 @@ void MessageRing::write(std::int32_t level, const char* fmt, std::va_list args) 
 void start_messages(DirectOutput output, bool with_ring) noexcept {
   direct = output;
   use_ring = with_ring;
-  ordinary_thread = __builtin_thread_pointer();
+  let_this_thread_in();
 }
+
+void let_this_thread_in() noexcept { ordinary_thread.set(__builtin_thread_pointer()); }
 
 int drain_messages() noexcept {
   if (direct == nullptr) return 0;
@@ -76,7 +78,7 @@ int drain_messages() noexcept {
 }
 
 bool in_ordinary_thread() noexcept {
-  return !use_ring || __builtin_thread_pointer() == ordinary_thread;
+  return !use_ring || __builtin_thread_pointer() == ordinary_thread.get();
 }
 
 void say(int level, const char* fmt, ...) noexcept {

@@ -43,7 +43,9 @@ using DirectOutput = void (*)(int level, const char* text);
 void start_messages(DirectOutput output, bool ring) noexcept;
 /// Ordinary thread: prints what realtime functions have said since, and how many messages were lost. Gives how many.
 int drain_messages() noexcept;
-/// True in the thread that called start_messages(), and everywhere in programs.
+/// From now on the calling thread is the ordinary one, and not the one that was.
+void let_this_thread_in() noexcept;
+/// True in the ordinary thread, which at first is the one that called start_messages(), and everywhere in programs.
 [[nodiscard]] bool in_ordinary_thread() noexcept;
 /// @rt. What rtapi_print_msg does.
 [[gnu::format(printf, 2, 3)]] void say(int level, const char* fmt, ...) noexcept;

@@ -127,6 +127,7 @@ void start_realtime() noexcept {
 
 void use_host(Host& host) {
   the_backend() = std::make_unique<RealtimeBackend>(host);
+  host.c_modules().set_door({&library_mutex(), &let_this_thread_in});
   realtime_view() = {host.segment().base(), &host.clock()};
 }
 

@@ -521,8 +521,10 @@ std::string ScriptCheck::with_places(const std::string& text, const std::string&
   if (const auto place = trace_.signals.find(signal);
       place != trace_.signals.end() && text.find(in_quotes(signal)) != std::string::npos)
     return out + "; signal " + in_quotes(signal) + " is from " + place->second.text();
+  // An instance may bear the name of another component; then its nearest pin has been named.
   if (const auto prefix = prefix_of(pin);
-      trace_.loaded.count(prefix) == 0 && prefix.size() < pin.size() && is_loadable(prefix))
+      trace_.loaded.count(prefix) == 0 && prefix.size() < pin.size() && is_loadable(prefix) &&
+      text.find("did you mean '" + std::string(prefix) + ".") == std::string::npos)
     out += "; component " + in_quotes(prefix) + " is not loaded";
   return out;
 }

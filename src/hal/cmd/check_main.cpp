@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "hal/cmd/apart.hpp"
 #include "hal/cmd/check.hpp"
 #include "hal/cmd/front_doors.hpp"
 
@@ -22,15 +23,15 @@ std::string counted(std::size_t n, const char* one) {
   return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
 }
 
-void print_text(const std::vector<Finding>& findings, bool quiet) {
+std::string text_of(const std::vector<Finding>& findings, bool quiet) {
+  std::string text;
   for (const auto& f : findings) {
     if (quiet && f.level == Finding::Level::note) continue;
-    std::puts(f.text_line().c_str());
+    text += f.text_line() + "\n";
   }
-  std::puts((counted(count(findings, Finding::Level::error), "error") + ", " +
-             counted(count(findings, Finding::Level::warning), "warning") + ", " +
-             counted(count(findings, Finding::Level::note), "note"))
-                .c_str());
+  return text + counted(count(findings, Finding::Level::error), "error") + ", " +
+         counted(count(findings, Finding::Level::warning), "warning") + ", " +
+         counted(count(findings, Finding::Level::note), "note") + "\n";
 }
 
 }  // namespace
@@ -96,16 +97,18 @@ int check_main(std::span<const std::string> words) {
   if (!ini_path.empty()) {
     if (!load_machine_ini(ini_path, files.empty(), ini)) return 1;
   }
-  DlopenSource modules;
-  ScriptCheck check(modules, ini_path.empty() ? nullptr : &ini.file);
-  if (files.empty()) check.run_ini_files();
-  for (const auto& file : files) check.run_file(file);
-  const auto findings = check.finish();
-  if (json)
-    std::fputs(check_json(check, findings).c_str(), stdout);
-  else
-    print_text(findings, quiet);
-  return count(findings, Finding::Level::error) == 0 ? 0 : 1;
+  // The exit status, and what is to be printed.
+  const std::string done = do_apart_without_broken([&](ModuleSource& modules) {
+    ScriptCheck check(modules, ini_path.empty() ? nullptr : &ini.file);
+    if (files.empty()) check.run_ini_files();
+    for (const auto& file : files) check.run_file(file);
+    const auto findings = check.finish();
+    return (count(findings, Finding::Level::error) == 0 ? "0" : "1") +
+           (json ? check_json(check, findings) : text_of(findings, quiet));
+  });
+  if (done.empty()) return 1;
+  std::fputs(done.c_str() + 1, stdout);
+  return done[0] - '0';
 }
 
 }  // namespace kerf::hal

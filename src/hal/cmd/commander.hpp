@@ -149,6 +149,7 @@ class Commander {
   rtapi::Result<SignalInfo> find_signal(const std::string& name) const;
   Done wait_ready(pid_t pid, const std::string& component, const std::string& program);
   Done wait_exit(pid_t pid, const std::string& program, bool ignore_status);
+  void wait_reaped(pid_t pid);
 
   Session& session_;
   IniLookup ini_;

@@ -2,6 +2,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -18,6 +19,8 @@ using rtapi::fail;
 using rtapi::Status;
 
 namespace {
+
+constexpr rtapi::Nanos kReapLimit = 1000 * rtapi::kMillisecond;
 
 std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
 
@@ -159,8 +162,25 @@ Status Commander::wait_exit(pid_t pid, const std::string& program, bool ignore_s
     return fail(Errc::dead,
                 "program " + quoted(program) + " failed, returned " + std::to_string(status));
   }
+  wait_reaped(pid);
   say("Program " + quoted(program) + " finished");
   return {};
+}
+
+/// The host takes a dead program's components away by itself, a moment later; the next line of a script finds them gone.
+void Commander::wait_reaped(pid_t pid) {
+  const rtapi::Nanos until = clock_->now() + kReapLimit;
+  while (session_.alive() && !clock_->stopped() && clock_->now() < until) {
+    rtapi::WaitSpec spec;
+    if (const auto* changed = view_.changed(); changed != nullptr) spec.watch(*changed);
+    const auto components = view_.components();
+    if (std::none_of(components.begin(), components.end(),
+                     [pid](const auto& c) { return c.pid == pid; }))
+      return;
+    spec.wake_at(until);
+    session_.watch(spec);
+    clock_->wait(spec);
+  }
 }
 
 Status Commander::wait_user(Words w) {

@@ -1,17 +1,11 @@
 // `hal describe`: options.
-#include <fcntl.h>
-#include <poll.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
-#include <array>
 #include <cerrno>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 
+#include "hal/cmd/apart.hpp"
 #include "hal/cmd/describe.hpp"
 #include "hal/cmd/front_doors.hpp"
 #include "rtapi/log/log.hpp"
@@ -52,73 +46,17 @@ struct Wanted {
   std::vector<std::string> words;
 };
 
-/// A module that takes longer to be made does not come back.
-constexpr int kPatienceMs = 20000;
-
-/// All that comes through the pipe. busy: nothing came for too long.
-Result<std::string> read_all(int pipe) {
-  std::string text;
-  std::array<char, 4096> piece{};
-  for (;;) {
-    pollfd wanted{pipe, POLLIN, 0};
-    const int ready = ::poll(&wanted, 1, kPatienceMs);
-    if (ready < 0 && errno == EINTR) continue;
-    if (ready == 0) return fail(Errc::busy, "nothing came");
-    const ssize_t got = ::read(pipe, piece.data(), piece.size());
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return text;
-    text.append(piece.data(), static_cast<std::size_t>(got));
-  }
-}
-
-bool write_all(int pipe, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t put = ::write(pipe, text.data(), text.size());
-    if (put < 0 && errno == EINTR) continue;
-    if (put <= 0) return false;
-    text.remove_prefix(static_cast<std::size_t>(put));
-  }
-  return true;
-}
-
-/// The page, made in a process of its own: to be described, a component is made, and its code may crash or never return.
+/// The page, made in a process of its own: to be described, a component is made.
 Result<std::string> page_of(Describer& describer, const Wanted& wanted, const Form& form) {
-  std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0)
-    return fail(Errc::system, std::string("pipe: ") + std::strerror(errno));
-  std::fflush(nullptr);
-  const pid_t child = ::fork();
-  if (child < 0) return fail(Errc::system, std::string("fork: ") + std::strerror(errno));
-  if (child == 0) {
-    ::close(ends[0]);
+  auto done = do_apart([&](const Tell& tell) {
+    tell(wanted.name);
     const auto made = describer.describe(wanted.name, wanted.words);
     // The first letter tells a page from an error.
-    const std::string text =
-        made.ok() ? "+" + form.text(*made) : "-" + std::string(made.error().message());
-    const bool whole = write_all(ends[1], text);
-    std::fflush(nullptr);
-    ::_exit(whole ? 0 : 1);
-  }
-  ::close(ends[1]);
-  auto text = read_all(ends[0]);
-  ::close(ends[0]);
-  if (!text.ok()) ::kill(child, SIGKILL);
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  const std::string begin = wanted.name + ": its code ";
-  if (!text.ok())
-    return fail(Errc::busy, begin + "does not return from being made: it was ended after " +
-                                std::to_string(kPatienceMs / 1000) + " s");
-  if (WIFSIGNALED(status))
-    return fail(Errc::system, begin + "crashed while the component was made: signal " +
-                                  std::to_string(WTERMSIG(status)) + " (" +
-                                  ::strsignal(WTERMSIG(status)) + ")");
-  if (text->empty())
-    return fail(Errc::system, begin + "ended the program while the component was made, status " +
-                                  std::to_string(WEXITSTATUS(status)));
-  if (text->front() == '-') return fail(Errc::bad_argument, text->substr(1));
-  return text->substr(1);
+    return made.ok() ? "+" + form.text(*made) : "-" + std::string(made.error().message());
+  });
+  if (!done.text) return fail(Errc::system, wanted.name + ": " + done.why);
+  if (done.text->front() == '-') return fail(Errc::bad_argument, done.text->substr(1));
+  return done.text->substr(1);
 }
 
 Status write_pages(const std::vector<std::string>& names, const Form& form,

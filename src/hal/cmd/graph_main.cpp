@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "hal/cmd/apart.hpp"
 #include "hal/cmd/check.hpp"
 #include "hal/cmd/front_doors.hpp"
 #include "hal/cmd/graph.hpp"
@@ -88,17 +89,18 @@ rtapi::Result<std::string> of_running_hal(const GraphOptions& options) {
 /// As far as the files are right; what is wrong with them goes to stderr.
 std::string of_files(const GraphOptions& options, const std::vector<std::string>& files,
                      const ini::IniFile* ini) {
-  DlopenSource modules;
-  ScriptCheck check(modules, ini);
-  if (files.empty()) check.run_ini_files();
-  for (const auto& file : files) check.run_file(file);
-  for (const auto& finding : check.finish())
-    if (finding.level == Finding::Level::error)
-      std::fprintf(stderr, "%s\n", finding.text_line().c_str());
-  std::vector<StrangePin> strangers;
-  for (const auto& pin : check.trace().unchecked)
-    strangers.push_back({pin.name, pin.signal, pin.dir});
-  return graph_dot(check.view(), options, strangers);
+  return do_apart_without_broken([&](ModuleSource& modules) {
+    ScriptCheck check(modules, ini);
+    if (files.empty()) check.run_ini_files();
+    for (const auto& file : files) check.run_file(file);
+    for (const auto& finding : check.finish())
+      if (finding.level == Finding::Level::error)
+        std::fprintf(stderr, "%s\n", finding.text_line().c_str());
+    std::vector<StrangePin> strangers;
+    for (const auto& pin : check.trace().unchecked)
+      strangers.push_back({pin.name, pin.signal, pin.dir});
+    return graph_dot(check.view(), options, strangers);
+  });
 }
 
 }  // namespace

@@ -3,9 +3,12 @@
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <thread>
 
 #include "hal/loader/c_parameters.hpp"
 #include "hal/loader/live_builder.hpp"
@@ -18,6 +21,9 @@ using rtapi::Result;
 using rtapi::Status;
 
 namespace {
+
+/// In real time. A driver may have to wait for its device.
+constexpr std::chrono::seconds kLongestExit{5};
 
 std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
 
@@ -85,18 +91,61 @@ Reply CModules::load(const std::string& name, std::span<const std::string> args,
     // A thread does not leave the module's code: its memory must stay.
     return {static_cast<int>(status.error().code), name + ": " + status.error().message()};
   }
-  host_.destroy(l);
+  (void)host_.destroy(l);  // rtapi_app_exit is not called
   std::erase_if(host_.loaded_, [&](const auto& other) { return other.get() == &l; });
   return {
       static_cast<int>(Errc::bad_argument),
       name + ": rtapi_app_main: " + std::strerror(-result) + " (" + std::to_string(result) + ")"};
 }
 
-void CModules::stop(Host::Loaded& l) {
+bool CModules::call_exit(void (*exit)()) {
+  // A thread of its own can be left to itself. The two share this, and neither knows which ends first.
+  struct Shared {
+    std::mutex mutex;
+    std::condition_variable changed;
+    bool returned{false};
+  };
+  const auto shared = std::make_shared<Shared>();
+  std::thread runner([exit, shared, let_in = door_.let_this_thread_in] {
+    if (let_in != nullptr) let_in();
+    exit();
+    const std::lock_guard lock(shared->mutex);
+    shared->returned = true;
+    shared->changed.notify_all();
+  });
+  bool returned = false;
+  {
+    std::unique_lock lock(shared->mutex);
+    returned = shared->changed.wait_for(lock, kLongestExit, [&] { return shared->returned; });
+  }
+  // A call that is under way ends first; the next one is refused.
+  std::unique_lock<std::recursive_mutex> no_calls;
+  if (door_.calls != nullptr) no_calls = std::unique_lock(*door_.calls);
+  if (door_.let_this_thread_in != nullptr) door_.let_this_thread_in();
+  if (!returned) {
+    const std::lock_guard lock(shared->mutex);
+    returned = shared->returned;
+  }
+  if (no_calls.owns_lock()) no_calls.unlock();
+  if (returned)
+    runner.join();
+  else
+    runner.detach();
+  return returned;
+}
+
+Status CModules::stop(Host::Loaded& l) {
   if (l.c->started) {
     const Running running(*this, l);
     l.c->started = false;
-    if (auto exit = symbol<void (*)()>(l.c->library, "rtapi_app_exit"); exit != nullptr) exit();
+    auto exit = symbol<void (*)()>(l.c->library, "rtapi_app_exit");
+    if (exit != nullptr && !call_exit(exit)) {
+      host_.remove_threads(l);
+      return fail(Errc::busy, "component " + quoted(l.name) +
+                                  " does not return from rtapi_app_exit: after " +
+                                  std::to_string(kLongestExit.count()) +
+                                  " s it is abandoned; what it made stays until HAL ends");
+    }
   }
   stop_tasks(l);
   while (!l.c->components.empty()) erase_component(l, *l.c->components.back().record);
@@ -114,6 +163,7 @@ void CModules::stop(Host::Loaded& l) {
     const Running running(*this, l);
     while (!l.c->memory_names.empty()) (void)drop_memory(l.c->memory_names.begin()->first);
   }
+  return {};
 }
 
 bool CModules::has_component(const Host::Loaded& module, std::string_view name) {

@@ -8,6 +8,7 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <set>
 #include <string>
 #include <vector>
@@ -46,13 +47,20 @@ class CModules {
   // ---- Host's side
   /// The part of loadrt that follows the opening of the library. An error: everything is undone but the library itself.
   Reply load(const std::string& name, std::span<const std::string> args, const Module& module);
-  /// Calls rtapi_app_exit, and takes out what is left of the module's components and memory.
-  void stop(Host::Loaded& module);
+  /// Calls rtapi_app_exit, and takes out what is left of the module's components and memory. busy: that code does not return. Then
+  /// all that it may use stays, and whatever it asks of HAL from now on is refused.
+  rtapi::Status stop(Host::Loaded& module);
   /// busy, before anything is undone: the code of one of the module's realtime tasks does not come to rtapi_wait.
   [[nodiscard]] rtapi::Status check_tasks(const Host::Loaded& module) const;
   [[nodiscard]] static bool has_component(const Host::Loaded& module, std::string_view name);
 
   // ---- the C API's side
+  /// The lock of its calls, and what makes the calling thread the one that may call.
+  struct Door {
+    std::recursive_mutex* calls{nullptr};
+    void (*let_this_thread_in)() noexcept {nullptr};
+  };
+  void set_door(Door door) noexcept { door_ = door; }
   rtapi::Result<ComponentRecord*> add_component(const std::string& name);
   /// nullptr: no such component of a C module.
   [[nodiscard]] ComponentRecord* find_component(std::uint32_t id) const;
@@ -96,8 +104,11 @@ class CModules {
   rtapi::Status take_out_functions(Host::Loaded& module, const ComponentRecord* component);
   void erase_component(Host::Loaded& module, ComponentRecord& component);
   void stop_tasks(const Host::Loaded& module);
+  /// False: it does not return.
+  bool call_exit(void (*exit)());
 
   Host& host_;
+  Door door_;
   Host::Loaded* running_{nullptr};
   std::map<const std::byte*, Block> blocks_;
   static constexpr int kTasks = 64;

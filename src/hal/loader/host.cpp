@@ -57,6 +57,7 @@ std::span<const Host::Row> Host::rows() {
       {"sets", 2, 2, lock_params, &Host::set_signal},
       {"alias", 3, 3, lock_config, &Host::alias},
       {"unalias", 2, 2, lock_config, &Host::unalias},
+      {"alias-later", 2, 2, 0, &Host::alias_later},
       {"addf", 2, 3, lock_config, &Host::add_function},
       {"initf", 2, 3, lock_config, &Host::add_init_function},
       {"delf", 2, 2, lock_config, &Host::delete_function},
@@ -187,6 +188,17 @@ Reply Host::alias(Words argv) {
   if (kind == Kind::none)
     return bad(Errc::bad_argument, "alias: " + quoted(argv[0]) + " is neither pin nor param");
   return reply(registry_->alias(kind, argv[1], argv[2]));
+}
+
+Reply Host::alias_later(Words argv) {
+  later_aliases_.insert_or_assign(argv[0], argv[1]);
+  give_later_aliases();
+  return {};
+}
+
+void Host::give_later_aliases() {
+  // Not found: its component is not loaded yet. Taken: the machine has given that name itself.
+  for (const auto& [name, alias] : later_aliases_) (void)registry_->alias(Kind::pin, name, alias);
 }
 
 Reply Host::unalias(Words argv) {

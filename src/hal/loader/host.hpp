@@ -195,6 +195,9 @@ class Host {
   Reply unlink(Words argv);
   Reply alias(Words argv);
   Reply unalias(Words argv);
+  /// An alias of a pin that may not exist yet: it gets it when its component is loaded.
+  Reply alias_later(Words argv);
+  void give_later_aliases();
   Reply set_item(Words argv);
   Reply set_signal(Words argv);
   Reply add_function(Words argv);
@@ -234,7 +237,10 @@ class Host {
   rtapi::Status publish_list(Thread& thread, std::vector<FunctionRecord*> functions);
   /// Returns when no thread can still be in a function of an old list.
   rtapi::Status wait_for_grace();
-  void destroy(Loaded& loaded);
+  /// busy: its code does not end, and it is as it was but for its threads.
+  rtapi::Status destroy(Loaded& loaded);
+  /// Takes out a component that could not be destroyed. All that its code may use stays.
+  void abandon(Loaded& loaded);
   Thread* find_thread(std::string_view name);
   [[nodiscard]] Loaded* find_loaded(std::string_view name) const;
   rtapi::Result<UserComponent*> own_component(const std::string& name);
@@ -252,6 +258,8 @@ class Host {
   std::vector<std::unique_ptr<Loaded>> loaded_;
   std::vector<std::unique_ptr<Thread>> threads_;
   std::vector<OldList> old_lists_;
+  std::map<std::string, std::string> later_aliases_;  ///< of alias-later: pin, alias
+  std::set<std::string, std::less<>> abandoned_;      ///< with '_' for '-'
   std::map<FunctionRecord*, RunEntry> functions_;
   rtapi::CycleCounter counter_;
   /// Functions that were added by initf, with what they ran before.

@@ -198,6 +198,8 @@ void Host::run_always(FunctionRecord& function) {
 Reply Host::put_in_list(Words argv) {
   FunctionRecord* function = registry_->find_function(argv[0]);
   if (function == nullptr) return no_function(*registry_, argv[0]);
+  if (functions_.count(function) == 0)
+    return error(Errc::busy, "the component of function " + quoted(argv[0]) + " is abandoned");
   // One that is run once knows of one list only.
   if (function->users > 0 && (function->reentrant == 0 || function->runs_once != 0))
     return in_one_thread(argv[0]);
@@ -229,6 +231,7 @@ Reply Host::add_init_function(Words argv) {
   FunctionRecord* function = registry_->find_function(argv[0]);
   if (function == nullptr) return no_function(*registry_, argv[0]);
   if (function->users > 0) return in_one_thread(argv[0]);
+  if (functions_.count(function) == 0) return put_in_list(argv);  // which says why not
   run_always(*function);
   RunEntry& entry = functions_.at(function);
   auto once = std::make_unique<OnceFunction>();

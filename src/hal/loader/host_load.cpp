@@ -24,6 +24,11 @@ constexpr std::int64_t kMostInstances = 100'000;
 
 std::string quoted(std::string_view s) { return "'" + std::string(s) + "'"; }
 
+std::string with_underscores(std::string name) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
 using Args = std::map<std::string, std::string, std::less<>>;
 
 /// NAME=VALUE words. Double quotes are taken out wherever they are, single ones when they enclose the value.
@@ -69,7 +74,7 @@ Result<std::vector<InstanceWish>> instances(const Info& info, Args& args) {
     args.erase(it);
     return value;
   };
-  if (info.singleton) {
+  if (info.singleton && !info.own_names) {
     for (const char* own : {"count", "names"}) {
       if (args.count(own) > 0) {
         return fail(Errc::bad_argument,
@@ -77,8 +82,8 @@ Result<std::vector<InstanceWish>> instances(const Info& info, Args& args) {
       }
     }
   }
-  const std::string count_text = take("count");
-  const std::string names_text = take("names");
+  const std::string count_text = info.own_names ? "" : take("count");
+  const std::string names_text = info.own_names ? "" : take("names");
   const std::string personality_text = take("personality");
   if (!count_text.empty() && !names_text.empty()) {
     return fail(Errc::bad_argument, "count= and names= are mutually exclusive");
@@ -131,6 +136,10 @@ Reply Host::load(Words argv) {
   };
   if (find_loaded(name) != nullptr) {
     return {static_cast<int>(Errc::exists), name + ": already exists"};
+  }
+  if (abandoned_.count(with_underscores(name)) > 0) {
+    return {static_cast<int>(Errc::busy),
+            name + ": the one before has not returned from rtapi_app_exit; end HAL first"};
   }
   auto module = modules_.open(name);
   if (!module.ok()) return {static_cast<int>(module.error().code), module.error().message()};
@@ -194,11 +203,12 @@ Reply Host::load(Words argv) {
   }
   if (builder.failed()) {
     l.participants.resize(driver_ == nullptr ? 0 : started);
-    destroy(l);
+    (void)destroy(l);  // one of C is not loaded here
     loaded_.pop_back();
     return {static_cast<int>(Errc::bad_argument), name + ": " + builder.error()};
   }
   registry_->set_ready(*l.record);
+  give_later_aliases();
   return {};
 }
 
@@ -220,8 +230,22 @@ Reply Host::list_parameters(Words argv) {
   return {0, names};
 }
 
-void Host::destroy(Loaded& l) {
-  if (l.c != nullptr) c_modules_->stop(l);
+void Host::abandon(Loaded& loaded) {
+  for (auto* function : loaded.functions) {
+    function->runs_once = 0;
+    forget_function(function);
+  }
+  const auto it = std::find_if(loaded_.begin(), loaded_.end(),
+                               [&](const auto& l) { return l.get() == &loaded; });
+  // Its code may run on until the process ends.
+  static auto& kept = *new std::vector<std::unique_ptr<Loaded>>;
+  abandoned_.insert(with_underscores((*it)->name));
+  kept.push_back(std::move(*it));
+  loaded_.erase(it);
+}
+
+Status Host::destroy(Loaded& l) {
+  if (l.c != nullptr) KERF_CHECK(c_modules_->stop(l));
   for (auto it = l.participants.rbegin(); it != l.participants.rend(); ++it) {
     if (driver_ != nullptr) driver_->participant_removed(**it);
   }
@@ -237,6 +261,7 @@ void Host::destroy(Loaded& l) {
   l.memory.clear();
   modules_.close(l.module);
   registry_->reclaim();
+  return {};
 }
 
 Status Host::unload_one(Loaded& loaded) {
@@ -253,7 +278,10 @@ Status Host::unload_one(Loaded& loaded) {
     }
   }
   for (const auto& other : loaded_) other->uses.erase(&loaded);
-  destroy(loaded);
+  if (auto status = destroy(loaded); !status.ok()) {
+    abandon(loaded);
+    return status;
+  }
   std::erase_if(loaded_, [&](const auto& l) { return l.get() == &loaded; });
   return {};
 }
@@ -301,11 +329,20 @@ Status Host::unload_all() {
   for (const auto& t : threads_) (void)publish_list(*t, {});
   KERF_CHECK(wait_for_grace());
   while (!threads_.empty()) remove_thread(*threads_.back());
+  Status all;
   while (!loaded_.empty()) {
-    destroy(*loaded_.back());
-    loaded_.pop_back();
+    auto status = destroy(*loaded_.back());
+    if (status.ok()) {
+      loaded_.pop_back();
+      continue;
+    }
+    abandon(*loaded_.back());
+    if (all.ok()) all = status;
   }
-  return {};
+  if (all.ok() && !abandoned_.empty())
+    return fail(Errc::busy, "component " + quoted(*abandoned_.begin()) +
+                                " has not returned from rtapi_app_exit");
+  return all;
 }
 
 }  // namespace kerf::hal

@@ -287,21 +287,22 @@ TclHal::Outcome TclHal::skip_or_run(std::vector<std::string> words, const Place&
     }
     if (word != "loadusr" && !(prefixed && is_one_of(kReading, word))) return {};
   }
-  return run(words, at);
+  return run(words, at, prefixed);
 }
 
 Place TclHal::place(Tcl_Interp* interpreter) const {
   return pass_ == Pass::collect || observer_.intercept ? script_place(interpreter) : Place{};
 }
 
-TclHal::Outcome TclHal::run(const std::vector<std::string>& words, const Place& at) {
+TclHal::Outcome TclHal::run(const std::vector<std::string>& words, const Place& at,
+                            bool as_result) {
   auto halcmd = commander();
   if (!halcmd.ok()) return {false, halcmd.error().message(), ""};
   if (words[0] == "source" && words.size() == 2) return source(words[1]);
   // What a program prints comes after what the script has printed.
   if (words[0] == "loadusr")
     if (Tcl_Channel out = Tcl_GetStdChannel(TCL_STDOUT); out != nullptr) Tcl_Flush(out);
-  sink_->begin(is_one_of(kPrinting, words[0]));
+  sink_->begin(!as_result && is_one_of(kPrinting, words[0]));
   (*halcmd)->set_level(Commander::Level::verbose);
   busy_ = true;
   const bool good = (*halcmd)->run_exact(words, at.file.empty() ? "<tcl>" : at.file, at.line);

@@ -4,7 +4,8 @@
 //   words.install(interpreter);                 // net, setp, hal ..., parse_ini
 //
 // Every documented word of halcmd is a Tcl command; `hal WORD ...` does any word, also those whose names are Tcl's own (list, gets,
-// source, exit). A command's result is what it prints; show, save and help print to stdout. A failed command is a Tcl error.
+// source, exit). A command's result is what it prints; show, save and help print to stdout, unless `hal` stands before them. A
+// failed command is a Tcl error.
 #pragma once
 
 #include <tcl.h>
@@ -84,8 +85,8 @@ class TclHal {
     std::string printed;     ///< for stdout
     std::string warnings{};  ///< for stderr
   };
-  /// One command, words as they are, whatever the pass.
-  Outcome run(const std::vector<std::string>& words, const Place& at);
+  /// One command, words as they are, whatever the pass. `as_result`: what it prints is its result, as behind the word `hal`.
+  Outcome run(const std::vector<std::string>& words, const Place& at, bool as_result = false);
 
   /// What attach() gave, once.
   rtapi::Result<Attachment> attachment();

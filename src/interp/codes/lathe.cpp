@@ -114,6 +114,8 @@ bool not_monotonic(Core& c, const char* axis) {
   return c.fail(0, axis, "G7X error: Not monotonic");
 }
 
+double length_of(const Move& m) { return std::hypot(m.to.s - m.from.s, m.to.h - m.from.h); }
+
 /// The profile without the way to it, corners rounded; Z and X.
 bool rounded_profile(Core& c, const ProfileReading& p, Path& profile) {
   if (p.moves.size() < 2)
@@ -123,7 +125,10 @@ bool rounded_profile(Core& c, const ProfileReading& p, Path& profile) {
   if (!rounded)
     return not_monotonic(c, "A fillet or chamfer (A, C) is too large for the moves beside it");
   profile = std::move(*rounded);
-  profile.erase(profile.begin());
+  // round_corners() leaves out a way of no length: the cycle begins at the profile.
+  const Move& way = p.moves.front();
+  const bool left_out = length_of(way) < lathe::kNothing && way.corner == 0;
+  if (!left_out && !profile.empty()) profile.erase(profile.begin());
   if (profile.empty())
     return c.fail('q', "All moves of the sub end at the same point",
                   "G7X error: The profile has no moves");
@@ -278,7 +283,10 @@ Outcome Core::profile_step() {
     if (b->skip && block_delete) return Outcome::ok;
     begin_block();
     current = b;
-    if (b->flow != Flow::none) {
+    if (b->conditional) b = chosen_part(*b);
+    if (b == nullptr) {
+      undo_block();
+    } else if (b->flow != Flow::none) {
       o = run_flow(*b);
     } else if (read_words(*b, block_) && assign(*b) && store(*b) && profile_move(block_)) {
       o = Outcome::ok;

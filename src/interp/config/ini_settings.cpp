@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "ini/ini_file.hpp"
+#include "interp/dialect.hpp"
 #include "interp/remap.hpp"
 
 namespace kerf::interp {
@@ -12,9 +13,7 @@ namespace kerf::interp {
 namespace {
 
 namespace fs = std::filesystem;
-using ini::IntSpec;
 using ini::Reader;
-using ini::RealSpec;
 
 constexpr const char* kSection = "RS274NGC";
 
@@ -53,9 +52,7 @@ constexpr LengthRow kLengths[] = {
 void read_flags(Reader& r, Settings& s) {
   std::uint32_t features = 0;
   if (r.has(kSection, "FEATURES")) {
-    const std::int64_t all =
-        r.integer(kSection, "FEATURES", IntSpec{.fallback = 0, .min = 0, .max = 0x3F});
-    features = static_cast<std::uint32_t>(all);
+    features = static_cast<std::uint32_t>(r.integer(kSection, "FEATURES"));
     std::string keys;
     for (const FlagRow& row : kFlags)
       if ((features & row.feature) != 0) keys += std::string(" ") + row.key + " = 1";
@@ -73,16 +70,14 @@ void read_flags(Reader& r, Settings& s) {
 void read_lengths(Reader& r, Settings& s, double unit_mm) {
   for (const LengthRow& row : kLengths) {
     const double scale = row.machine_units ? unit_mm : 1.0;
-    s.*row.field =
-        scale * r.real(kSection, row.key, RealSpec{.fallback = s.*row.field / scale, .min = 0});
+    s.*row.field = scale * r.real(kSection, row.key, s.*row.field / scale);
   }
-  s.orient_offset_deg =
-      r.real(kSection, "ORIENT_OFFSET", RealSpec{.min = -360, .max = 360, .unit = "degrees"});
+  s.orient_offset_deg = r.real(kSection, "ORIENT_OFFSET");
 }
 
 std::vector<std::string> path_list(Reader& r, const std::string& ini_dir, const char* key) {
   std::vector<std::string> out;
-  std::istringstream in(r.string(kSection, key, ""));
+  std::istringstream in(r.string(kSection, key));
   for (std::string item; std::getline(in, item, ':');)
     if (!item.empty()) out.push_back(resolve_path(ini_dir, item));
   return out;
@@ -92,11 +87,11 @@ void read_paths(Reader& r, ProgramPaths& p) {
   std::error_code ec;
   const auto absolute = fs::absolute(fs::path(r.file().name()), ec);
   p.ini_dir = ec ? std::string(".") : absolute.parent_path().string();
-  p.program_prefix = resolve_path(p.ini_dir, r.string("DISPLAY", "PROGRAM_PREFIX", "nc_files"));
+  p.program_prefix = resolve_path(p.ini_dir, r.string("DISPLAY", "PROGRAM_PREFIX"));
   p.user_m_path = path_list(r, p.ini_dir, "USER_M_PATH");
   p.subroutine_path = path_list(r, p.ini_dir, "SUBROUTINE_PATH");
   const auto one = [&](const char* section, const char* key) {
-    const std::string path = r.string(section, key, "");
+    const std::string path = r.string(section, key);
     return path.empty() ? path : resolve_path(p.ini_dir, path);
   };
   p.wizard_root = one("WIZARD", "WIZARD_ROOT");
@@ -104,24 +99,20 @@ void read_paths(Reader& r, ProgramPaths& p) {
 }
 
 void read_dialect(Reader& r, Settings& s) {
-  const std::vector<std::string> names{"2.7", "2.8", "2.9", "2.10"};
-  const std::size_t n = r.choice(kSection, "COMPAT", names, 3);
+  const std::size_t n = r.choice(kSection, "COMPAT");  // 2.7 2.8 2.9 2.10
   s.compat = n == 0 ? Compat::v2_7 : n == 1 ? Compat::v2_8 : Compat::newest;
-  const std::vector<std::string> dialects{"linuxcnc"};
-  s.dialect = dialects[r.choice(kSection, "DIALECT", dialects, 0)];
+  s.dialect = dialect_names()[r.choice(kSection, "DIALECT")];  // the same names; a test
 }
 
 void read_python(Reader& r, const std::string& ini_dir, PythonSettings& p) {
-  const std::string toplevel = r.string("PYTHON", "TOPLEVEL", "");
+  const std::string toplevel = r.string("PYTHON", "TOPLEVEL");
   if (!toplevel.empty()) p.toplevel = resolve_path(ini_dir, toplevel);
   for (const std::string& path : r.strings("PYTHON", "PATH_PREPEND"))
     p.path_prepend.push_back(resolve_path(ini_dir, path));
   for (const std::string& path : r.strings("PYTHON", "PATH_APPEND"))
     p.path_append.push_back(resolve_path(ini_dir, path));
-  p.log_level = static_cast<int>(
-      r.integer("PYTHON", "LOG_LEVEL", IntSpec{.fallback = 0, .min = -1, .max = 1000}));
-  p.reload_on_change = r.boolean("PYTHON", "RELOAD_ON_CHANGE", false);
-  (void)r.boolean("PYTHON", "PYTHON_TASK", false);
+  p.log_level = static_cast<int>(r.integer("PYTHON", "LOG_LEVEL"));
+  p.reload_on_change = r.boolean("PYTHON", "RELOAD_ON_CHANGE");
 }
 
 /// What a REMAP line cannot know alone: other lines, files, Python.
@@ -162,21 +153,16 @@ InterpSetup read_interp_setup(Reader& reader, double unit_mm) {
   read_flags(reader, s.settings);
   read_lengths(reader, s.settings, unit_mm);
   read_dialect(reader, s.settings);
-  s.settings.log_level = static_cast<int>(
-      reader.integer(kSection, "LOG_LEVEL", IntSpec{.fallback = -1, .min = -1, .max = 1000}));
-  s.settings.smooth_planner = static_cast<int>(
-      reader.integer("TRAJ", "SMOOTH_PLANNER",
-                     IntSpec{.fallback = s.settings.smooth_planner, .min = 0, .max = 1}));
+  s.settings.log_level = static_cast<LogLevel>(reader.integer(kSection, "LOG_LEVEL"));
+  s.settings.smooth_planner = static_cast<int>(reader.integer("TRAJ", "SMOOTH_PLANNER"));
   s.settings.debug_mask = static_cast<int>(
-      std::strtoul(reader.string("EMC", "DEBUG", "0").c_str(), nullptr, 0) & 0x7FFFFFFFU);
-  const std::string log = reader.string(kSection, "LOG_FILE", "");
+      std::strtoul(reader.string("EMC", "DEBUG").c_str(), nullptr, 0) & 0x7FFFFFFFU);
+  const std::string log = reader.string(kSection, "LOG_FILE");
   if (!log.empty()) s.settings.log_file = resolve_path(s.paths.ini_dir, log);
-  s.startup_code = reader.string(kSection, "RS274NGC_STARTUP_CODE", "");
-  s.on_abort_command = reader.string(kSection, "ON_ABORT_COMMAND", "");
+  s.startup_code = reader.string(kSection, "RS274NGC_STARTUP_CODE");
+  s.on_abort_command = reader.string(kSection, "ON_ABORT_COMMAND");
   read_python(reader, s.paths.ini_dir, s.python);
   read_remaps(reader, s);
-  for (const char* key : {"DEBUG", "SUBROUTINE", "G92_PERSISTENCE"})
-    reader.known_key(kSection, key);
   return s;
 }
 

@@ -3,6 +3,7 @@
 #include <pybind11/embed.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <condition_variable>
 #include <cstdio>
 #include <deque>
@@ -10,6 +11,7 @@
 #include <map>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 #include "interp/python/modules.hpp"
 
@@ -377,6 +379,7 @@ class PythonHost final : public ScriptHost {
   }
 
   bool has(std::string_view module, std::string_view function) override {
+    if (options_.reload_on_change) reload_if_changed();
     const auto key = std::make_pair(std::string(module), std::string(function));
     if (const auto hit = known_.find(key); hit != known_.end()) return hit->second;
     const ScriptStep step = on_worker([&key] {
@@ -447,7 +450,10 @@ class PythonHost final : public ScriptHost {
         add_module("interpreter", kInterpreterModule);
         add_module("emccanon", kCanonModule);
       }
-      py::list path = py::module_::import("sys").attr("path");
+      const py::module_ sys = py::module_::import("sys");
+      // Compiled files know the time of their source in whole seconds; a second change within one would not be seen.
+      if (options_.reload_on_change) sys.attr("dont_write_bytecode") = true;
+      py::list path = sys.attr("path");
       for (auto i = options_.path_prepend.rbegin(); i != options_.path_prepend.rend(); ++i)
         path.insert(0, *i);
       for (const std::string& folder : options_.path_append) path.append(folder);
@@ -465,24 +471,50 @@ class PythonHost final : public ScriptHost {
   }
 
   void run_toplevel() {
-    std::error_code ec;
-    changed_ = std::filesystem::last_write_time(options_.toplevel, ec);
+    watch(options_.toplevel);
     const py::object module = py::module_::import("types").attr("ModuleType")("__kerf_toplevel__");
     py::module_::import("sys").attr("modules")["__kerf_toplevel__"] = module;
     py::eval_file(options_.toplevel, module.attr("__dict__"));
+    for (const py::object& found : modules_with_functions())
+      if (py::hasattr(found, "__file__")) watch(py::str(found.attr("__file__")));
   }
 
-  /// RELOAD_ON_CHANGE: the script anew, with the modules that come from a file of its folder.
-  void reload_if_changed() {
+  /// The modules whose functions programs call, as far as the script imported them.
+  static std::vector<py::object> modules_with_functions() {
+    const py::dict modules = py::module_::import("sys").attr("modules");
+    std::vector<py::object> found;
+    for (const char* name : {"remap", "oword", "namedparams"})
+      if (modules.contains(name)) found.emplace_back(modules[name]);
+    return found;
+  }
+
+  /// A change of the file behind the first of these calls counts.
+  void watch(const std::string& path) {
     std::error_code ec;
-    if (std::filesystem::last_write_time(options_.toplevel, ec) == changed_ || ec) return;
+    watched_.try_emplace(path, std::filesystem::last_write_time(path, ec));
+  }
+
+  /// A file that is missing just now is being written.
+  [[nodiscard]] bool changed() const {
+    return std::any_of(watched_.begin(), watched_.end(), [](const auto& file) {
+      std::error_code ec;
+      return std::filesystem::last_write_time(file.first, ec) != file.second && !ec;
+    });
+  }
+
+  /// RELOAD_ON_CHANGE: the script and its modules anew. One that is wrong leaves the functions as they were.
+  void reload_if_changed() {
+    if (!changed()) return;
     known_.clear();
     (void)on_worker([this] {
+      // The times before the files are read: what changes meanwhile is read again.
+      for (auto& [path, time] : watched_) {
+        std::error_code ec;
+        time = std::filesystem::last_write_time(path, ec);
+      }
       try {
-        const py::dict modules = py::module_::import("sys").attr("modules");
-        for (const char* name : {"remap", "oword", "namedparams"})
-          if (modules.contains(name))
-            py::module_::import("importlib").attr("reload")(modules[name]);
+        const py::object reload = py::module_::import("importlib").attr("reload");
+        for (const py::object& module : modules_with_functions()) reload(module);
         run_toplevel();
       } catch (const py::error_already_set& e) {
         std::fprintf(stderr, "%s: %s\n", options_.toplevel.c_str(), e.what());
@@ -527,7 +559,7 @@ class PythonHost final : public ScriptHost {
   std::shared_ptr<Worker> worker_;
   ScriptSelf* self_{nullptr};
   std::map<std::pair<std::string, std::string>, bool> known_;
-  std::filesystem::file_time_type changed_;
+  std::map<std::string, std::filesystem::file_time_type> watched_;
 };
 
 }  // namespace

@@ -3,11 +3,13 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "interp/environment.hpp"
 #include "interp/interpreter.hpp"
+#include "interp/program_log.hpp"
 #include "interp/text_canon.hpp"
 #include "rtapi/base/result.hpp"
 
@@ -34,6 +36,12 @@ class BenchEnvironment final : public Environment {
   using IniReader = std::function<std::optional<double>(std::string_view, std::string_view)>;
   void set_ini(IniReader ini) { ini_ = std::move(ini); }
 
+  /// Where log() goes; without: nowhere.
+  void set_log(const Settings& settings) { log_ = std::make_unique<ProgramLog>(settings); }
+  void log(std::string_view line) override {
+    if (log_ != nullptr) log_->write(line);
+  }
+
   void set_scripts(ScriptHost* scripts) { scripts_ = scripts; }
   [[nodiscard]] ScriptHost* scripts() override { return scripts_; }
 
@@ -52,6 +60,7 @@ class BenchEnvironment final : public Environment {
   std::map<int, Tool> tools_;
   IniReader ini_;
   ScriptHost* scripts_{nullptr};
+  std::unique_ptr<ProgramLog> log_;
 };
 
 }  // namespace kerf::interp

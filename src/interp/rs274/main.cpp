@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iostream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -65,8 +66,8 @@ std::optional<Rs274Options> read_options(int argc, char** argv) {
       case 'g': o.batch = !o.batch; break;
       case 'i': o.ini = optarg; break;
       case 'p':
-      case 'T':
-      case 'l': break;
+      case 'T': break;
+      case 'l': o.log_level = static_cast<int>(std::strtol(optarg, nullptr, 10)); break;
       default:
         std::fprintf(stderr, "rs274: invalid option -- '%c'\n%s", optopt, kUsage);
         return std::nullopt;
@@ -88,8 +89,7 @@ class IniSession {
     file_ = std::move(loaded.file);
     kerf::ini::Reader reader(*file_);
     setup_ = read_interp_setup(reader, bench_settings().machine_unit_mm);
-    setup_.settings.spindles = static_cast<int>(reader.integer(
-        "TRAJ", "SPINDLES", kerf::ini::IntSpec{.fallback = 1, .min = 1, .max = kMaxSpindles}));
+    setup_.settings.spindles = static_cast<int>(reader.integer("TRAJ", "SPINDLES"));
     for (const auto& d : reader.complaints()) std::fprintf(stderr, "%s\n", d.message().c_str());
     if (reader.failed()) return false;
     auto scripts = open_scripts(setup_.python, {});
@@ -98,10 +98,10 @@ class IniSession {
     return scripts.ok();
   }
   /// Units and axes are those of rs274 whatever the file says, as at the peer.
-  [[nodiscard]] Settings settings() const {
+  [[nodiscard]] Settings settings(const Rs274Options& options) const {
     const Settings bench = bench_settings();
-    if (!file_) return bench_settings();
-    Settings s = setup_.settings;
+    Settings s = file_ ? setup_.settings : bench;
+    if (options.log_level) s.log_level = static_cast<LogLevel>(*options.log_level);
     s.machine_unit_mm = bench.machine_unit_mm;
     s.start_units = bench.start_units;
     s.axis_mask = bench.axis_mask;
@@ -133,8 +133,10 @@ class Session {
       : options_(options),
         out_(out),
         env_(ini.environment()),
-        canon_(out, ini.settings().machine_unit_mm),
-        interp_(env_, canon_, ini.settings()) {}
+        canon_(out, ini.settings(options).machine_unit_mm),
+        interp_(env_, canon_, ini.settings(options)) {
+    env_.set_log(ini.settings(options));
+  }
 
   int run() {
     env_.add_directory("");
@@ -209,6 +211,7 @@ class Session {
         case Outcome::ok: break;
         case Outcome::needs_sync: synchronize(before); break;
         case Outcome::program_end:
+        case Outcome::needs_line:
         case Outcome::idle: return 0;
         case Outcome::error:
           show_error();
@@ -227,13 +230,13 @@ class Session {
   }
 
   int mdi() {
-    char line[4096];
+    std::string line;
     const bool terminal = isatty(STDIN_FILENO) != 0;
     for (;;) {
       if (terminal) std::fputs("READ => ", stderr);
-      if (std::fgets(line, sizeof line, stdin) == nullptr) return 0;
-      line[std::strcspn(line, "\r\n")] = '\0';
-      if (std::strcmp(line, "quit") == 0) return 0;
+      if (!std::getline(std::cin, line)) return 0;
+      if (!line.empty() && line.back() == '\r') line.pop_back();
+      if (line == "quit") return 0;
       Pose before = interp_.modal().position;
       Outcome o = interp_.execute_mdi(line);
       while (o == Outcome::ok || o == Outcome::needs_sync) {

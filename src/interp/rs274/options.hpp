@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdio>
+#include <optional>
 #include <string>
 
 namespace kerf::interp {
@@ -11,6 +12,7 @@ enum class OnError { go_on, mdi, stop };
 
 struct Rs274Options {
   std::string tools, parameters, ini, input, output;
+  std::optional<int> log_level;  ///< over [RS274NGC]LOG_LEVEL
   OnError on_error{OnError::stop};
   bool block_delete{false}, stack{false}, batch{false};
 };

@@ -18,11 +18,13 @@ struct JointConfig {
   double home_search_vel{0}, home_latch_vel{0},
       home_final_vel{0};                           ///< signed; search 0 = no switch
   double home_search_dist{0}, home_latch_dist{0};  ///< bounds of the homing moves, 0 = none
+  double start{0};                ///< with has_start: the joint's position when motion begins
   std::int32_t home_sequence{0};  ///< [JOINT_n]HOME_SEQUENCE; kNoHomeSequence when absent
   std::int32_t home_flags{0};     ///< bits of HomeFlag
   bool rotary{false};
   bool volatile_home{false};
-  bool reserved[6]{};
+  bool has_start{false};  ///< [TRAJ]POSITION_FILE knows it
+  bool reserved[5]{};
 };
 inline constexpr std::int32_t kNoHomeSequence = 1000;
 
@@ -66,7 +68,8 @@ struct MachineConfig {
   double heartbeat_timeout_s{0.1};  ///< lost task heartbeat: controlled stop, then disable
   bool no_force_homing{false};
   bool probe_error_inhibit_jog{false}, probe_error_inhibit_home{false};
-  bool reserved2[5]{};
+  bool adaptive_only_slows{false};  ///< adaptive feed is bounded by 1, as older manuals say
+  bool reserved2[4]{};
   JointConfig joint[kMaxJoints];
   AxisConfig axis[rtapi::kAxes];
   SpindleConfig spindle[kMaxSpindles];

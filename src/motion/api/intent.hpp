@@ -23,6 +23,14 @@ struct JogIntent {
   double target{0};  ///< incremental: signed distance; absolute: position
 };
 
+/// A wish that is carried out once: a new `seq` applies the value, and what came later from elsewhere stays.
+template <class T>
+struct Once {
+  std::uint32_t seq{0};
+  T value{};
+  void wish(T v) noexcept { ++seq, value = v; }
+};
+
 /// Values that belong together; see IntentCell.
 struct Intent {
   MotionMode mode{MotionMode::free};
@@ -41,10 +49,16 @@ struct Intent {
   bool single_step{false};
   bool reserved[6]{};
   std::uint32_t spindle_stop_seq
-      [kMaxSpindles]{};  ///< a new value stops that spindle at once, whatever the path says
-  std::uint64_t digital_out_set_seq{
-      0};  ///< immediate outputs from clients: a new value applies the masks once
-  std::uint64_t digital_out_on{0}, digital_out_off{0};
+      [kMaxSpindles]{};     ///< a new value stops that spindle at once, whatever the path says
+  std::uint32_t wishes{0};  ///< grows with each of the wishes below
+  std::uint32_t reserved2{0};
+  Once<bool> digital_out[kMaxDigital];  ///< immediate outputs from clients
+  Once<double> analog_out[kMaxAnalog];
+  /// What the operator allows or forbids as programs do with M48 to M53.
+  Once<bool> feed_override_enable, adaptive_feed_enable, feed_hold_enable;
+  Once<bool> spindle_override_enable[kMaxSpindles];
+  /// true engages the brake and stops the spindle; false releases it until the next order.
+  Once<bool> brake[kMaxSpindles];
 };
 
 /// The cell itself. The words stand alone so that a stop never depends on a whole write being finished.

@@ -20,7 +20,8 @@ enum class KinematicsType : std::int32_t {
   both = 4
 };
 
-/// Native kinematics: pure functions of their arguments and of constants fixed at load. Callable from any thread (@rt).
+/// Native kinematics: functions of their arguments, of constants fixed at load and of the module's own HAL pins, which are not
+/// to change while the machine moves. Callable from any thread (@rt).
 class Kinematics {
  public:
   [[nodiscard]] virtual KinematicsType type() const noexcept = 0;
@@ -30,6 +31,8 @@ class Kinematics {
   [[nodiscard]] virtual bool forward(const JointVector& joint, Pose& world) const noexcept = 0;
   /// Axis positions to joint positions. Joints without an axis keep what `joint` held. False: no solution.
   [[nodiscard]] virtual bool inverse(const Pose& world, JointVector& joint) const noexcept = 0;
+  /// Told before the first cycle: mm in one machine unit, for modules whose HAL pins are lengths.
+  virtual void use_unit(double /*unit_mm*/) noexcept {}
   /// The axis that joint j moves alone (index in XYZABCUVW), or -1 when it moves several.
   [[nodiscard]] virtual std::int32_t axis_of_joint(std::int32_t joint) const noexcept = 0;
   /// Bit i: axis i of XYZABCUVW exists.

@@ -102,7 +102,8 @@ struct MotionStatus {
   bool enabled{false}, in_position{true}, path_empty{true}, held{false};
   bool all_homed{false}, homing_active{false}, jogging{false}, soft_limit{false};
   bool probe_tripped{false}, probing{false}, input_timeout{false}, amp_ready{false};
-  bool reserved[4]{};
+  bool probe_input{false};  ///< motion.probe-input
+  bool reserved[3]{};
   Pose pos_cmd, pos_fb;  ///< machine coordinates, mm and degrees
   Pose tool_offset;
   Pose probed;  ///< where the probe tripped
@@ -117,7 +118,14 @@ struct MotionStatus {
   std::uint64_t faults{0};  ///< number of the newest FaultRecord; 0: none ever
   double analog_in[kMaxAnalog]{}, analog_out[kMaxAnalog]{};
   std::int32_t digital_count{4}, analog_count{4};
+  std::uint64_t misc_error{0};  ///< motion.misc-error-NN, a bit each
+  std::int32_t misc_error_count{0};
+  std::int32_t kinematics_type{1};  ///< KinematicsType
   std::int32_t joints{0}, spindles{1};
+  std::int32_t extra_joints{0};  ///< of `joints`, the last ones: no kinematics move them
+  std::int32_t reserved2{0};
+  OverrideEnable enables;           ///< which overrides count now
+  double axis_vel[rtapi::kAxes]{};  ///< of axis jogs; mm/s, degrees/s
   JointStatus joint[kMaxJoints];
   SpindleStatus spindle[kMaxSpindles];
 };

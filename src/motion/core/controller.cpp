@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/core/planner/ceilings.hpp"
+
 namespace kerf::motion {
 namespace {
 /// Below this a joint's distance from what the inverse kinematics say is rounding (mm, degrees).
 constexpr double kSameJoint = 1e-9;
 }  // namespace
 
-Controller::Controller(const Kinematics& kinematics, SpanRing& spans, FaultRing& planner_faults,
-                       std::int32_t joints, std::int32_t spindles) noexcept
+Controller::Controller(const Kinematics& kinematics, SpanRing& spans, const PlanSlots& slots,
+                       FaultRing& planner_faults, std::int32_t joints,
+                       std::int32_t spindles) noexcept
     : kinematics_(kinematics),
       spans_(spans),
       planner_faults_(planner_faults),
@@ -19,12 +22,14 @@ Controller::Controller(const Kinematics& kinematics, SpanRing& spans, FaultRing&
           static_cast<std::size_t>(std::clamp(joints, 0, static_cast<std::int32_t>(kMaxJoints)))),
       spindle_count_(static_cast<std::size_t>(
           std::clamp(spindles, 0, static_cast<std::int32_t>(kMaxSpindles)))),
-      executor_(spans, spindles_, outputs_) {}
+      executor_(spans, slots, spindles_, outputs_) {}
 
 void Controller::configure(const MachineConfig& config) noexcept {
   config_ = config;
+  start_due_ = !start_taken_;
   configured_ = true;
-  executor_.configure(config.max_feed_override);
+  executor_.configure(config.max_feed_override, config.adaptive_only_slows,
+                      path_limits_of(kinematics_, config).axes);
   spindles_.configure(config, static_cast<std::int32_t>(spindle_count_));
   for (std::size_t j = 0; j < joints_; ++j)
     joint_[j].mover.set_acc(std::max(config.joint[j].max_acc, 1e-6));
@@ -40,6 +45,21 @@ void Controller::configure(const MachineConfig& config) noexcept {
       limit.max_limit = std::min(limit.max_limit, c.max_limit);
     }
     axis_[i].set_acc(std::max(limit.max_acc, 1e-6));
+  }
+}
+
+void Controller::adopt(const MachineConfig& config) noexcept {
+  if (!configured_) return;
+  for (std::size_t j = 0; j < joints_; ++j) {
+    const JointConfig& from = config.joint[j];
+    JointConfig& to = config_.joint[j];
+    to.ferror = from.ferror;
+    to.min_ferror = from.min_ferror;
+    to.backlash = from.backlash;
+    if (homing_.active()) continue;  // its phases agreed on the old ones
+    to.home = from.home;
+    to.home_offset = from.home_offset;
+    to.home_sequence = from.home_sequence;
   }
 }
 
@@ -62,6 +82,7 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
     planner_faults_.pop();
   }
   read_feedback(in);
+  if (start_due_) take_start_positions();
   watch_heartbeat(orders, dt);
   switch_power(in, orders);
   take_requests(orders);
@@ -69,6 +90,7 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
   switch_mode(orders);
   watch_jog_stop(in);
   watch_probe(in);
+  take_wheels(in, orders);
   take_homing(in, orders);
   take_jogs(in, orders);
   move(in, orders, dt);
@@ -91,11 +113,22 @@ void Controller::read_feedback(const Inputs& in) noexcept {
     Joint& joint = joint_[j];
     const JointInputs& source = in.joint[j];
     joint.motor_pos_fb = source.motor_pos_fb;
-    joint.pos_fb = source.motor_pos_fb - joint.motor_offset;
+    joint.pos_fb = source.motor_pos_fb - joint.motor_offset - joint.backlash.position();
     joint.home_switch = source.home_switch;
     joint.neg_limit = source.neg_limit;
     joint.pos_limit = source.pos_limit;
     joint.amp_fault = source.amp_fault;
+  }
+}
+
+/// The motors stand where they stand; what joints call that place is what they called it when the machine went off.
+void Controller::take_start_positions() noexcept {
+  start_due_ = false;
+  for (std::size_t j = 0; j < joints_; ++j) {
+    const JointConfig& c = config_.joint[j];
+    if (!c.has_start || !std::isfinite(joint_[j].pos_fb)) continue;
+    joint_[j].shift(c.start - joint_[j].pos_fb);
+    start_taken_ = true;
   }
 }
 
@@ -239,14 +272,42 @@ void Controller::take_requests(const Orders& orders) noexcept {
     spindle_stop_seen_[n] = want.spindle_stop_seq[n];
     spindles_.stop(static_cast<std::int32_t>(n));
   }
-  if (want.digital_out_set_seq != outputs_seen_) {
-    outputs_seen_ = want.digital_out_set_seq;
-    outputs_.digital = (outputs_.digital | want.digital_out_on) & ~want.digital_out_off;
-  }
+  if (want.wishes != wishes_seen_) take_wishes(want);
   if (want.unhome_seq != unhome_seen_) {
     unhome_seen_ = want.unhome_seq;
     take_unhome(want.unhome_joint);
   }
+}
+
+void Controller::take_wishes(const Intent& want) noexcept {
+  wishes_seen_ = want.wishes;
+  const auto fresh = [](const auto& wish, std::uint32_t& seen) {
+    if (wish.seq == seen) return false;
+    seen = wish.seq;
+    return true;
+  };
+  for (std::size_t i = 0; i < kMaxDigital; ++i) {
+    if (!fresh(want.digital_out[i], seen_.digital_out[i])) continue;
+    const std::uint64_t bit = std::uint64_t{1} << i;
+    outputs_.digital = want.digital_out[i].value ? outputs_.digital | bit : outputs_.digital & ~bit;
+  }
+  for (std::size_t i = 0; i < kMaxAnalog; ++i) {
+    if (fresh(want.analog_out[i], seen_.analog_out[i]))
+      outputs_.analog[i] = want.analog_out[i].value;
+  }
+  OverrideEnable enables = executor_.enables();
+  if (fresh(want.feed_override_enable, seen_.feed)) enables.feed = want.feed_override_enable.value;
+  if (fresh(want.adaptive_feed_enable, seen_.adaptive))
+    enables.adaptive = want.adaptive_feed_enable.value;
+  if (fresh(want.feed_hold_enable, seen_.feed_hold))
+    enables.feed_hold = want.feed_hold_enable.value;
+  for (std::size_t n = 0; n < kMaxSpindles; ++n) {
+    if (fresh(want.spindle_override_enable[n], seen_.spindle[n]))
+      enables.spindle[n] = want.spindle_override_enable[n].value;
+    if (fresh(want.brake[n], seen_.brake[n]))
+      spindles_.brake(static_cast<std::int32_t>(n), want.brake[n].value);
+  }
+  executor_.set_enables(enables);
 }
 
 /// Abort: stop where we are; then finish_abort() forgets all that is older and says so.
@@ -272,6 +333,8 @@ ServoView Controller::view() const noexcept {
   v.executed_seq = executor_.executed_seq();
   v.place = executor_.place_number();
   v.pose = executor_.pose();
+  v.scale = executor_.scale();
+  v.single_step = single_step_;
   v.takes_moves = enabled_ && mode_ == MotionMode::coordinated;
   return v;
 }

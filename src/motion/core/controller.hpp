@@ -19,11 +19,13 @@ namespace kerf::motion {
 
 class Controller {
  public:
-  Controller(const Kinematics& kinematics, SpanRing& spans, FaultRing& planner_faults,
-             std::int32_t joints, std::int32_t spindles) noexcept;
+  Controller(const Kinematics& kinematics, SpanRing& spans, const PlanSlots& slots,
+             FaultRing& planner_faults, std::int32_t joints, std::int32_t spindles) noexcept;
 
   /// New limits; only while may_configure(), since moves under way were planned with the old ones.
   void configure(const MachineConfig& config) noexcept;
+  /// Those values of new limits that bear on no move under way (following error, home positions); at any time.
+  void adopt(const MachineConfig& config) noexcept;
   [[nodiscard]] bool at_rest() const noexcept;
   [[nodiscard]] bool may_configure() const noexcept { return at_rest() && executor_.idle(); }
 
@@ -38,6 +40,12 @@ class Controller {
   [[nodiscard]] const Executor& executor() const noexcept { return executor_; }
   [[nodiscard]] const Joint& joint(std::size_t j) const noexcept { return joint_[j]; }
   [[nodiscard]] const AxisMover& axis(std::size_t i) const noexcept { return axis_[i]; }
+  [[nodiscard]] bool joint_wheel_active(std::size_t j) const noexcept {
+    return joint_wheel_[j].drives && joint_[j].mover.active();
+  }
+  [[nodiscard]] bool axis_wheel_active(std::size_t i) const noexcept {
+    return axis_wheel_[i].drives && axis_[i].active();
+  }
   [[nodiscard]] std::size_t joints() const noexcept { return joints_; }
   [[nodiscard]] const MachineConfig& config() const noexcept { return config_; }
   /// For the planner.
@@ -48,6 +56,7 @@ class Controller {
  private:
   // controller.cpp: power and safety
   void read_feedback(const Inputs& in) noexcept;
+  void take_start_positions() noexcept;
   void switch_power(const Inputs& in, const Orders& orders) noexcept;
   [[nodiscard]] bool may_enable(const Inputs& in, const Orders& orders) noexcept;
   void enable() noexcept;
@@ -59,6 +68,7 @@ class Controller {
   void finish_abort(const Orders& orders) noexcept;
   void settle() noexcept;
   void take_requests(const Orders& orders) noexcept;
+  void take_wishes(const Intent& want) noexcept;
 
   // controller_motion.cpp: modes and what moves in them
   [[nodiscard]] bool all_homed() const noexcept;
@@ -68,12 +78,30 @@ class Controller {
   void take_jogs(const Inputs& in, const Orders& orders) noexcept;
   void take_jog(const JogIntent& jog, std::uint32_t& seen, bool allowed, AxisMover& mover,
                 std::int32_t index, double speed_limit, double low, double high) noexcept;
+  /// How far a jog of this joint or axis may go.
+  struct Range {
+    double low, high;
+  };
+  [[nodiscard]] Range joint_range(std::size_t j, const Intent& want) const noexcept;
+  [[nodiscard]] Range axis_range(std::size_t i, const Intent& want) const noexcept;
+  [[nodiscard]] bool may_jog(const Inputs& in, const Orders& orders) const noexcept;
+  [[nodiscard]] bool may_jog_joint(std::size_t j) const noexcept;
+  /// A jog wheel and what it has begun.
+  struct Wheel {
+    std::int32_t counts{0};  ///< of the last cycle
+    bool known{false};       ///< there was a last cycle
+    bool drives{false};      ///< the mover moves by this wheel
+  };
+  void take_wheels(const Inputs& in, const Orders& orders) noexcept;
+  static void turn_wheel(const WheelInputs& in, Wheel& wheel, bool allowed, AxisMover& mover,
+                         double max_vel, double max_acc, Range range) noexcept;
   void take_homing(const Inputs& in, const Orders& orders) noexcept;
   void take_unhome(std::int32_t which) noexcept;
   void watch_jog_stop(const Inputs& in) noexcept;
   void watch_probe(const Inputs& in) noexcept;
   void move(const Inputs& in, const Orders& orders, double dt) noexcept;
   void move_joints() noexcept;
+  void take_up_play(double dt) noexcept;
   [[nodiscard]] bool jogging() const noexcept;
 
   // controller_status.cpp
@@ -94,9 +122,12 @@ class Controller {
   Joint joint_[kMaxJoints];
   double skew_[kMaxJoints]{};  ///< of a joint from its place by the inverse kinematics; set at rest
   AxisMover axis_[rtapi::kAxes];
+  Wheel joint_wheel_[kMaxJoints], axis_wheel_[rtapi::kAxes];
   AxisConfig axis_limit_[rtapi::kAxes];  ///< of the axis and of the joints that it moves alone
 
   bool configured_{false}, enabled_{false}, armed_{true}, closing_down_{false};
+  bool single_step_{false};
+  bool start_due_{false}, start_taken_{false};
   bool jog_stop_before_{false}, jog_dead_before_{false}, probe_before_{false};
   MotionMode mode_{MotionMode::free}, refused_mode_{MotionMode::free};
   Pose pose_, pose_fb_;
@@ -105,7 +136,12 @@ class Controller {
   double heartbeat_age_s_{0};
   std::uint32_t joint_jog_seen_[kMaxJoints]{}, axis_jog_seen_[rtapi::kAxes]{};
   std::uint32_t home_seen_{0}, unhome_seen_{0}, spindle_stop_seen_[kMaxSpindles]{};
-  std::uint64_t outputs_seen_{0};
+  std::uint32_t wishes_seen_{0};
+  struct WishesSeen {
+    std::uint32_t digital_out[kMaxDigital]{}, analog_out[kMaxAnalog]{};
+    std::uint32_t feed{0}, adaptive{0}, feed_hold{0}, spindle[kMaxSpindles]{},
+        brake[kMaxSpindles]{};
+  } seen_;
 
   FaultList faults_;
   std::uint64_t fault_number_{0};

@@ -9,6 +9,7 @@ namespace {
 /// A continuous jog without limits goes this far at most (mm, degrees).
 constexpr double kEndlessJog = 1e6;
 constexpr double kAtLimit = 1e-9;
+constexpr double kLeastAcc = 1e-6;  ///< movers divide by it
 }  // namespace
 
 bool Controller::all_homed() const noexcept {
@@ -114,44 +115,113 @@ void Controller::watch_probe(const Inputs& in) noexcept {
   for (AxisMover& axis : axis_) axis.stop();
 }
 
+Controller::Range Controller::joint_range(std::size_t j, const Intent& want) const noexcept {
+  const JointConfig& c = config_.joint[j];
+  Range range{c.min_limit, c.max_limit};
+  const double here = joint_[j].mover.position();
+  if (!joint_[j].homed) {
+    // Nobody knows where the limits are: one whole travel either way.
+    const double travel = std::min(range.high - range.low, kEndlessJog);
+    range = {here - travel, here + travel};
+  }
+  if (want.override_limits) {
+    if (joint_[j].neg_limit) range.low = here;
+    if (joint_[j].pos_limit) range.high = here;
+  }
+  return range;
+}
+
+Controller::Range Controller::axis_range(std::size_t i, const Intent& want) const noexcept {
+  Range range{axis_limit_[i].min_limit, axis_limit_[i].max_limit};
+  for (std::size_t j = 0; j < joints_ && want.override_limits; ++j) {
+    if (kinematics_.axis_of_joint(static_cast<std::int32_t>(j)) != static_cast<std::int32_t>(i))
+      continue;
+    if (joint_[j].neg_limit) range.low = axis_[i].position();
+    if (joint_[j].pos_limit) range.high = axis_[i].position();
+  }
+  return range;
+}
+
+bool Controller::may_jog(const Inputs& in, const Orders& orders) const noexcept {
+  return enabled_ && !closing_down_ && orders.abort_epoch == acked_epoch_ && !in.jog_inhibit &&
+         !homing_.active();
+}
+
+bool Controller::may_jog_joint(std::size_t j) const noexcept {
+  // Joints that home together would be racked by a jog of one of them (manual, HOME_SEQUENCE).
+  const bool bound = !joint_[j].homed && config_.joint[j].home_sequence < 0;
+  return mode_ == MotionMode::free && !bound;
+}
+
 void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
   const Intent& want = *orders.values;
-  const bool ready = enabled_ && !closing_down_ && orders.abort_epoch == acked_epoch_ &&
-                     !in.jog_inhibit && !homing_.active();
+  const bool ready = may_jog(in, orders);
   for (std::size_t j = 0; j < joints_; ++j) {
     if (want.joint_jog[j].seq == joint_jog_seen_[j]) continue;
-    const JointConfig& c = config_.joint[j];
-    // Joints that home together would be racked by a jog of one of them (manual, HOME_SEQUENCE).
-    const bool bound = !joint_[j].homed && c.home_sequence < 0;
-    double low = c.min_limit, high = c.max_limit;
-    const double here = joint_[j].mover.position();
-    if (!joint_[j].homed) {
-      // Nobody knows where the limits are: one whole travel either way.
-      const double range = std::min(high - low, kEndlessJog);
-      low = here - range;
-      high = here + range;
-    }
-    if (want.override_limits) {
-      if (joint_[j].neg_limit) low = here;
-      if (joint_[j].pos_limit) high = here;
-    }
-    take_jog(want.joint_jog[j], joint_jog_seen_[j], ready && mode_ == MotionMode::free && !bound,
-             joint_[j].mover, static_cast<std::int32_t>(j), c.max_vel, low, high);
+    const Range range = joint_range(j, want);
+    joint_wheel_[j].drives = false;
+    joint_[j].mover.set_acc(std::max(config_.joint[j].max_acc, kLeastAcc));
+    take_jog(want.joint_jog[j], joint_jog_seen_[j], ready && may_jog_joint(j), joint_[j].mover,
+             static_cast<std::int32_t>(j), config_.joint[j].max_vel, range.low, range.high);
   }
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     if (want.axis_jog[i].seq == axis_jog_seen_[i]) continue;
     const bool exists = (kinematics_.axis_mask() >> i & 1U) != 0;
-    const AxisConfig& c = axis_limit_[i];
-    double low = c.min_limit, high = c.max_limit;
-    for (std::size_t j = 0; j < joints_ && want.override_limits; ++j) {
-      if (kinematics_.axis_of_joint(static_cast<std::int32_t>(j)) != static_cast<std::int32_t>(i))
-        continue;
-      if (joint_[j].neg_limit) low = axis_[i].position();
-      if (joint_[j].pos_limit) high = axis_[i].position();
-    }
+    const Range range = axis_range(i, want);
+    axis_wheel_[i].drives = false;
+    axis_[i].set_acc(std::max(axis_limit_[i].max_acc, kLeastAcc));
     take_jog(want.axis_jog[i], axis_jog_seen_[i], ready && exists && mode_ == MotionMode::teleop,
-             axis_[i], static_cast<std::int32_t>(i), c.max_vel, low, high);
+             axis_[i], static_cast<std::int32_t>(i), axis_limit_[i].max_vel, range.low, range.high);
   }
+}
+
+void Controller::take_wheels(const Inputs& in, const Orders& orders) noexcept {
+  const Intent& want = *orders.values;
+  const bool ready = may_jog(in, orders) && !in.jog_stop && !in.jog_stop_immediate;
+  for (std::size_t j = 0; j < joints_; ++j)
+    turn_wheel(in.joint_wheel[j], joint_wheel_[j], ready && may_jog_joint(j), joint_[j].mover,
+               config_.joint[j].max_vel, config_.joint[j].max_acc, joint_range(j, want));
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    if ((kinematics_.axis_mask() >> i & 1U) == 0) continue;
+    turn_wheel(in.axis_wheel[i], axis_wheel_[i], ready && mode_ == MotionMode::teleop, axis_[i],
+               axis_limit_[i].max_vel, axis_limit_[i].max_acc, axis_range(i, want));
+  }
+}
+
+/// Manual, motion(9), jog-counts: each count moves the target by jog-scale; in velocity mode the target keeps no farther ahead than
+/// the way to stop.
+void Controller::turn_wheel(const WheelInputs& in, Wheel& wheel, bool allowed, AxisMover& mover,
+                            double max_vel, double max_acc, Range range) noexcept {
+  // Unsigned, so that a counter may run over.
+  const auto turned = static_cast<std::int32_t>(static_cast<std::uint32_t>(in.counts) -
+                                                static_cast<std::uint32_t>(wheel.counts));
+  const bool moved = wheel.known && turned != 0;
+  wheel.counts = in.counts;
+  wheel.known = true;
+  max_acc = std::max(max_acc, kLeastAcc);
+  if (wheel.drives && !mover.active()) {
+    wheel.drives = false;
+    mover.set_acc(max_acc);
+  }
+  // A jog by button goes first.
+  if (!moved || !allowed || !in.enable || (mover.active() && !wheel.drives)) return;
+  const double way = turned * in.per_count;
+  if (!std::isfinite(way) || way == 0) return;
+  const bool fraction = in.accel_fraction > 0 && in.accel_fraction < 1;
+  const double acc = fraction ? max_acc * in.accel_fraction : max_acc;
+  // Not in the middle of a move, which could then not stop in time.
+  if (!wheel.drives) mover.set_acc(acc);
+  const double here = mover.position();
+  double target = (wheel.drives ? mover.target() : here) + way;
+  if (in.velocity_mode) {
+    const double ahead = max_vel * max_vel / (2 * acc);
+    target = std::clamp(target, here - ahead, here + ahead);
+  }
+  // From outside the limits only the way back is open.
+  if (way > 0) target = std::min(target, std::max(range.high, here));
+  if (way < 0) target = std::max(target, std::min(range.low, here));
+  mover.go_to(target, max_vel);
+  wheel.drives = true;
 }
 
 void Controller::take_jog(const JogIntent& jog, std::uint32_t& seen, bool allowed, AxisMover& mover,
@@ -203,7 +273,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   homing_.step(joints_, joint_, config_, faults_);
   PathInputs path;
   path.stand = orders.hold || closing_down_ || orders.abort_epoch != acked_epoch_;
-  path.single_step = want.single_step;
+  path.single_step = single_step_ = want.single_step;
   path.may_move = mode_ == MotionMode::coordinated;
   path.probe = in.probe;
   path.feed_hold = in.feed_hold;
@@ -234,6 +304,29 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
     move_joints();
   }
   guard_.check(joints_, joint_, config_, dt, status_.current, faults_);
+  take_up_play(dt);
+}
+
+/// On top of the joint's own motion, so it gets the half of its limits that drives must have in reserve for it (LinuxCNC
+/// manual, BACKLASH: step generators need 1.5 to 2 times the joint's acceleration).
+void Controller::take_up_play(double dt) noexcept {
+  constexpr double kShare = 0.5;
+  constexpr double kStill =
+      1e-6;  ///< speed that is rounding of the kinematics, not a direction (mm/s)
+  for (std::size_t j = 0; j < joints_; ++j) {
+    Joint& joint = joint_[j];
+    const JointConfig& c = config_.joint[j];
+    const double side = joint.vel_cmd > kStill    ? 0.5
+                        : joint.vel_cmd < -kStill ? -0.5
+                                                  : std::copysign(0.5, joint.backlash.target());
+    const bool decided = std::abs(joint.vel_cmd) > kStill || joint.backlash.target() != 0;
+    const double wanted = decided ? side * c.backlash : 0.0;
+    if (wanted != joint.backlash.target() || joint.backlash.active()) {
+      joint.backlash.set_acc(std::max(kShare * c.max_acc, 1e-6));
+      joint.backlash.go_to(wanted, kShare * c.max_vel);
+      joint.backlash.step(dt);
+    }
+  }
 }
 
 void Controller::move_joints() noexcept {

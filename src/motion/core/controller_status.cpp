@@ -64,6 +64,10 @@ void Controller::fill_status(const Inputs& in, const Orders& orders, double dt,
   s.feed_override = orders.values->feed_override;
   s.rapid_override = orders.values->rapid_override;
   s.digital_out = outputs_.digital;
+  s.probe_input = in.probe;
+  s.kinematics_type = static_cast<std::int32_t>(kinematics_.type());
+  s.enables = executor_.enables();
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) s.axis_vel[i] = axis_[i].speed();
   s.faults = fault_number_;
   s.joints = static_cast<std::int32_t>(joints_);
   s.spindles = static_cast<std::int32_t>(spindle_count_);

@@ -3,11 +3,20 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/core/path/reach.hpp"
+#include "motion/core/profile.hpp"
+
 namespace kerf::motion {
 namespace {
 
-/// Spans begun in one cycle; a cycle full of them ends at a corner, where the machine stands anyway.
-constexpr int kSpansPerCycle = 32;
+/// Spans begun in one cycle. More would be stretches far below what a cycle drives; the rest of the cycle is lost then, not the path.
+constexpr int kSpansPerCycle = 64;
+/// Stretches shorter than this (sigma) are passed at the speed they are entered with.
+constexpr double kNoStretch = 1e-10;
+/// An x below this is a standstill that rounding has missed (1e-7 mm/s).
+constexpr double kNoSpeed = 1e-14;
+constexpr int kStopRounds = 4;
+constexpr double kStopReserve = 1.01;
 /// A span that begins elsewhere than where the machine stands is a fault of ours (mm, degrees).
 constexpr double kSamePlace = 1e-6;
 /// Fault::orient_fault: no answer in time. Above zero it is the drive's own number, zero is a spindle stopped.
@@ -33,17 +42,17 @@ bool same_place(const Pose& a, const Pose& b) noexcept {
 
 void Executor::place(const Pose& pose) noexcept {
   pose_ = pose;
-  run_ = {};
+  sigma_speed_ = speed_ = left_ = half_way_ = 0;
   distance_ = 0;
-  started_ = ending_ = failing_ = false;
+  started_ = ending_ = failing_ = arriving_ = false;
   kind_ = MotionKind::none;
   ++place_number_;
 }
 
-const MoveSpan* Executor::move() const noexcept {
+const PathSpan* Executor::move() const noexcept {
   if (!started_) return nullptr;
   const Span* span = spans_.front();
-  return span == nullptr ? nullptr : std::get_if<MoveSpan>(&span->body);
+  return span == nullptr ? nullptr : std::get_if<PathSpan>(&span->body);
 }
 
 void Executor::blocked(PathWait why, std::int32_t index) noexcept {
@@ -82,29 +91,45 @@ void Executor::void_epoch(std::uint32_t epoch) noexcept {
 
 void Executor::fail_path(const Span& span) noexcept { void_epoch(span.epoch); }
 
-void Executor::finish(const Span& span) noexcept {
-  executed_seq_ = span.seq;
+void Executor::finish(const Span& span, std::uint64_t done_seq) noexcept {
+  (void)span;
+  if (done_seq > executed_seq_) executed_seq_ = done_seq;
   started_ = ending_ = false;
+  half_way_ = left_ = 0;
   kind_ = MotionKind::none;
-  run_ = {};
-  distance_ = 0;
+  if (sigma_speed_ == 0) {
+    distance_ = 0;
+    speed_ = 0;
+  }
   spans_.pop();
 }
 
 void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept {
   waiting_ = PathWait::none;
   waiting_index_ = -1;
-  if (in.stand || !in.single_step) step_begun_ = false;
+  set_scale(in);
+  if (in.stand || !in.single_step) {
+    step_begun_ = false;
+  } else if (started_ && !step_begun_) {
+    // Released in the middle of a block: that is the one.
+    step_begun_ = true;
+    step_id_ = current_.id;
+  }
   double rest = dt;
   for (int n = 0; n < kSpansPerCycle && rest > 0; ++n) {
     if (!started_) {
-      // Held: nothing new begins, but what is queued stays.
-      if (in.stand) {
+      // Held: nothing new begins at rest, but what is queued stays.
+      if (in.stand && at_rest()) {
         if (!spans_.empty()) blocked(PathWait::hold);
         break;
       }
       const Span* span = next();
-      if (span == nullptr) break;
+      if (span == nullptr) {
+        // The planner's plan ends in a stop; nothing behind it is a fault of ours, and standing is all that is left.
+        if (!at_rest()) raise(faults, Fault::path_starved_internal, -1, speed_, 0, current_);
+        sigma_speed_ = speed_ = 0;
+        break;
+      }
       if (!step_allows(*span, in.single_step)) {
         blocked(PathWait::hold);
         break;
@@ -115,7 +140,7 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
     }
     const Span* span = spans_.front();
     if (span == nullptr) break;
-    if (const auto* move = std::get_if<MoveSpan>(&span->body)) {
+    if (const auto* move = std::get_if<PathSpan>(&span->body)) {
       rest -= run_move(*span, *move, in, rest, faults);
       continue;
     }
@@ -128,7 +153,7 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
     dwell_left_ -= used;
     rest -= used;
     if (dwell_left_ <= 0)
-      finish(*span);
+      finish(*span, span->seq);
     else
       blocked(PathWait::dwell);
   }
@@ -136,7 +161,7 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
 }
 
 bool Executor::step_allows(const Span& span, bool single_step) noexcept {
-  if (!single_step) return true;
+  if (!single_step || !at_rest()) return true;
   if (!step_begun_) {
     step_begun_ = true;
     step_id_ = span.tag.id;
@@ -150,12 +175,12 @@ Executor::Outcome Executor::begin(const Span& span, const PathInputs& in,
     current_ = span.tag;
     current_seq_ = span.seq;
     act();
-    finish(span);
+    finish(span, span.seq);
     return Outcome::done;
   };
   return std::visit(
       Overloaded{
-          [&](const MoveSpan& m) { return begin_move(span, m, in, faults); },
+          [&](const PathSpan& m) { return begin_move(span, m, in, faults); },
           [&](const Dwell& m) {
             current_ = span.tag;
             current_seq_ = span.seq;
@@ -168,7 +193,7 @@ Executor::Outcome Executor::begin(const Span& span, const PathInputs& in,
             current_ = span.tag;
             current_seq_ = span.seq;
             const Outcome o = begin_spindle(m);
-            if (o == Outcome::done) finish(span);
+            if (o == Outcome::done) finish(span, span.seq);
             return o;
           },
           [&](const PathControl&) { return instant([] {}); },
@@ -206,7 +231,7 @@ bool Executor::run_orient(const Span& span, const SpindleChange& change, const P
     return true;
   }
   if (spindles_.oriented(n)) {
-    finish(span);
+    finish(span, span.seq);
     return true;
   }
   if (!spindles_.orient_failed(n)) {
@@ -221,26 +246,28 @@ bool Executor::run_orient(const Span& span, const SpindleChange& change, const P
   return true;
 }
 
-Executor::Outcome Executor::begin_move(const Span& span, const MoveSpan& move, const PathInputs& in,
+Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, const PathInputs& in,
                                        FaultList& faults) noexcept {
-  if (!in.may_move) return Outcome::blocked;
-  if (!same_place(move.curve.start, pose_)) {
-    raise(faults, Fault::path_starved_internal, -1, 0, 0, span.tag);
-    fail_path(span);
-    return Outcome::done;
-  }
-  if (move.kind != MotionKind::traverse && move.kind != MotionKind::tool_change) {
-    if (after_traverse_) spindles_.wait_after_traverse();
-    after_traverse_ = false;
-    const std::int32_t waiting = spindles_.not_at_speed();
-    if (waiting >= 0) {
-      blocked(PathWait::spindle_at_speed, waiting);
-      return Outcome::blocked;
+  const bool rests = at_rest();
+  if (rests) {
+    if (!in.may_move) return Outcome::blocked;
+    if (!same_place(move.point ? move.end : to_pose(move.piece.point(move.from)), pose_)) {
+      raise(faults, Fault::path_starved_internal, -1, 0, 0, span.tag);
+      fail_path(span);
+      return Outcome::done;
     }
+    if (move.kind != MotionKind::traverse && move.kind != MotionKind::tool_change) {
+      if (after_traverse_) spindles_.wait_after_traverse();
+      after_traverse_ = false;
+      const std::int32_t waiting = spindles_.not_at_speed();
+      if (waiting >= 0) {
+        blocked(PathWait::spindle_at_speed, waiting);
+        return Outcome::blocked;
+      }
+    }
+    // Stands; the outputs wait for the move itself.
+    if (!move.point && wanted(move, in) <= 0) return Outcome::blocked;
   }
-  const bool point = move.curve.shape == Curve::Shape::point;
-  if (!point && wanted_speed(move, in) <= 0)
-    return Outcome::blocked;  // stands; the outputs wait for the move itself
   current_ = span.tag;
   current_seq_ = span.seq;
   fire_synchronised();
@@ -252,42 +279,47 @@ Executor::Outcome Executor::begin_move(const Span& span, const MoveSpan& move, c
       return Outcome::done;
     }
   }
-  if (point) {
-    pose_ = move.curve.end;
+  if (move.point) {
+    if (rests) pose_ = move.end;
     if (move.probe) ++place_number_;
-    finish(span);
+    finish(span, move.done_seq);
     return Outcome::done;
   }
   started_ = true;
   after_traverse_ = move.kind == MotionKind::traverse;
   kind_ = move.kind;
-  run_ = {move.curve.length, 0.0};
+  left_ = move.length;
+  half_way_ = 0;
   return Outcome::busy;
 }
 
-double Executor::wanted_speed(const MoveSpan& move, const PathInputs& in) noexcept {
-  const bool traverse = move.kind == MotionKind::traverse || move.kind == MotionKind::tool_change;
-  double k = traverse        ? factor(in.rapid_override, 1.0)
-             : enables_.feed ? factor(in.feed_override, max_override_)
-                             : 1.0;
-  if (enables_.adaptive) k *= factor(in.adaptive_feed, max_override_);
-  k = std::min(k, max_override_);
-  requested_ = std::min(move.requested, move.speed_ceiling);
-  double speed = k > 0 ? std::min(move.requested * k, move.speed_ceiling) : 0.0;
-  if (move.curve.metric != FeedMetric::abc) speed = std::min(speed, std::max(in.max_vel_mm_s, 0.0));
-  if (speed <= 0) blocked(PathWait::zero_override);
-  if (in.feed_inhibit) {
-    speed = 0;
-    blocked(PathWait::feed_inhibit);
-  } else if (in.feed_hold && enables_.feed_hold) {
-    speed = 0;
-    blocked(PathWait::feed_hold_pin);
-  }
-  commanded_feed_ = traverse || speed <= 0 ? 0.0 : move.requested * k;
-  return speed;
+void Executor::set_scale(const PathInputs& in) noexcept {
+  const double adaptive = enables_.adaptive ? factor(in.adaptive_feed, max_adaptive_) : 1.0;
+  const double feed = enables_.feed ? factor(in.feed_override, max_override_) : 1.0;
+  scale_.feed = std::min(feed * adaptive, max_override_);
+  scale_.rapid = std::min(factor(in.rapid_override, 1.0) * adaptive, 1.0);
+  scale_.max_vel = in.max_vel_mm_s;
 }
 
-void Executor::watch_probe(const Span& span, const MoveSpan& move, const PathInputs& in,
+double Executor::wanted(const PathSpan& move, const PathInputs& in) noexcept {
+  requested_ = move.requested;
+  double x = wanted_x(move.speed, scale_);
+  if (!(x > 0)) {
+    x = 0;
+    blocked(PathWait::zero_override);
+  }
+  if (in.feed_inhibit) {
+    x = 0;
+    blocked(PathWait::feed_inhibit);
+  } else if (in.feed_hold && enables_.feed_hold) {
+    x = 0;
+    blocked(PathWait::feed_hold_pin);
+  }
+  commanded_feed_ = move.speed.rapid || x <= 0 ? 0.0 : move.requested * scale_.feed;
+  return x;
+}
+
+void Executor::watch_probe(const Span& span, const PathSpan& move, const PathInputs& in,
                            FaultList& faults) noexcept {
   if (ending_ || failing_) return;
   if (move.probe) {
@@ -301,37 +333,145 @@ void Executor::watch_probe(const Span& span, const MoveSpan& move, const PathInp
   }
 }
 
-double Executor::run_move(const Span& span, const MoveSpan& move, const PathInputs& in, double dt,
+/// The bound of x is the same all along. The end is met at what is wanted there as far as braking can; that is never more than `hard`.
+double Executor::run_even(const PathSpan& move, double x_wanted, double dt) noexcept {
+  const std::size_t slot = move.number % kSpans;
+  const double end = std::min(slots_.hard[slot].observe(), slots_.soft[slot].get());
+  ProfileState state{left_, sigma_speed_};
+  const double used = advance(
+      state, {std::sqrt(std::min(x_wanted, move.speed.cap)), move.even_acc, std::sqrt(end)}, dt);
+  left_ = state.left;
+  sigma_speed_ = state.speed;
+  return used;
+}
+
+/// x is linear to the end of the stretch; what it is there is decided anew every cycle, by the rows of what is left.
+double Executor::run_curved(const PathSpan& move, double x_wanted, double dt) noexcept {
+  const std::size_t slot = move.number % kSpans;
+  const double hard = slots_.hard[slot].observe();
+  const double soft = x_wanted > 0 ? std::min(slots_.soft[slot].get(), x_wanted) : 0.0;
+  const double end = move.from + move.length;
+  double x = sigma_speed_ * sigma_speed_;
+  double stretch = left_ - half_way_;
+  path::Rows rows;
+  if (x <= 0 && half_way_ <= 0 && std::min(soft, hard) <= kNoSpeed) {
+    if (x_wanted <= 0) return dt;
+    // From rest to rest within one stretch: up in the first half, down in the second.
+    half_way_ = left_ / 2;
+    stretch = left_ - half_way_;
+    path::rows_of(move.piece, end - half_way_, end, limits_, rows);
+    const double most = path::largest_x0(rows.all(), 0);
+    path::rows_of(move.piece, end - left_, end - half_way_, limits_, rows);
+    half_speed_ = std::sqrt(std::min(
+        {most, path::range_of_x1(rows.all(), 0).high * (1.0 - 1e-6), x_wanted, move.speed.cap}));
+  }
+  double x1 = 0;
+  if (half_way_ > 0) {
+    x1 = half_speed_ * half_speed_;
+  } else if (stretch > kNoStretch) {
+    path::rows_of(move.piece, end - left_, end, limits_, rows);
+    const path::Range range = path::range_of_x1(rows.all(), x, left_ < move.length);
+    if (x_wanted <= 0 && range.low < 0) return stop_within(move, range.low, dt);
+    x1 = std::clamp(soft, std::min(range.low, range.high), range.high);
+    // `hard` can always be met; that range.low is a rounding above it sometimes must not leave speed at a stop.
+    x1 = std::min({x1, hard, move.speed.cap});
+  } else {
+    x1 = x;
+  }
+  const double v1 = std::sqrt(x1), sum = sigma_speed_ + v1;
+  const double need = sum > 0 ? 2.0 * stretch / sum : 0.0;
+  if (!(sum > 0)) return dt;  // stands
+  if (need <= dt) {
+    left_ = half_way_;
+    half_way_ = 0;
+    sigma_speed_ = x1 <= kNoSpeed ? 0.0 : v1;
+    return need;
+  }
+  const double acc = (x1 - x) / (2.0 * stretch);
+  left_ -= dt * (sigma_speed_ + 0.5 * acc * dt);
+  sigma_speed_ += acc * dt;
+  return dt;
+}
+
+/// The hardest braking ends before the stretch does: `low` is where it would bring x at the end. Each round takes the stopping distance of
+/// the last one, which the rows of that shorter stretch then confirm.
+double Executor::stop_within(const PathSpan& move, double low, double dt) noexcept {
+  const double begin = move.from + move.length - left_, x = sigma_speed_ * sigma_speed_;
+  double distance = left_;
+  for (int round = 0; round < kStopRounds; ++round) {
+    const double next = distance * x / (x - low) * kStopReserve;
+    if (!(next < distance) || next < kNoStretch) break;
+    path::Rows rows;
+    path::rows_of(move.piece, begin, begin + next, limits_, rows);
+    const double next_low = path::range_of_x1(rows.all(), x, true).low;
+    if (next_low > 0) break;
+    distance = next;
+    low = next_low;
+    if (low > -0.05 * x) break;
+  }
+  if (!(x > 0)) return dt;
+  const double need = 2.0 * distance / sigma_speed_;
+  if (need <= dt) {
+    left_ -= distance;
+    sigma_speed_ = 0;
+    if (left_ < kNoStretch) left_ = 0;
+    return need;
+  }
+  const double acc = -x / (2.0 * distance);
+  left_ -= dt * (sigma_speed_ + 0.5 * acc * dt);
+  sigma_speed_ += acc * dt;
+  return dt;
+}
+
+double Executor::run_move(const Span& span, const PathSpan& move, const PathInputs& in, double dt,
                           FaultList& faults) noexcept {
   watch_probe(span, move, in, faults);
-  double speed = wanted_speed(move, in);
-  if (in.stand || ending_ || failing_) speed = 0;
+  double x = wanted(move, in);
+  if (in.stand || ending_ || failing_) x = 0;
   if (in.stand) blocked(PathWait::hold);
-  const double used = advance(run_, {speed, move.acc, move.exit_speed}, dt);
-  pose_ = point_at(move.curve, move.curve.length - run_.left);
-  distance_ = run_.left;
-  if (run_.left <= 0) {
-    pose_ = move.curve.end;
-    // Nothing of the span may be read after finish() or fail_path(): its place in the ring is free then.
-    const bool probe = move.probe, missed = probe && !ending_ && move.probe_fail_is_error;
-    if (missed) raise(faults, Fault::probe_no_contact, -1, 0, 0, span.tag);
-    if (failing_ || missed)
-      fail_path(span);
-    else
-      finish(span);
-    if (probe) ++place_number_;
+  // It turned out slower than it should: the path waits for the spindle where that can still be done.
+  if (x > 0 && !at_rest() && !move.speed.rapid) {
+    const std::int32_t waiting = spindles_.not_at_speed();
+    if (waiting >= 0) {
+      x = 0;
+      blocked(PathWait::spindle_at_speed, waiting);
+    }
+  }
+  const double used = move.even_acc > 0 ? run_even(move, x, dt) : run_curved(move, x, dt);
+  const double at = move.from + move.length - left_;
+  const path::Vec slope = move.piece.first(at);
+  pose_ = left_ <= 0 && move.at_end_exactly ? move.end : to_pose(move.piece.point(at));
+  speed_ =
+      sigma_speed_ * (move.piece.feed.metric >= 0
+                          ? path::norm3(slope, static_cast<std::size_t>(move.piece.feed.metric))
+                          : 1.0);
+  distance_ = left_ + move.to_move_end;
+  if (left_ <= 0) {
+    end_span(span, move, faults);
     return used;
   }
-  if (run_.speed <= 0 && failing_) {
+  if (at_rest() && failing_) {
     fail_path(span);
     return dt;
   }
-  if (run_.speed <= 0 && ending_) {
-    finish(span);
+  if (at_rest() && ending_) {
+    finish(span, span.seq);
     ++place_number_;
     return dt;
   }
   return used;
+}
+
+/// Nothing of the span may be read after finish() or fail_path(): its place in the ring is free then.
+void Executor::end_span(const Span& span, const PathSpan& move, FaultList& faults) noexcept {
+  if (move.stop_at_end) sigma_speed_ = 0;
+  const bool probe = move.probe, missed = probe && !ending_ && move.probe_fail_is_error;
+  if (missed) raise(faults, Fault::probe_no_contact, -1, 0, 0, span.tag);
+  if ((failing_ && at_rest()) || missed)
+    fail_path(span);
+  else
+    finish(span, move.done_seq);
+  if (probe) ++place_number_;
 }
 
 void Executor::output(const OutputChange& change) noexcept {
@@ -373,13 +513,13 @@ void Executor::fill(MotionStatus& status) const noexcept {
   status.probed = probed_;
   status.probe_tripped = probe_tripped_;
   status.distance_to_go = distance_;
-  status.vel_mm_s = run_.speed;
+  status.vel_mm_s = speed_;
   status.dwell_left_s = dwell_left_;
   status.planned_items = spans_.size();
-  const MoveSpan* m = move();
+  const PathSpan* m = move();
   status.probing = m != nullptr && m->probe;
   status.requested_vel_mm_s = m != nullptr ? requested_ : 0.0;
-  status.distance_to_go_axes = m != nullptr ? m->curve.end - pose_ : Pose{};
+  status.distance_to_go_axes = m != nullptr ? m->end - pose_ : Pose{};
 }
 
 }  // namespace kerf::motion

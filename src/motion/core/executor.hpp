@@ -1,10 +1,14 @@
 // Executor: runs spans in the servo cycle. O(1) a cycle, pure arithmetic, @rt.
+//
+// The planner says how fast each span may be left (PlanSlots); within that the servo decides anew in every cycle, so overrides and stops
+// act at once: x at the end of the span is what is wanted, but not less than the hardest braking on the path and not more
+// than the hardest speeding up (path/reach.hpp).
 #pragma once
 
 #include <cstdint>
 
 #include "motion/core/io.hpp"
-#include "motion/core/profile.hpp"
+#include "motion/core/path/limits.hpp"
 #include "motion/core/span.hpp"
 #include "motion/core/spindles.hpp"
 
@@ -23,12 +27,17 @@ struct PathInputs {
 
 class Executor {
  public:
-  Executor(SpanRing& spans, Spindles& spindles, OutputBank& outputs) noexcept
-      : spans_(spans), spindles_(spindles), outputs_(outputs) {}
+  Executor(SpanRing& spans, const PlanSlots& slots, Spindles& spindles,
+           OutputBank& outputs) noexcept
+      : spans_(spans), slots_(slots), spindles_(spindles), outputs_(outputs) {}
 
-  /// Overrides are bounded by it ([DISPLAY]MAX_FEED_OVERRIDE, never below 1).
-  void configure(double max_feed_override) noexcept {
+  /// Overrides are bounded by max_feed_override ([DISPLAY]MAX_FEED_OVERRIDE, never below 1); limits as the planner's.
+  /// Adaptive feed is bounded by it too, or by 1 when it may only slow.
+  void configure(double max_feed_override, bool adaptive_only_slows,
+                 const path::AxisLimits& limits) noexcept {
     max_override_ = max_feed_override > 1 ? max_feed_override : 1;
+    max_adaptive_ = adaptive_only_slows ? 1 : max_override_;
+    limits_ = limits;
   }
   /// Puts the machine at `pose`, at rest, outside any span.
   void place(const Pose& pose) noexcept;
@@ -41,10 +50,12 @@ class Executor {
   void void_epoch(std::uint32_t epoch) noexcept;
 
   [[nodiscard]] const Pose& pose() const noexcept { return pose_; }
-  [[nodiscard]] double speed() const noexcept { return run_.speed; }
-  [[nodiscard]] bool at_rest() const noexcept { return run_.speed == 0; }
+  [[nodiscard]] double speed() const noexcept { return speed_; }
+  [[nodiscard]] bool at_rest() const noexcept { return sigma_speed_ == 0; }
   /// Nothing in execution and nothing that waits.
-  [[nodiscard]] bool idle() const noexcept { return !started_ && spans_.empty(); }
+  [[nodiscard]] bool idle() const noexcept {
+    return slots_.pending.observe() == 0 && !started_ && spans_.empty();
+  }
   /// Single stepping stands at the end of a block until hold is given and released again.
   [[nodiscard]] bool step_done() const noexcept { return waiting_ == PathWait::hold && !started_; }
   [[nodiscard]] bool moving_item() const noexcept { return started_ && kind_ != MotionKind::none; }
@@ -52,48 +63,67 @@ class Executor {
   [[nodiscard]] std::uint32_t voided() const noexcept { return void_epoch_; }
   [[nodiscard]] std::uint64_t place_number() const noexcept { return place_number_; }
   [[nodiscard]] const OverrideEnable& enables() const noexcept { return enables_; }
+  /// The operator's word; the program's next one counts again.
+  void set_enables(const OverrideEnable& enables) noexcept { enables_ = enables; }
   [[nodiscard]] const Pose& tool_offset() const noexcept { return tool_offset_; }
   /// Fills in what the path knows of MotionStatus.
   void fill(MotionStatus& status) const noexcept;
-  /// The curve in execution, or nullptr.
-  [[nodiscard]] const MoveSpan* move() const noexcept;
+  /// The stretch of path in execution, or nullptr.
+  [[nodiscard]] const PathSpan* move() const noexcept;
+  /// What scales feeds now; the planner goes by it too.
+  [[nodiscard]] const FeedScale& scale() const noexcept { return scale_; }
   /// Signed and unsigned feed in force, for the feed pins: programmed speed times overrides; 0 while held.
   [[nodiscard]] double commanded_feed() const noexcept { return commanded_feed_; }
 
  private:
   enum class Outcome { done, busy, blocked };
   Outcome begin(const Span& span, const PathInputs& in, FaultList& faults) noexcept;
-  Outcome begin_move(const Span& span, const MoveSpan& move, const PathInputs& in,
+  Outcome begin_move(const Span& span, const PathSpan& move, const PathInputs& in,
                      FaultList& faults) noexcept;
   Outcome begin_spindle(const SpindleChange& change) noexcept;
   [[nodiscard]] bool run_orient(const Span& span, const SpindleChange& change, const PathInputs& in,
                                 double dt, FaultList& faults) noexcept;
   void output(const OutputChange& change) noexcept;
   void fire_synchronised() noexcept;
-  [[nodiscard]] double wanted_speed(const MoveSpan& move, const PathInputs& in) noexcept;
-  void watch_probe(const Span& span, const MoveSpan& move, const PathInputs& in,
+  void set_scale(const PathInputs& in) noexcept;
+  /// x that is wanted on the stretch now; 0 and the reason when it has to stand.
+  [[nodiscard]] double wanted(const PathSpan& move, const PathInputs& in) noexcept;
+  void watch_probe(const Span& span, const PathSpan& move, const PathInputs& in,
                    FaultList& faults) noexcept;
   /// Gives the time used.
-  double run_move(const Span& span, const MoveSpan& move, const PathInputs& in, double dt,
+  double run_move(const Span& span, const PathSpan& move, const PathInputs& in, double dt,
                   FaultList& faults) noexcept;
-  void finish(const Span& span) noexcept;
+  [[nodiscard]] double run_even(const PathSpan& move, double x_wanted, double dt) noexcept;
+  [[nodiscard]] double run_curved(const PathSpan& move, double x_wanted, double dt) noexcept;
+  [[nodiscard]] double stop_within(const PathSpan& move, double low, double dt) noexcept;
+  void end_span(const Span& span, const PathSpan& move, FaultList& faults) noexcept;
+  void finish(const Span& span, std::uint64_t done_seq) noexcept;
   void fail_path(const Span& span) noexcept;
   [[nodiscard]] const Span* next() noexcept;
   [[nodiscard]] bool step_allows(const Span& span, bool single_step) noexcept;
   void blocked(PathWait why, std::int32_t index = -1) noexcept;
 
   SpanRing& spans_;
+  const PlanSlots& slots_;
   Spindles& spindles_;
   OutputBank& outputs_;
-  double max_override_{1};
+  path::AxisLimits limits_;
+  double max_override_{1}, max_adaptive_{1};
+  FeedScale scale_;
 
   Pose pose_;
-  ProfileState run_;
-  bool started_{false};  ///< the span at the ring's front is in execution
-  bool ending_{false};   ///< it ends where it comes to rest: probe contact
-  bool failing_{false};  ///< the same, and the path behind it is void
+  double sigma_speed_{0};  ///< dsigma/dt, never negative; kept from span to span
+  double left_{0};         ///< of the span in execution (sigma)
+  double half_way_{
+      0};  ///< above 0: the span begins and ends at rest; it speeds up until this much is left ...
+  double half_speed_{0};  ///< ... and this is its speed there
+  double speed_{0};       ///< in mm/s (deg/s)
+  bool started_{false};   ///< the span at the ring's front is in execution
+  bool ending_{false};    ///< it ends where it comes to rest: probe contact
+  bool failing_{false};   ///< the same, and the path behind it is void
   bool probe_before_{false};
   bool after_traverse_{false};
+  bool arriving_{false};  ///< the machine moves from one span into the next
   bool step_begun_{false};
   std::uint64_t step_id_{0};  ///< the block that single stepping runs now
   double dwell_left_{0}, orient_left_s_{0}, distance_{0};

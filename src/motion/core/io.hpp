@@ -10,6 +10,15 @@
 
 namespace kerf::motion {
 
+/// A jog wheel: joint.N.jog-*, axis.L.jog-*.
+struct WheelInputs {
+  bool enable{false};
+  bool velocity_mode{false};  ///< stand when the wheel stands, wherever that is
+  std::int32_t counts{0};
+  double per_count{0};       ///< mm or degrees
+  double accel_fraction{1};  ///< of the acceleration limit
+};
+
 struct JointInputs {
   double motor_pos_fb{0};
   bool home_switch{false}, neg_limit{false}, pos_limit{false}, amp_fault{false};
@@ -28,6 +37,8 @@ struct Inputs {
   double adaptive_feed{1};
   JointInputs joint[kMaxJoints];
   SpindleInputs spindle[kMaxSpindles];
+  WheelInputs joint_wheel[kMaxJoints];
+  WheelInputs axis_wheel[rtapi::kAxes];
 };
 
 /// The intent cell as read at the start of the cycle.

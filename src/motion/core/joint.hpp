@@ -6,10 +6,12 @@
 
 namespace kerf::motion {
 
-/// Motor coordinates are joint coordinates plus `motor_offset`, which homing sets. (Backlash and screw compensation will
-/// stand between the two.)
+/// Motor coordinates are joint coordinates plus `motor_offset`, which homing sets, plus what makes good the play of the
+/// drive.
 struct Joint {
   AxisMover mover;  ///< free mode
+  /// [JOINT_n]BACKLASH: half of it towards the side that the joint moves to, reached within limits of its own.
+  AxisMover backlash;
   double pos_cmd{0}, pos_fb{0};
   double motor_pos_fb{0}, motor_offset{0};
   double last_pos{0}, last_vel{0};  ///< what the guard saw in the last cycle

@@ -4,57 +4,57 @@
 #include <cmath>
 
 namespace kerf::motion {
+namespace {
+/// Seconds of braking: a speed above the brake envelope by less than this is rounding, and is taken as on it, so that the end is met exactly.
+constexpr double kRounding = 1e-7;
+}  // namespace
 
 double advance(ProfileState& state, const ProfileLimits& limits, double t) noexcept {
-  const double acc = limits.acc,
-               exit_speed = std::min(limits.exit_speed, std::max(limits.speed, state.speed));
-  double rest = t;
-  // Speed up, cruise, brake: three phases; some more for rounding. The bound keeps the cycle O(1).
-  for (int phase = 0; phase < 8 && rest > 0; ++phase) {
-    double& left = state.left;
-    double& v = state.speed;
-    if (left <= 0) {
-      left = 0;
-      v = exit_speed;
-      return t - rest;
+  const double acc = limits.acc, gain = 2.0 * acc * state.left;
+  const double wanted = std::min(limits.exit_speed, limits.speed);
+  const double envelope = std::sqrt(wanted * wanted + gain);
+  const bool out_of_reach = state.speed > envelope + kRounding * acc;
+  const double v = out_of_reach ? state.speed : std::min(state.speed, envelope), x = v * v;
+  const double end_x = out_of_reach ? x - gain : std::min(wanted * wanted, x + gain);
+  const double end = std::sqrt(end_x);
+  // From v to `peak`, along, and to `end`.
+  const double fastest = limits.speed;
+  const double peak =
+      std::max(end, v > fastest ? fastest : std::min(fastest, std::sqrt(0.5 * (x + end_x + gain))));
+  const double up = std::abs(peak * peak - x) / (2.0 * acc);
+  const double down = (peak * peak - end_x) / (2.0 * acc);
+  if (v > fastest && up >= state.left) {
+    // Braking all the way.
+    const double need = (v - end) / acc;
+    if (t >= need) {
+      state = {0, end};
+      return need;
     }
-    const double envelope = std::sqrt(exit_speed * exit_speed + 2.0 * acc * left);
-    if (v >= envelope * (1.0 - 1e-10)) {
-      // On the brake envelope: stay on it, reckoned from the end, so that the end is met exactly.
-      double to_end = (envelope - exit_speed) / acc;
-      if (rest >= to_end) {
-        left = 0;
-        v = exit_speed;
-        return t - (rest - to_end);
-      }
-      to_end -= rest;
-      v = exit_speed + acc * to_end;
-      left = 0.5 * to_end * (v + exit_speed);
-      return t;
-    }
-    if (v > limits.speed) {
-      const double need = (v - limits.speed) / acc, dt = std::min(need, rest);
-      const double before = v;
-      v = dt == need ? limits.speed : v - acc * dt;
-      left -= 0.5 * (before + v) * dt;
-      rest -= dt;
-    } else if (v < limits.speed) {
-      // Until the wanted speed or until the envelope is met, whichever comes first.
-      const double peak =
-          std::min(limits.speed, std::sqrt(0.5 * (v * v + exit_speed * exit_speed) + acc * left));
-      const double need = std::max(peak - v, 0.0) / acc, dt = std::min(need, rest);
-      const double before = v;
-      v = dt == need ? std::max(peak, v) : v + acc * dt;
-      left -= 0.5 * (before + v) * dt;
-      rest -= dt;
-    } else {
-      if (v <= 0) return t;
-      const double room = left - (v * v - exit_speed * exit_speed) / (2.0 * acc);
-      const double dt = std::min(std::max(room, 0.0) / v, rest);
-      left -= v * dt;
-      rest -= dt;
-      if (dt <= 0 && rest > 0) v = std::min(v, envelope) * (1.0 - 1e-15);
-    }
+    state = {std::max(0.0, state.left - t * (v - 0.5 * acc * t)), v - acc * t};
+    return t;
+  }
+  const double t_up = std::abs(peak - v) / acc, t_down = (peak - end) / acc;
+  if (peak <= 0) {  // stops before the end, or stands
+    const double moving = std::min(t, t_up);
+    state = {state.left - moving * (v - 0.5 * acc * moving),
+             moving < t_up ? v - acc * moving : 0.0};
+    return t;
+  }
+  const double along = std::max(0.0, state.left - up - down);
+  const double total = t_up + along / peak + t_down;
+  if (t >= total) {
+    state = {0, end};
+    return total;
+  }
+  if (t < t_up) {
+    const double a = peak > v ? acc : -acc;
+    state = {state.left - t * (v + 0.5 * a * t), v + a * t};
+  } else if (total - t >= t_down) {
+    state = {state.left - up - peak * (t - t_up), peak};
+  } else {
+    // Reckoned from the end, so that it is met exactly.
+    const double rest = total - t;
+    state = {rest * (end + 0.5 * acc * rest), end + acc * rest};
   }
   return t;
 }

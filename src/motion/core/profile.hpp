@@ -11,15 +11,16 @@ struct ProfileState {
 };
 
 struct ProfileLimits {
-  double speed{0};       ///< wanted speed, at least 0; may change at any time
-  double acc{0};         ///< ceiling for speeding up and braking, above 0
-  double exit_speed{0};  ///< speed allowed at the end of the length
+  double speed{0};  ///< wanted speed, at least 0; may change at any time
+  double acc{0};    ///< ceiling for speeding up and braking, above 0
+  double exit_speed{
+      0};  ///< speed wanted at the end of the length; one out of reach becomes the nearest that is
 };
 
-/// Moves on for `t` seconds, as fast as the limits allow while the end can be met at exit_speed: speeds up, cruises and
+/// Moves on for `t` seconds, as fast as the limits allow, and ends at exit_speed: speeds up, cruises and
 /// brakes in phases of constant acceleration, joined at exact times, not at cycle ends. So the speed is continuous and
 /// piecewise linear, and differences over any sampling period stay within the limits (mean value theorem).
-/// Gives the time used: `t`, or less when the end was reached within it; then left is 0 and speed is exit_speed.
+/// Gives the time used: `t`, or less when the end was reached within it; then left is 0.
 [[nodiscard]] double advance(ProfileState& state, const ProfileLimits& limits, double t) noexcept;
 
 /// Stops with the acceleration ceiling and nothing else; the distance it takes.

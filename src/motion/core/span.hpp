@@ -5,38 +5,80 @@
 #include <variant>
 
 #include "motion/api/shared.hpp"
-#include "motion/core/geometry.hpp"
+#include "motion/core/path/piece.hpp"
 
 namespace kerf::motion {
 
-/// A checked piece of path with everything the servo cycle needs to run it in O(1).
-struct MoveSpan {
-  Curve curve;
-  double speed_ceiling{0};  ///< along the curve, from all joint limits; no override passes it
-  double acc{0};            ///< along the curve, speeding up and braking
-  double requested{
-      0};  ///< programmed speed at override 1; rapids: the ceiling or the programmed cap
-  double exit_speed{0};  ///< at the end of the span; 0: exact stop
+/// What decides the speed that is wanted on a stretch. x is (dsigma/dt)^2.
+struct SpeedBounds {
+  double cap{0};       ///< of x, by the axes: no override passes it
+  double feed_cap{0};  ///< of x, as programmed, at override 1
+  double slope{0};    ///< largest |q'| in the axes that the speed is measured in; 0: no linear axis
+  bool rapid{false};  ///< follows the rapid override
+  bool reserved[7]{};
+};
+
+/// A stretch of path with everything the servo cycle needs to run it in O(1).
+struct PathSpan {
+  path::Piece piece;
+  double from{0}, length{0};  ///< the stretch [from, from + length] of the piece
+  SpeedBounds speed;
+  double even_acc{
+      0};  ///< above 0: |dx/dsigma|/2 is bounded by this all along (a straight); else by rows of the piece
+  double requested{0};      ///< mm/s (deg/s) as programmed; rapids: what the axes can do
+  double to_move_end{0};    ///< sigma from the end of this stretch to the end of its move
+  Pose end;                 ///< of its move, as programmed
+  std::uint64_t number{0};  ///< place in PlanSlots
+  std::uint64_t done_seq{
+      0};  ///< all items up to this one are done at its end; 0: none more than before
   MotionKind kind{MotionKind::feed};
+  bool stop_at_end{false};     ///< the machine stands there
+  bool at_end_exactly{false};  ///< it ends at `end` itself
   bool probe{false}, probe_until_open{false}, probe_fail_is_error{false};
-  bool reserved{false};
+  bool point{false};  ///< nothing moves
+  bool reserved[6]{};
 };
 
 /// Everything else keeps its place between the moves.
 struct Span {
-  using Body = std::variant<MoveSpan, Dwell, OutputChange, SpindleChange, PathControl,
+  using Body = std::variant<PathSpan, Dwell, OutputChange, SpindleChange, PathControl,
                             OverrideEnable, ToolOffset, Marker>;
   std::uint32_t epoch{0};
   std::uint32_t reserved{0};
-  std::uint64_t seq{0};
+  std::uint64_t seq{0};  ///< of the item that it belongs to
   SourceTag tag;
   Body body{Marker{}};
 };
 
+inline constexpr std::size_t kSpans = 2048;
 /// Planner -> servo. Both ends live in the realtime host.
-using SpanRing = rtapi::SpscRing<Span, 256>;
+using SpanRing = rtapi::SpscRing<Span, kSpans>;
 /// Planner -> servo: items that were refused. The servo numbers and publishes them.
 using FaultRing = rtapi::SpscRing<FaultRecord, 16>;
+
+/// How fast a span may be at its end: written by the planner, also while the span waits in the ring, whenever more path has come.
+///
+/// `hard` is the largest x from which everything behind, up to the stop that ends the path, can be driven within the limits of the axes. It
+/// only grows. The planner raises it from the last span to the first with release stores, and the servo reads with acquire: who sees the
+/// new value of one span sees the new values of all behind it. So whatever mixture the servo meets, it can always stop in time.
+/// `soft` is the same with programmed feeds at the override in force; it may change either way, and nothing depends on it but the feed.
+struct PlanSlots {
+  rtapi::Word<double> hard[kSpans];
+  rtapi::Word<double> soft[kSpans];
+  /// 1 while the planner holds items that are in neither ring. Published before an item leaves the path ring, and taken back after
+  /// its spans are in theirs; so who looks at path ring, this word and span ring in that order sees every item somewhere.
+  rtapi::Word<std::uint32_t> pending{0};
+};
+
+/// What scales the programmed feeds.
+struct FeedScale {
+  double feed{1}, rapid{1};
+  double max_vel{1e99};  ///< the operator's limit [mm/s]
+  friend bool operator==(const FeedScale&, const FeedScale&) = default;
+};
+
+/// The x that is wanted at a scale; 0 stands.
+[[nodiscard]] double wanted_x(const SpeedBounds& speed, const FeedScale& scale) noexcept;
 
 /// Servo -> planner, once a cycle.
 struct ServoView {
@@ -48,8 +90,12 @@ struct ServoView {
       0};     ///< raised whenever the machine came to stand elsewhere than where the path led
   Pose pose;  ///< commanded position; what a path that begins now begins from
   std::uint64_t config_version{0};  ///< of the limits that the servo goes by; the shell knows it
-  bool takes_moves{false};          ///< enabled, in coordinated mode
-  bool reserved[7]{};
+  std::uint64_t config_wish{
+      0};  ///< not 0: the servo wants to change its limits; the planner stands still meanwhile
+  FeedScale scale;
+  bool takes_moves{false};  ///< enabled, in coordinated mode
+  bool single_step{false};
+  bool reserved[6]{};
 };
 
 }  // namespace kerf::motion

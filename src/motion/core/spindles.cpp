@@ -13,6 +13,7 @@ void Spindles::configure(const MachineConfig& config, std::int32_t count) noexce
 void Spindles::apply(const SpindleChange& change) noexcept {
   if (change.spindle < 0 || change.spindle >= count_) return;
   State& s = state_[change.spindle];
+  s.released = false;
   SpindleOutputs& out = out_[change.spindle];
   using Action = SpindleChange::Action;
   if (change.action == Action::orient) {
@@ -28,6 +29,11 @@ void Spindles::apply(const SpindleChange& change) noexcept {
     out.orient_mode = change.orient_mode;
     return;
   }
+  // S as it was: nothing changes, so nothing is waited for that was not before.
+  if (change.action == Action::set_speed && s.speed_rpm == change.speed_rpm &&
+      s.css_factor == change.css_factor && s.css_max_rpm == change.css_max_rpm &&
+      s.css_center_x_mm == change.css_center_x_mm)
+    return;
   s.speed_rpm = change.speed_rpm;
   s.css_factor = change.css_factor;
   s.css_max_rpm = change.css_max_rpm;
@@ -45,8 +51,15 @@ void Spindles::stop(std::int32_t n) noexcept {
   if (n < 0 || n >= count_) return;
   state_[n].direction = 0;
   state_[n].wait = false;
+  state_[n].released = false;
   state_[n].orient_state = kOrientNone;
   out_[n].orient = out_[n].locked = false;
+}
+
+void Spindles::brake(std::int32_t n, bool engage) noexcept {
+  if (n < 0 || n >= count_) return;
+  if (engage) stop(n);
+  state_[n].released = !engage;
 }
 
 void Spindles::stop_all() noexcept {
@@ -105,7 +118,7 @@ void Spindles::step(const SpindleInputs* in, const double* overrides, double x_m
     out.on = s.direction != 0;
     out.forward = s.direction > 0;
     out.reverse = s.direction < 0;
-    out.brake = s.direction == 0 && s.orient_state != kOrientRunning;
+    out.brake = s.direction == 0 && s.orient_state != kOrientRunning && !s.released;
     if (s.wait && s.age >= kSettleCycles && in[n].at_speed) s.wait = false;
   }
 }

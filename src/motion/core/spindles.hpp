@@ -23,6 +23,8 @@ class Spindles {
   void apply(const SpindleChange& change) noexcept;
   void stop(std::int32_t n) noexcept;
   void stop_all() noexcept;
+  /// Engaging stops the spindle; released, the brake stays off until the next order.
+  void brake(std::int32_t n, bool engage) noexcept;
   /// Ends orientations in progress; a spindle that turns goes on.
   void abort_orient() noexcept;
   /// One cycle. `x_mm`: machine X without tool offset, for constant surface speed. `overrides`: one factor a spindle, already 1 where disabled.
@@ -55,8 +57,9 @@ class Spindles {
   struct State {
     double speed_rpm{0}, css_factor{0}, css_max_rpm{0}, css_center_x_mm{0};
     std::int32_t direction{0}, orient_state{kOrientNone}, orient_fault{0}, age{0};
-    bool ack_low{false};  ///< is-oriented was false since the orientation began
-    bool wait{false};     ///< the next feed move waits for at-speed
+    bool ack_low{false};   ///< is-oriented was false since the orientation began
+    bool wait{false};      ///< the next feed move waits for at-speed
+    bool released{false};  ///< the brake, by the operator
   };
   [[nodiscard]] const State& at(std::int32_t n) const noexcept { return state_[n]; }
   [[nodiscard]] double limited(std::size_t n, double rpm) const noexcept;

@@ -15,6 +15,18 @@ T* make_part(hal::Builder& b, A&&... args) noexcept {
   return memory == nullptr ? nullptr : new (memory) T(static_cast<A&&>(args)...);
 }
 
+/// The planner's memory is the component's.
+class BuilderMemory final : public path::Memory {
+ public:
+  explicit BuilderMemory(hal::Builder& b) noexcept : builder_(b) {}
+  void* allocate(std::size_t bytes, std::size_t align) noexcept override {
+    return builder_.allocate(bytes, align);
+  }
+
+ private:
+  hal::Builder& builder_;
+};
+
 hal::Name prefixed(std::string_view prefix, std::string_view name) noexcept {
   hal::Name out(prefix);
   out.append(name);
@@ -63,11 +75,11 @@ void IoPins::read_analog(double* values) const noexcept {
   for (std::size_t i = 0; i < analog_in_.size(); ++i) values[i] = analog_in_[i].get();
 }
 
-bool IoPins::any_error() const noexcept {
-  for (std::size_t i = 0; i < error_.size(); ++i) {
-    if (error_[i].get()) return true;
-  }
-  return false;
+std::uint64_t IoPins::errors() const noexcept {
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < error_.size(); ++i)
+    bits |= error_[i].get() ? std::uint64_t{1} << i : 0U;
+  return bits;
 }
 
 void IoPins::write(const OutputBank& bank) noexcept {
@@ -119,7 +131,7 @@ void Motmod::create_unlock_pins(hal::Builder& b) noexcept {
 }
 
 void Motmod::create_parts(hal::Builder& b) noexcept {
-  const auto* kinematics = static_cast<const Kinematics*>(b.find_service(kKinematicsService));
+  auto* kinematics = static_cast<Kinematics*>(b.find_service(kKinematicsService));
   if (kinematics == nullptr) {
     b.fail(
         "motmod: no kinematics are loaded; load a kinematics module first, for example: loadrt "
@@ -130,6 +142,7 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
     b.fail("MOTION: nonzero num_extrajoints requires KINEMATICS_BOTH");
     return;
   }
+  kinematics_ = kinematics;
   axis_mask_ = kinematics->axis_mask();
   std::byte* block = b.shared_block(kMotionBlock, sizeof(MotionShared), kMotionAbi);
   link_ = make_part<PlannerLink>(b);
@@ -137,34 +150,56 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
   shared_ = new (block) MotionShared();
   b.provide(kMotionService, shared_);
   planner_ = make_part<PlannerParticipant>(b, *kinematics, *shared_, *link_);
-  controller_ = make_part<Controller>(b, *kinematics, link_->spans, link_->faults, args_.joints,
-                                      args_.spindles);
-  if (planner_ == nullptr || controller_ == nullptr) {
+  controller_ = make_part<Controller>(b, *kinematics, link_->spans, link_->slots, link_->faults,
+                                      args_.joints, args_.spindles);
+  BuilderMemory memory(b);
+  if (planner_ == nullptr || controller_ == nullptr || !planner_->planner().create(memory)) {
     controller_ = nullptr;
     return;
   }
   planner_->planner().set_counts(args_.dio, args_.aio, args_.spindles);
   controller_->status().digital_count = args_.dio;
   controller_->status().analog_count = args_.aio;
+  controller_->status().extra_joints = args_.extra_joints;
+  controller_->status().misc_error_count = static_cast<std::int32_t>(io_.error_count());
   b.add_participant(*planner_);
+}
+
+/// New limits come into force when nothing moves and nothing is planned; what bears on no move does at once.
+void Motmod::take_config() noexcept {
+  const std::uint64_t version = shared_->config.version();
+  const bool wish = version != config_version_ && controller_->may_configure();
+  if (!wish)
+    config_wish_ = 0;
+  else if (config_wish_ == 0)
+    config_wish_ = ++last_wish_;
+  // Acquire, before the look at the spans below: all that the planner had pushed is there.
+  const bool parked = wish && link_->parked.observe() == config_wish_;
+  const bool all = parked && controller_->may_configure();
+  if (!all && version == adopted_version_) return;
+  // A writer in the middle of a write is asked again in the next cycle.
+  MachineConfig config;
+  if (!shared_->config.read(config, 2)) return;
+  adopted_version_ = version;
+  if (!all) {
+    controller_->adopt(config);
+    return;
+  }
+  controller_->configure(config);
+  link_->config.write(config);
+  config_version_ = version;
+  config_wish_ = 0;
+  scale_ = config.linear_units_per_mm > 0 ? config.linear_units_per_mm : 1.0;
+  kinematics_->use_unit(1.0 / scale_);
+  for (std::size_t j = 0; j < kMaxJoints; ++j)
+    joint_scale_[j] = config.joint[j].rotary ? 1.0 : scale_;
+  if (config.axis_mask != 0) axis_mask_ = config.axis_mask;
 }
 
 void Motmod::command_handler(const hal::Period&) noexcept {
   if (controller_ == nullptr) return;
   const IntentCell& cell = shared_->intent;
-  const std::uint64_t config_version = shared_->config.version();
-  if (config_version != config_version_ && controller_->may_configure()) {
-    // A writer in the middle of a write is asked again in the next cycle.
-    MachineConfig config;
-    if (shared_->config.read(config, 2)) {
-      controller_->configure(config);
-      config_version_ = config_version;
-      scale_ = config.linear_units_per_mm > 0 ? config.linear_units_per_mm : 1.0;
-      for (std::size_t j = 0; j < kMaxJoints; ++j)
-        joint_scale_[j] = config.joint[j].rotary ? 1.0 : scale_;
-      if (config.axis_mask != 0) axis_mask_ = config.axis_mask;
-    }
-  }
+  take_config();
   const std::uint64_t version = cell.values.version();
   if (version != intent_version_ && cell.values.read(intent_, 2)) intent_version_ = version;
   read_orders(cell, orders_);
@@ -197,6 +232,7 @@ void Motmod::publish() noexcept {
   shared_->status.write(controller_->status());
   ServoView view = controller_->view();
   view.config_version = config_version_;
+  view.config_wish = config_wish_;
   tell_planner(*link_, view, last_view_);
   if (controller_->changed()) shared_->status_cell.notify();
 }

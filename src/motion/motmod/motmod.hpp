@@ -16,11 +16,13 @@ class IoPins {
   void create(hal::Builder& b, const MotmodArgs& args) noexcept;
   [[nodiscard]] std::uint64_t digital_in() const noexcept;
   void read_analog(double* values) const noexcept;
-  [[nodiscard]] bool any_error() const noexcept;
+  /// A bit each.
+  [[nodiscard]] std::uint64_t errors() const noexcept;
   /// Writes what changed.
   void write(const OutputBank& bank) noexcept;
   [[nodiscard]] std::size_t digital_count() const noexcept { return digital_in_.size(); }
   [[nodiscard]] std::size_t analog_count() const noexcept { return analog_in_.size(); }
+  [[nodiscard]] std::size_t error_count() const noexcept { return error_.size(); }
 
  private:
   hal::PinArray<In<Bit>, kMaxDigital> digital_in_;
@@ -55,9 +57,10 @@ class Motmod final : public hal::Component<Motmod> {
   void write_axes() noexcept;
   void write_spindle(std::size_t n) noexcept;
   void write_motion(const hal::Period& period) noexcept;
-  [[nodiscard]] double path_scale(const MoveSpan* move) const noexcept;
+  [[nodiscard]] double path_scale(const PathSpan* move) const noexcept;
   void write_move(const MotionStatus& s) noexcept;
   void publish() noexcept;
+  void take_config() noexcept;
   /// Machine units in 1 mm, for a joint or an axis; 1 for rotary ones.
   [[nodiscard]] double joint_scale(std::size_t j) const noexcept { return joint_scale_[j]; }
 
@@ -72,6 +75,7 @@ class Motmod final : public hal::Component<Motmod> {
   PlannerLink* link_{nullptr};
   Controller* controller_{nullptr};
   PlannerParticipant* planner_{nullptr};
+  Kinematics* kinematics_{nullptr};
   std::uint32_t axis_mask_{0};
 
   Inputs inputs_;
@@ -79,6 +83,8 @@ class Motmod final : public hal::Component<Motmod> {
   Intent intent_;
   ServoView last_view_;
   std::uint64_t intent_version_{0}, config_version_{0};
+  std::uint64_t adopted_version_{0};  ///< of which the harmless values are in force
+  std::uint64_t config_wish_{0}, last_wish_{0};
   double scale_{1};  ///< machine units in 1 mm
   double joint_scale_[kMaxJoints];
   bool coord_error_{false};

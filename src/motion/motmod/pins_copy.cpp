@@ -7,6 +7,12 @@ namespace kerf::motion {
 namespace {
 constexpr double kMmPerInch = 25.4;
 constexpr double kDegrees = 57.29577951308232;
+
+/// Of joints and axes alike. `scale`: machine units in 1 mm.
+template <class Pins>
+void read_wheel(const Pins& p, double scale, WheelInputs& out) noexcept {
+  out = {p.jog_enable, p.jog_vel_mode, p.jog_counts, p.jog_scale / scale, p.jog_accel_fraction};
+}
 }  // namespace
 
 void MotionPins::add_debug_params() noexcept {
@@ -39,12 +45,17 @@ void Motmod::read_inputs() noexcept {
   in.jog_stop_immediate = pins_.jog_stop_immediate;
   in.probe = pins_.probe_input;
   in.adaptive_feed = pins_.adaptive_feed;
-  in.misc_error = io_.any_error();
+  const std::uint64_t errors = io_.errors();
+  in.misc_error = errors != 0;
+  controller_->status().misc_error = errors;
   for (std::size_t j = 0; j < joint_.size(); ++j) {
     const JointPins& p = joint_[j];
     in.joint[j] = {p.motor_pos_fb / joint_scale(j), p.home_sw_in, p.neg_lim_sw_in, p.pos_lim_sw_in,
                    p.amp_fault_in};
+    read_wheel(p, joint_scale(j), in.joint_wheel[j]);
   }
+  for (std::size_t i = 0; i < axis_.size(); ++i)
+    read_wheel(axis_[i], rtapi::is_rotary(i) ? 1.0 : scale_, in.axis_wheel[i]);
   for (std::size_t n = 0; n < spindle_.size(); ++n) {
     const SpindlePins& p = spindle_[n];
     in.spindle[n] = {p.revs,     p.speed_in, p.orient_fault, p.amp_fault_in,
@@ -67,7 +78,8 @@ void Motmod::write_joint(std::size_t j) noexcept {
   p.homed = s.homed;
   p.homing = s.homing;
   p.in_position = s.in_position;
-  p.kb_jog_active = moves && !s.homing;
+  p.wheel_jog_active = controller_->joint_wheel_active(j);
+  p.kb_jog_active = moves && !s.homing && !controller_->joint_wheel_active(j);
   p.neg_hard_limit = s.min_hard_limit;
   p.pos_hard_limit = s.max_hard_limit;
   p.home_state = s.home_state;
@@ -81,7 +93,10 @@ void Motmod::write_joint(std::size_t j) noexcept {
   p.free_pos_cmd = joint.mover.target() * k;
   p.free_vel_lim = joint.mover.speed_limit() * k;
   p.motor_offset = s.motor_offset * k;
-  p.motor_pos_cmd = (s.pos_cmd + s.motor_offset) * k;
+  p.backlash_corr = joint.backlash.target() * k;
+  p.backlash_filt = joint.backlash.position() * k;
+  p.backlash_vel = joint.backlash.speed() * k;
+  p.motor_pos_cmd = (s.pos_cmd + s.motor_offset + joint.backlash.position()) * k;
 }
 
 void Motmod::write_axes() noexcept {
@@ -96,7 +111,8 @@ void Motmod::write_axes() noexcept {
     p.teleop_vel_cmd = mover.speed() * k;
     p.teleop_vel_lim = mover.speed_limit() * k;
     p.teleop_tp_enable = mover.active();
-    p.kb_jog_active = mover.active();
+    p.wheel_jog_active = controller_->axis_wheel_active(i);
+    p.kb_jog_active = mover.active() && !controller_->axis_wheel_active(i);
   }
 }
 
@@ -119,8 +135,8 @@ void Motmod::write_spindle(std::size_t n) noexcept {
 }
 
 /// Machine units of a path length: that of a rotary move is in degrees, which have no scale.
-double Motmod::path_scale(const MoveSpan* move) const noexcept {
-  return move != nullptr && move->curve.metric == FeedMetric::abc ? 1.0 : scale_;
+double Motmod::path_scale(const PathSpan* move) const noexcept {
+  return move != nullptr && move->piece.feed.metric == 3 ? 1.0 : scale_;
 }
 
 void Motmod::write_motion(const hal::Period& period) noexcept {
@@ -138,7 +154,7 @@ void Motmod::write_motion(const hal::Period& period) noexcept {
   pins_.jog_is_active = s.jogging;
   pins_.motion_enabled = s.enabled;
   pins_.on_soft_limit = s.soft_limit;
-  const MoveSpan* move = controller_->executor().move();
+  const PathSpan* move = controller_->executor().move();
   const double k = path_scale(move);
   pins_.current_vel = s.vel_mm_s * k;
   pins_.distance_to_go = s.distance_to_go * k;
@@ -159,20 +175,20 @@ void Motmod::write_move(const MotionStatus& s) noexcept {
   pins_.program_line = runs ? s.current.line : 0;
   pins_.interp_motion_type = static_cast<std::int32_t>(s.kind);
   pins_.interp_line_number = s.current.line;
-  const MoveSpan* move = controller_->executor().move();
-  const bool circle = move != nullptr && move->curve.shape == Curve::Shape::arc;
+  const PathSpan* move = controller_->executor().move();
+  const bool circle = move != nullptr && move->piece.shape == path::Piece::Shape::arc;
   pins_.interp_iscircle = circle;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i)
     pins_.tooloffset[i] = s.tool_offset[i] * (rtapi::is_rotary(i) ? 1.0 : scale_);
   if (move == nullptr) return;
   pins_.interp_feedrate = move->requested * path_scale(move) * 60.0;
   if (circle) {
-    for (std::size_t i = 0; i < 3; ++i) pins_.interp_arc_center[i] = move->curve.base[i] * scale_;
-    pins_.interp_arc_radius = move->curve.radius * scale_;
+    for (std::size_t i = 0; i < 3; ++i) pins_.interp_arc_center[i] = move->piece.a[i] * scale_;
+    pins_.interp_arc_radius = move->piece.radius * scale_;
     return;
   }
-  const double heading =
-      std::atan2(move->curve.end.y - move->curve.start.y, move->curve.end.x - move->curve.start.x);
+  const path::Vec slope = move->piece.first(move->from);
+  const double heading = std::atan2(slope[1], slope[0]);
   pins_.interp_heading = heading * kDegrees;
   pins_.interp_normal_heading = heading * kDegrees + 90.0;
 }

@@ -1,28 +1,39 @@
 #include "motion/motmod/planner_participant.hpp"
 
 namespace kerf::motion {
+namespace {
+/// A cell that its writer kept busy is looked at again after this.
+constexpr rtapi::Nanos kRetry = 1'000'000;
+}  // namespace
 
 void PlannerParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   next.watch(shared_.path_cell);
   next.watch(link_.cell);
   ServoView view;
-  const bool seen = link_.view.version() != 0 && link_.view.read(view);
-  // Planner and servo go by the same limits: the servo takes new ones over when nothing is under way.
-  if (seen && view.config_version != config_version_ &&
-      shared_.config.version() == view.config_version) {
+  const bool published = link_.view.version() != 0;
+  const bool seen = published && link_.view.read(view);
+  if (published && !seen) next.wake_at(now + kRetry);
+  const bool parked = seen && view.config_wish != 0;
+  link_.parked.publish(parked ? view.config_wish : 0);
+  // The servo writes new limits only while the planner is parked, so these are those of the view.
+  if (seen && !parked && view.config_version != config_version_) {
     MachineConfig config;
-    if (shared_.config.read(config)) {
+    if (link_.config.read(config)) {
       planner_.configure(config);
       config_version_ = view.config_version;
+    } else {
+      next.wake_at(now + kRetry);
     }
   }
   // Until the machine is described and the servo has said where it stands, items wait.
-  if (config_version_ == 0 || !seen) {
+  if (parked || config_version_ == 0 || !seen || view.config_version != config_version_) {
     link_.waits.set(static_cast<std::uint32_t>(Planner::Waits::servo));
     return;
   }
-  const Planner::Waits waits = planner_.run(shared_.path, view, shared_.intent.abort_epoch.get());
+  const Planner::Waits waits =
+      planner_.run(shared_.path, view, shared_.intent.abort_epoch.get(), now);
   if (waits == Planner::Waits::turn) next.wake_at(now);
+  if (waits == Planner::Waits::time) next.wake_at(planner_.wake_ns());
   link_.seen.set(view.executed_seq);
   link_.waits.set(static_cast<std::uint32_t>(waits));
 }
@@ -33,7 +44,10 @@ void tell_planner(PlannerLink& link, const ServoView& view, ServoView& last) noe
   const auto waits = static_cast<Planner::Waits>(link.waits.get());
   bool wake = view.acked_epoch != last.acked_epoch || view.void_epoch != last.void_epoch ||
               view.place != last.place || view.takes_moves != last.takes_moves ||
-              view.config_version != last.config_version;
+              view.config_version != last.config_version || view.config_wish != last.config_wish ||
+              !(view.scale == last.scale) || view.single_step != last.single_step;
+  // Until the planner has answered: it may not have been able to read the wish.
+  wake = wake || (view.config_wish != 0 && link.parked.observe() != view.config_wish);
   if (waits == Planner::Waits::room) wake = wake || link.spans.size() <= SpanRing::capacity() / 2;
   if (waits == Planner::Waits::servo) wake = wake || view.executed_seq != link.seen.get();
   last = view;

@@ -29,4 +29,7 @@ class RealClock final : public WaitClock {
 /// @rt. CLOCK_MONOTONIC now.
 Nanos monotonic_now() noexcept;
 
+/// Seconds since 1970, for people: it jumps when the computer's clock is set, so nothing may wait by it.
+double wall_time_s() noexcept;
+
 }  // namespace kerf::rtapi

@@ -36,7 +36,8 @@ class Client {
   rtapi::Result<std::uint64_t> send(const std::vector<std::string>& words);
   /// Sends a whole request; its "id" must come from next_id().
   rtapi::Status send_json(const std::string& json);
-  [[nodiscard]] std::uint64_t next_id() noexcept { return ++last_id_; }
+  /// Unique among all clients of the instance, and growing.
+  [[nodiscard]] std::uint64_t next_id() noexcept { return shared_->serials.add(1); }
 
   /// Takes in all replies that are there. dead: task has closed the connection; commands in progress are then `error`.
   rtapi::Status poll();
@@ -65,7 +66,6 @@ class Client {
 
   TaskShared* shared_{nullptr};
   int fd_{-1};
-  std::uint64_t last_id_{0};
   std::uint64_t cursor_{0};
   std::map<std::uint64_t, Reply> replies_;
 };

@@ -37,7 +37,9 @@ constexpr ArgumentInfo kFileArgs[]{
     {"file", text, true, nullptr,
      "G-code file; a relative name is searched in [DISPLAY]PROGRAM_PREFIX"}};
 constexpr ArgumentInfo kRunArgs[]{{"line", integer, false, "", "0 (default): from the start"}};
-constexpr ArgumentInfo kMdiArgs[]{{"text", text, true, nullptr, "one line of G-code"}};
+constexpr ArgumentInfo kMdiArgs[]{{"text", text, true, nullptr, "one line of G-code"},
+                                  {"in-mode", flag, false, kOnOff,
+                                   "on: only in MDI mode; off (default): goes there from manual"}};
 constexpr ArgumentInfo kScaleArgs[]{{"value", number, true, nullptr, "1 = as programmed"}};
 constexpr ArgumentInfo kSpindleScaleArgs[]{
     {"value", number, true, nullptr, "1 = as programmed"},
@@ -52,6 +54,27 @@ constexpr ArgumentInfo kSwitchArgs[]{{"on", flag, true, kOnOff, ""}};
 constexpr ArgumentInfo kOutputArgs[]{
     {"index", integer, true, nullptr, "number of motion.digital-out-NN"},
     {"on", flag, true, kOnOff, ""}};
+constexpr ArgumentInfo kAnalogArgs[]{
+    {"index", integer, true, nullptr, "number of motion.analog-out-NN"},
+    {"value", number, true, nullptr, ""}};
+constexpr ArgumentInfo kSpindleSwitchArgs[]{
+    {"on", flag, true, kOnOff, ""}, {"spindle", integer, false, nullptr, "0 (default) and up"}};
+constexpr ArgumentInfo kLimitArgs[]{
+    {"joint", integer, true, nullptr, "joint number"},
+    {"min", number, false, nullptr, "machine units; absent: as it is"},
+    {"max", number, false, nullptr, "machine units; absent: as it is"}};
+constexpr ArgumentInfo kMotionModeArgs[]{
+    {"mode", text, true, "free|coordinated|teleop", "joints, the path, or axes"}};
+constexpr ArgumentInfo kToolOffsetArgs[]{
+    {"tool", integer, true, nullptr, "its number; a new one is added"},
+    {"z", number, true, nullptr, "Z offset in machine units"},
+    {"x", number, true, nullptr, "X offset in machine units"},
+    {"diameter", number, true, nullptr, "machine units"},
+    {"front", number, true, nullptr, "front angle in degrees"},
+    {"back", number, true, nullptr, "back angle in degrees"},
+    {"orientation", integer, true, nullptr, "0 to 9"}};
+constexpr ArgumentInfo kDebugArgs[]{
+    {"level", integer, true, nullptr, "bits as in [EMC]DEBUG; shown in the status, nothing else"}};
 constexpr ArgumentInfo kErrorsArgs[]{
     {"since", integer, false, nullptr,
      "number of the last message that is known; 0 (default): all that are kept"}};
@@ -94,10 +117,11 @@ constexpr CommandInfo kCommands[]{
      "Turns or stops a spindle by hand (idle machine; off works always).", kSpindleArgs},
     {CommandId::flood, "flood", "Flood coolant by hand.", kSwitchArgs},
     {CommandId::mist, "mist", "Mist coolant by hand.", kSwitchArgs},
-    {CommandId::optional_stop, "optional-stop", "Whether M1 pauses; looked at when M1 is reached.",
-     kSwitchArgs},
+    {CommandId::optional_stop, "optional-stop",
+     "Whether M1 pauses (on at the start); looked at when M1 is reached.", kSwitchArgs},
     {CommandId::block_delete, "block-delete",
-     "Whether lines that begin with / are skipped; for lines not read yet.", kSwitchArgs},
+     "Whether lines that begin with / are skipped (on at the start); for lines not read yet.",
+     kSwitchArgs},
     {CommandId::override_limits, "override-limits",
      "Allows jogging off a hard limit switch until the next jog ends.", kSwitchArgs},
     {CommandId::tool_table, "tool-table", "Reads the tool table file again (idle machine).", {}},
@@ -107,6 +131,33 @@ constexpr CommandInfo kCommands[]{
      "iocontrol.0.tool-changed does.",
      {}},
     {CommandId::digital_out, "digital-out", "Sets a motion.digital-out-NN at once.", kOutputArgs},
+    {CommandId::analog_out, "analog-out", "Sets a motion.analog-out-NN at once.", kAnalogArgs},
+    {CommandId::brake, "brake",
+     "Engages a spindle's brake, which stops the spindle, or releases it until the next order.",
+     kSpindleSwitchArgs},
+    {CommandId::feed_override_enable, "feed-override-enable",
+     "Whether the feed override counts, as M50.", kSwitchArgs},
+    {CommandId::adaptive_feed, "adaptive-feed", "Whether motion.adaptive-feed counts, as M52.",
+     kSwitchArgs},
+    {CommandId::feed_hold, "feed-hold", "Whether motion.feed-hold counts, as M53.", kSwitchArgs},
+    {CommandId::spindle_override_enable, "spindle-override-enable",
+     "Whether the spindle speed override counts, as M51.", kSpindleSwitchArgs},
+    {CommandId::joint_limit, "joint-limit",
+     "Changes a joint's soft limits until the machine is started anew. In force at rest.",
+     kLimitArgs},
+    {CommandId::motion_mode, "motion-mode", "Changes how motion is asked for, as teleop does.",
+     kMotionModeArgs},
+    {CommandId::tool_offset, "tool-offset", "Writes one tool into the tool table and saves it.",
+     kToolOffsetArgs},
+    {CommandId::reset_interpreter,
+     "reset-interpreter",
+     "Forgets the interpreter's modal state (idle machine).",
+     {}},
+    {CommandId::synch,
+     "synch",
+     "The interpreter looks anew where the machine stands (idle machine).",
+     {}},
+    {CommandId::debug, "debug", "Sets the debug level that the status shows.", kDebugArgs},
     {CommandId::wait, "wait", "Done when nothing runs any more and the machine is at rest.", {}},
     {CommandId::errors, "errors", "Gives the operator messages behind a cursor, as JSON text.",
      kErrorsArgs},
@@ -384,6 +435,10 @@ std::string request_json(std::uint64_t id, std::string_view cmd, std::string_vie
   json j{{"id", id}, {"cmd", cmd}};
   j[std::string(argument)] = value;
   return dump(j);
+}
+
+std::string message_json(std::uint64_t id, std::string_view text, std::string_view kind) {
+  return dump(json{{"id", id}, {"cmd", "message"}, {"text", text}, {"kind", kind}});
 }
 
 const char* to_string(CommandState state) noexcept {

@@ -52,6 +52,18 @@ enum class CommandId : std::uint8_t {
   tool_table,
   tool_changed,
   digital_out,
+  analog_out,
+  brake,
+  feed_override_enable,
+  adaptive_feed,
+  feed_hold,
+  spindle_override_enable,
+  joint_limit,
+  motion_mode,
+  tool_offset,
+  reset_interpreter,
+  synch,
+  debug,
   wait,
   errors,
   message,
@@ -120,6 +132,9 @@ struct RequestError {
 [[nodiscard]] std::string request_json(std::uint64_t id, std::string_view cmd);
 [[nodiscard]] std::string request_json(std::uint64_t id, std::string_view cmd,
                                        std::string_view argument, std::string_view text);
+/// A line for the operator (the command `message`).
+[[nodiscard]] std::string message_json(std::uint64_t id, std::string_view text,
+                                       std::string_view kind = "text");
 
 enum class CommandState : std::uint8_t { received, running, done, error, aborted };
 [[nodiscard]] const char* to_string(CommandState state) noexcept;

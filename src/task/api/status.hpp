@@ -105,6 +105,51 @@ struct TaskStatus {
   CommandCounters commands;
   std::uint32_t abort_epoch{0};  ///< as in motion's intent
   std::int32_t clients{0};
+  std::uint64_t echo_serial{0};  ///< the highest id of a request that was taken (Client::next_id)
+  std::int32_t debug{0};         ///< [EMC]DEBUG, and what a client has set since
+  std::int32_t interpreter_error{0};  ///< 0 well; 5: the last program or MDI line is in error
+  bool input_timeout{false};          ///< the last M66 met no level in its time
+  bool last_failed{
+      false};  ///< the newest command of a client that has an outcome ended in an error
+  bool waiting_tool_prepared{false}, waiting_tool_changed{false};  ///< for iocontrol.0's pins
+  std::int32_t reserved4{0};
+};
+
+/// What stays as it is while task runs, from the INI file. Limits, which may change: motion's configuration (motion/api/config.hpp).
+struct MachineFacts {
+  rtapi::FixedString<511> ini_file;  ///< as given to task
+  rtapi::FixedString<127> machine_name;
+  double linear_unit_mm{1};    ///< mm in one machine unit
+  double angular_unit_deg{1};  ///< degrees in one machine unit
+  double joint_unit[16]{};     ///< mm or degrees in one unit of [JOINT_n]UNITS
+  double default_vel_mm_s{0}, default_acc_mm_s2{0};  ///< [TRAJ]DEFAULT_LINEAR_...
+  double max_acc_mm_s2{0};    ///< [TRAJ]MAX_LINEAR_ACCELERATION; 0: not limited there
+  double cycle_time_s{0.01};  ///< [TASK]CYCLE_TIME
+  double max_feed_override{1}, min_spindle_override{0}, max_spindle_override{1};
+  double spindle_increment_rpm[kMaxSpindles]{};
+  bool random_toolchanger{false};
+  bool no_force_homing{false};
+  bool reserved[6]{};
+};
+
+/// One tool. Lengths in mm and degrees.
+struct ToolRecord {
+  std::int32_t number{-1};  ///< -1: nothing
+  std::int32_t pocket{0};
+  rtapi::Pose offset;
+  double diameter_mm{0}, front_angle_deg{0}, back_angle_deg{0};
+  std::int32_t orientation{0};
+  std::int32_t reserved{0};
+  rtapi::FixedString<119> comment;
+};
+
+/// The tool table, in file order from slot 1; slot 0 is the spindle. Written by task when anything of it changes.
+struct ToolSlots {
+  static constexpr std::size_t kSlots = 1001;
+  rtapi::SeqCell<ToolRecord> slot[kSlots];
+  rtapi::Word<std::uint32_t> used{0};  ///< slots 0 to used - 1
+  rtapi::Word<std::uint64_t> version{
+      0};  ///< odd: in the middle of a change; published after the slots
 };
 
 /// Numbers as in error_channel of the Python module.
@@ -130,14 +175,17 @@ struct MessageLog {
 /// The block. Made by task when it attaches; found again (and reset) by a task that is started anew.
 struct TaskShared {
   rtapi::SeqCell<TaskStatus> status;
-  rtapi::Cell status_cell;              ///< notified after each write of `status`
-  rtapi::Cell reply_cell;               ///< notified after replies were sent to clients
-  rtapi::Cell inbox;                    ///< clients notify it after sending a request
-  rtapi::Cell to_command;               ///< inside task
-  rtapi::Cell to_interpreter;           ///< inside task
-  rtapi::Cell to_io;                    ///< inside task
-  rtapi::Word<std::uint32_t> ready{0};  ///< 1 once clients may connect
+  rtapi::Cell status_cell;                ///< notified after each write of `status`
+  rtapi::Cell reply_cell;                 ///< notified after replies were sent to clients
+  rtapi::Cell inbox;                      ///< clients notify it after sending a request
+  rtapi::Cell to_command;                 ///< inside task
+  rtapi::Cell to_interpreter;             ///< inside task
+  rtapi::Cell to_io;                      ///< inside task
+  rtapi::Word<std::uint32_t> ready{0};    ///< 1 once clients may connect
+  rtapi::Word<std::uint64_t> serials{0};  ///< the last id that a client took
+  rtapi::SeqCell<MachineFacts> facts;
   MessageLog messages;
+  ToolSlots tools;
 };
 
 inline constexpr const char* kTaskBlock = "task.status";

@@ -1,4 +1,6 @@
 // Clients of the command thread: packets in, replies out, leases.
+#include <algorithm>
+
 #include "rtapi/shm/socket.hpp"
 #include "task/command/command_participant.hpp"
 
@@ -63,6 +65,7 @@ void CommandParticipant::take_packet(int client, const std::string& packet) {
     reply_to(client, Reply{request.error().id, CommandState::error, request.error().text});
     return;
   }
+  if (client != kLocal) echo_serial_ = std::max(echo_serial_, request->id);
   const Ticket ticket = open_ticket(client, *request);
   execute(ticket, *request, client);
   // What is not carried out at once is acknowledged.
@@ -94,8 +97,14 @@ Ticket CommandParticipant::internal_ticket(CommandId command) {
 void CommandParticipant::reply(Ticket ticket, CommandState state, const std::string& text) {
   const auto at = pending_.find(ticket);
   if (at == pending_.end()) return;
-  reply_to(at->second.client, Reply{at->second.id, state, text});
+  const int client = at->second.client;
+  // Every client's screen shows what was refused, whoever asked for it; what was said already is not said twice.
+  if (state == CommandState::error && client != kNobody &&
+      (last_said_.empty() || text.find(last_said_) == std::string::npos))
+    say(MessageKind::error, text);
+  reply_to(client, Reply{at->second.id, state, text});
   if (!is_terminal(state)) return;
+  last_failed_ = state != CommandState::done;
   ++(state == CommandState::done    ? counters_.done
      : state == CommandState::error ? counters_.errors
                                     : counters_.aborted);

@@ -36,13 +36,15 @@ CommandParticipant::CommandParticipant(const Parts& parts) : p_(parts) {
   motion::Intent old;
   if (p_.motion.intent.values.version() > 0 && p_.motion.intent.values.read(old))
     want_ = old;  // sequence numbers go on
+  machine_ = p_.setup.motion;
+  debug_ = p_.setup.debug;
   want_.mode = motion::MotionMode::free;
-  want_.max_vel_mm_s = p_.setup.motion.traj_max_vel_mm_s;
+  want_.max_vel_mm_s = machine_.traj_max_vel_mm_s;
   faults_seen_ = p_.motion.faults.newest.observe();
   messages_ = p_.shared.messages.newest.observe();
   joint_jog_owner_.fill(kNobody);
   axis_jog_owner_.fill(kNobody);
-  p_.motion.config.write(p_.setup.motion);
+  p_.motion.config.write(machine_);
   p_.motion.intent.enable.publish(0);
   p_.motion.intent.hold.publish(0);
   write_intent();
@@ -82,6 +84,33 @@ void CommandParticipant::beat() {
   if (now_ < next_beat_) return;
   p_.motion.intent.heartbeat.set(++beats_);
   next_beat_ = (now_ / kBeat + 1) * kBeat;
+  read_ini_pins();
+}
+
+void CommandParticipant::read_ini_pins() {
+  if (p_.live == nullptr || p_.ini_pins == nullptr) return;
+  std::vector<std::string> complaints;
+  const motion::MachineConfig before = machine_;
+  const bool changed = p_.live->take(p_.ini_pins->read(), machine_, complaints);
+  for (const std::string& text : complaints) say(MessageKind::error, text);
+  if (!changed) return;
+  const motion::MachineConfig& now = machine_;
+  // Motion takes it when nothing moves; until then the old limits hold.
+  p_.motion.config.write(now);
+  std::array<double, motion::kMaxJoints> at{};
+  std::array<bool, motion::kMaxJoints> homed{};
+  for (std::size_t j = 0; j < static_cast<std::size_t>(now.joints); ++j) {
+    at[j] = status_.joint[j].pos_cmd;
+    homed[j] = status_.joint[j].homed;
+  }
+  for (const std::string& text : beyond_new_limits(before, now, at, homed, p_.setup))
+    say(MessageKind::error, text);
+  // Who asked for the whole of the old limit has the whole of the new one.
+  if (want_.max_vel_mm_s > now.traj_max_vel_mm_s ||
+      want_.max_vel_mm_s == before.traj_max_vel_mm_s) {
+    want_.max_vel_mm_s = now.traj_max_vel_mm_s;
+    write_intent();
+  }
 }
 
 void CommandParticipant::take_faults() {
@@ -98,9 +127,11 @@ void CommandParticipant::take_faults() {
     const bool placed = fault.tag.line > 0 && !view_.idle;
     motion::FaultRecord shown = fault;
     if (placed) shown.tag.line = 0;  // the message begins with its place
-    last_fault_ = motion::fault_text(shown, p_.setup.motion);
-    // Before the first block is executed, the source is unknown and can only be the program.
-    const auto& source = view_.source.empty() ? view_.file : view_.source;
+    last_fault_ = motion::fault_text(shown, machine_);
+    // The machine may still be in a sub of another file. Before the first block is executed, the source is unknown and can only
+    // be the program.
+    const bool main = view_.source.empty() || fault.tag.call_level == 0;
+    const auto& source = main ? view_.file : view_.source;
     say(MessageKind::error, last_fault_, placed ? std::string(source.view()) : std::string(),
         placed ? fault.tag.line : 0);
     if (stop.empty() && ends_program(fault.fault)) stop = last_fault_;
@@ -132,8 +163,12 @@ void CommandParticipant::take_reports() {
             (at->second.command == CommandId::run || at->second.command == CommandId::step))
           ++programs_ended_;
         if (at != pending_.end() && at->second.command == CommandId::open &&
-            report.state == CommandState::error)
+            report.state == CommandState::error) {
           say(MessageKind::error, report.text);
+          // What screens and scripts look for.
+          say(MessageKind::error, "can't open " + at->second.file);
+          last_said_ = report.text;
+        }
         reply(report.ticket, report.state, report.text);
         break;
       }
@@ -182,6 +217,7 @@ void CommandParticipant::update_pending() {
         break;
       case CommandId::mode:
       case CommandId::teleop:
+      case CommandId::motion_mode:
         if (status_.mode == want_.mode)
           reply(ticket, CommandState::done);
         else if (now_ >= pending.deadline)
@@ -195,6 +231,12 @@ void CommandParticipant::update_pending() {
         if (status_.cycle < pending.from_cycle + 3 || status_.homing_active) break;
         const bool homed =
             pending.joint < 0 ? status_.all_homed : status_.joint[pending.joint].homed;
+        // As in LinuxCNC: who has homed all joints jogs axes from then on.
+        if (homed && status_.all_homed && mode_ == TaskMode::manual &&
+            want_.mode == motion::MotionMode::free) {
+          want_.mode = motion::MotionMode::teleop;
+          write_intent();
+        }
         reply(ticket, homed ? CommandState::done : CommandState::error,
               homed ? std::string() : homing_failure(pending));
         break;
@@ -216,6 +258,7 @@ std::vector<OperatorMessage> CommandParticipant::newest_messages(std::uint64_t c
 
 void CommandParticipant::say(MessageKind kind, const std::string& text, const std::string& file,
                              std::int32_t line) {
+  last_said_ = text;
   OperatorMessage message;
   message.number = ++messages_;
   message.time_ns = now_;
@@ -255,6 +298,45 @@ void CommandParticipant::path_wait(WaitingFor& wait) {
       return say_wait("the end of feed inhibit", "motion.feed-inhibit");
     case motion::PathWait::zero_override: return say_wait("a feed override above 0", "");
   }
+}
+
+namespace {
+ToolRecord tool_record(const io::ToolEntry& tool) {
+  ToolRecord r;
+  r.number = tool.number;
+  r.pocket = tool.pocket;
+  r.offset = tool.offset;
+  r.diameter_mm = tool.diameter_mm;
+  r.front_angle_deg = tool.front_angle_deg;
+  r.back_angle_deg = tool.back_angle_deg;
+  r.orientation = tool.orientation;
+  r.comment = rtapi::FixedString<119>(tool.remark);
+  return r;
+}
+}  // namespace
+
+/// The table for clients; it changes seldom, and then as a whole.
+void CommandParticipant::show_tools() {
+  if (p_.tools == nullptr) return;
+  const auto table = p_.tools->table();
+  ToolSlots& slots = p_.shared.tools;
+  const bool same_tool = shown_.tool_in_spindle == written_.tool_in_spindle && shown_.version != 0;
+  if (table == tools_shown_ && same_tool) return;
+  slots.version.publish(slots.version.observe() | 1U);
+  rtapi::full_fence();  // readers see the odd number before any slot changes
+  ToolRecord spindle;
+  if (const auto* tool = table->find(io_.tool_in_spindle);
+      tool != nullptr && io_.tool_in_spindle > 0)
+    spindle = tool_record(*tool);
+  slots.slot[0].write(spindle);
+  std::size_t used = 1;
+  for (const io::ToolEntry& tool : table->tools()) {
+    if (used == ToolSlots::kSlots) break;
+    slots.slot[used++].write(tool_record(tool));
+  }
+  slots.used.set(static_cast<std::uint32_t>(used));
+  slots.version.publish(slots.version.observe() + 1);
+  tools_shown_ = table;
 }
 
 void CommandParticipant::write_status() {
@@ -311,6 +393,14 @@ void CommandParticipant::write_status() {
   s.commands = counters_;
   s.abort_epoch = epoch_;
   s.clients = static_cast<std::int32_t>(clients_.size());
+  s.echo_serial = echo_serial_;
+  s.debug = debug_;
+  s.last_failed = last_failed_;
+  s.interpreter_error = view_.failed ? 5 : 0;
+  s.input_timeout = view_.input_timeout;
+  s.waiting_tool_prepared = io_.waiting_prepared;
+  s.waiting_tool_changed = io_.waiting_changed;
+  show_tools();
   // Padding that differs costs one write more, no harm.
   // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): see above
   if (s.version != 0 && std::memcmp(&s, &written_, sizeof s) == 0) return;

@@ -11,11 +11,14 @@
 #include <vector>
 
 #include "io/io_link.hpp"
+#include "io/tool_store.hpp"
 #include "motion/api/shared.hpp"
 #include "rtapi/clock/clock.hpp"
 #include "task/api/protocol.hpp"
 #include "task/api/status.hpp"
 #include "task/exchange.hpp"
+#include "task/ini_pins.hpp"
+#include "task/live_config.hpp"
 #include "task/machine_config.hpp"
 
 namespace kerf::task {
@@ -29,6 +32,9 @@ class CommandParticipant final : public rtapi::Participant {
     io::IoLink& io;
     const MachineSetup& setup;
     std::int64_t pid{0};
+    const io::ToolStore* tools{nullptr};  ///< shown to clients; null: none
+    LiveConfig* live{nullptr};  ///< with `ini_pins`: limits that change while the machine runs
+    IniPins* ini_pins{nullptr};
   };
   explicit CommandParticipant(const Parts& parts);
   ~CommandParticipant() override;
@@ -79,6 +85,7 @@ class CommandParticipant final : public rtapi::Participant {
     int joint{-1};
     std::uint32_t epoch{0};
     bool order{false};  ///< the interpreter thread carries it out
+    std::string file;   ///< of open, as it was asked for
     bool begun{false};
   };
 
@@ -96,6 +103,7 @@ class CommandParticipant final : public rtapi::Participant {
 
   // command_participant.cpp
   void beat();
+  void read_ini_pins();
   void take_faults();
   [[nodiscard]] std::string homing_failure(const Pending& pending) const;
   [[nodiscard]] static bool is_program(CommandId command) noexcept {
@@ -104,6 +112,7 @@ class CommandParticipant final : public rtapi::Participant {
   void take_reports();
   void update_pending();
   void write_status();
+  void show_tools();
   void path_wait(WaitingFor& wait);
   /// As many as fit into one packet.
   [[nodiscard]] std::vector<OperatorMessage> newest_messages(std::uint64_t cursor) const;
@@ -125,6 +134,7 @@ class CommandParticipant final : public rtapi::Participant {
   void end_state_tickets(CommandState how, const std::string& text);
   void abort_all(std::uint32_t reason);
   void stop_jogs(int client);
+  void end_block_step();
   void go_estop(const char* why);
   void go_off();
   void set_mode(TaskMode mode);
@@ -142,19 +152,37 @@ class CommandParticipant final : public rtapi::Participant {
   // program.cpp
   void execute(Ticket ticket, const Request& request, int client);
   void do_program(Ticket ticket, const Request& request);
-  void do_mdi(Ticket ticket, const std::string& text, bool needs_home);
+  /// `by_hand`: words that move nothing; they keep the mode, and the machine may be moving by hand.
+  void do_mdi(Ticket ticket, const std::string& text, bool by_hand);
   void do_step(Ticket ticket);
   void do_override(Ticket ticket, const Request& request);
   void do_spindle(Ticket ticket, const Request& request);
   void do_switch(Ticket ticket, const Request& request);
-  void do_digital_out(Ticket ticket, const Request& request);
+  void do_output(Ticket ticket, const Request& request);
+  void do_enable(Ticket ticket, const Request& request);
+  void do_joint_limit(Ticket ticket, const Request& request);
+  void do_motion_mode(Ticket ticket, const Request& request);
+  void do_tool_offset(Ticket ticket, const Request& request);
+  /// True, with an answer, when there is no such spindle.
+  bool refuse_spindle(Ticket ticket, int spindle);
+  void wish() {
+    ++want_.wishes;
+    write_intent();
+  }
   [[nodiscard]] bool other_orders(Ticket ticket) const;
-  void post(Order::Kind kind, Ticket ticket, const std::string& text);
+  void post(Order order, Ticket ticket);
+  void post(Order::Kind kind, Ticket ticket, const std::string& text, bool by_hand = false);
   bool refuse_unless_homed(Ticket ticket, const char* text);
   Ticket internal_ticket(CommandId command);
 
   Parts p_;
   motion::Intent want_;
+  motion::MachineConfig machine_;  ///< as the INI file says, and as changed since
+  std::shared_ptr<const io::ToolTable> tools_shown_;
+  std::uint64_t echo_serial_{0};
+  std::int32_t debug_{0};
+  bool last_failed_{false};
+  std::string last_said_;
   motion::MotionStatus status_;
   InterpreterView view_;
   io::IoState io_;
@@ -172,8 +200,8 @@ class CommandParticipant final : public rtapi::Participant {
   bool enabling_{false};   ///< drives asked for, not there yet
   bool resetting_{false};  ///< estop reset asked for
   bool was_jogging_{false};
-  bool stepping_release_{false};  ///< a step runs to the end of the block that was held
-  std::uint64_t step_tag_{0};
+  std::uint64_t block_step_since_{
+      0};  ///< while Intent::single_step: motion's cycle from which its standing counts
   CommandCounters counters_;
   std::uint64_t programs_ended_{0};
   int listener_{-1};

@@ -83,13 +83,21 @@ void CommandParticipant::update_machine() {
     write_intent();
   }
   was_jogging_ = status_.jogging;
-  if (stepping_release_ && (status_.current.id != step_tag_ || status_.path_empty)) {
-    stepping_release_ = false;
+  if (want_.single_step && status_.cycle > block_step_since_ &&
+      (status_.held || status_.path_empty)) {
     if (!status_.path_empty) {
       p_.motion.intent.hold.publish(1);
       p_.exchange.paused.set(1);
     }
+    end_block_step();
   }
+}
+
+/// Behind a hold, or before its release, so that nothing moves for it.
+void CommandParticipant::end_block_step() {
+  if (!want_.single_step) return;
+  want_.single_step = false;
+  write_intent();
 }
 
 void CommandParticipant::abort_all(std::uint32_t reason) {
@@ -97,11 +105,11 @@ void CommandParticipant::abort_all(std::uint32_t reason) {
   p_.motion.intent.abort_epoch.publish(++epoch_);
   for (auto& seq : want_.spindle_stop_seq) ++seq;
   stop_jogs(kNobody);
+  want_.single_step = false;
   write_intent();
   p_.motion.intent.hold.publish(0);
   p_.exchange.paused.set(0);
   p_.exchange.stepping.set(0);
-  stepping_release_ = false;
   p_.io.abort(epoch_);
   p_.exchange.wake_interpreter();
 }
@@ -169,7 +177,9 @@ void CommandParticipant::do_mode(Ticket ticket, const Request& request) {
   if (mode == mode_) return reply(ticket, CommandState::done);
   if (!idle())
     return reply(ticket, CommandState::error,
-                 "can't change the mode while something runs; abort or wait");
+                 mode_ == TaskMode::automatic
+                     ? "Can't switch mode while mode is AUTO and interpreter is not IDLE"
+                     : "can't change the mode while something runs; abort or wait");
   set_mode(mode);
   // With the drives off motion stays where it is until they are on.
   if (state_ != TaskState::on) return reply(ticket, CommandState::done);
@@ -187,7 +197,7 @@ bool CommandParticipant::refuse_unless_on(Ticket ticket, const char* what) {
 
 void CommandParticipant::do_home(Ticket ticket, const Request& request) {
   const int joint = request.integer("joint", -1);
-  if (refuse_unless_on(ticket, "homing")) return;
+  if (refuse_unless_on(ticket, "command (EMC_JOINT_HOME)")) return;
   if (joint < -1 || joint >= p_.setup.motion.joints)
     return reply(ticket, CommandState::error,
                  "joint " + std::to_string(joint) + " does not exist: expected -1 to " +
@@ -323,6 +333,44 @@ void CommandParticipant::do_teleop(Ticket ticket, const Request& request) {
   write_intent();
   if (state_ != TaskState::on) return reply(ticket, CommandState::done);
   pending_[ticket].deadline = now_ + kStateTime;
+}
+
+void CommandParticipant::do_motion_mode(Ticket ticket, const Request& request) {
+  const std::string& name = request.text("mode");
+  const MotionMode wanted = name == "free"     ? MotionMode::free
+                            : name == "teleop" ? MotionMode::teleop
+                                               : MotionMode::coordinated;
+  if (want_.mode == wanted) return reply(ticket, CommandState::done);
+  if (!view_.idle || status_.homing_active)
+    return reply(ticket, CommandState::error,
+                 "can't change the motion mode while something runs; abort or wait");
+  if (wanted != MotionMode::free && !status_.all_homed && !machine_.no_force_homing)
+    return reply(ticket, CommandState::error, "motion mode " + name + " needs all joints homed");
+  stop_jogs(kNobody);
+  want_.mode = wanted;
+  write_intent();
+  if (state_ != TaskState::on) return reply(ticket, CommandState::done);
+  pending_[ticket].deadline = now_ + kStateTime;
+}
+
+void CommandParticipant::do_joint_limit(Ticket ticket, const Request& request) {
+  const int index = request.integer("joint");
+  if (index < 0 || index >= machine_.joints)
+    return reply(ticket, CommandState::error,
+                 "joint " + std::to_string(index) + " does not exist: expected 0 to " +
+                     std::to_string(machine_.joints - 1));
+  motion::JointConfig& joint = machine_.joint[index];
+  const double unit = p_.setup.joint_unit[static_cast<std::size_t>(index)];
+  const double low = request.has("min") ? request.number("min") * unit : joint.min_limit;
+  const double high = request.has("max") ? request.number("max") * unit : joint.max_limit;
+  if (!(low < high))
+    return reply(
+        ticket, CommandState::error,
+        "joint " + std::to_string(index) + ": the lower limit must be below the upper one");
+  joint.min_limit = low;
+  joint.max_limit = high;
+  p_.motion.config.write(machine_);
+  reply(ticket, CommandState::done);
 }
 
 }  // namespace kerf::task

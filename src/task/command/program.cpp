@@ -7,6 +7,10 @@
 #include "task/command/command_participant.hpp"
 
 namespace kerf::task {
+namespace {
+/// Of motion: by then it has seen that a hold was taken away.
+constexpr std::uint64_t kCyclesToRelease = 3;
+}  // namespace
 
 void CommandParticipant::execute(Ticket ticket, const Request& request, int client) {
   switch (request.command->id) {
@@ -33,7 +37,10 @@ void CommandParticipant::execute(Ticket ticket, const Request& request, int clie
       pending_[ticket].epoch = epoch_;
       return;
     }
-    case CommandId::mdi: return do_mdi(ticket, request.text("text"), true);
+    case CommandId::mdi:
+      if (request.flag("in-mode") && mode_ != TaskMode::mdi && state_ == TaskState::on)
+        return reply(ticket, CommandState::error, "Must be in MDI mode to issue MDI command");
+      return do_mdi(ticket, request.text("text"), false);
     case CommandId::feed_override:
     case CommandId::rapid_override:
     case CommandId::spindle_override:
@@ -44,7 +51,21 @@ void CommandParticipant::execute(Ticket ticket, const Request& request, int clie
     case CommandId::optional_stop:
     case CommandId::block_delete:
     case CommandId::override_limits: return do_switch(ticket, request);
-    case CommandId::digital_out: return do_digital_out(ticket, request);
+    case CommandId::digital_out:
+    case CommandId::analog_out: return do_output(ticket, request);
+    case CommandId::brake:
+    case CommandId::feed_override_enable:
+    case CommandId::adaptive_feed:
+    case CommandId::feed_hold:
+    case CommandId::spindle_override_enable: return do_enable(ticket, request);
+    case CommandId::joint_limit: return do_joint_limit(ticket, request);
+    case CommandId::motion_mode: return do_motion_mode(ticket, request);
+    case CommandId::tool_offset: return do_tool_offset(ticket, request);
+    case CommandId::reset_interpreter:
+    case CommandId::synch: return do_program(ticket, request);
+    case CommandId::debug:
+      debug_ = request.integer("level");
+      return reply(ticket, CommandState::done);
     case CommandId::wait: return;
     case CommandId::errors: {
       auto cursor = static_cast<std::uint64_t>(std::max(0, request.integer("since")));
@@ -63,14 +84,20 @@ void CommandParticipant::execute(Ticket ticket, const Request& request, int clie
   reply(ticket, CommandState::error, "unknown command");
 }
 
-void CommandParticipant::post(Order::Kind kind, Ticket ticket, const std::string& text) {
+void CommandParticipant::post(Order order, Ticket ticket) {
   pending_[ticket].order = true;
-  Order order;
-  order.kind = kind;
   order.epoch = epoch_;
   order.ticket = ticket;
-  order.text = text;
   p_.exchange.post(std::move(order));
+}
+
+void CommandParticipant::post(Order::Kind kind, Ticket ticket, const std::string& text,
+                              bool by_hand) {
+  Order order;
+  order.kind = kind;
+  order.by_hand = by_hand;
+  order.text = text;
+  post(std::move(order), ticket);
 }
 
 bool CommandParticipant::refuse_unless_homed(Ticket ticket, const char* text) {
@@ -91,11 +118,22 @@ void CommandParticipant::do_program(Ticket ticket, const Request& request) {
     case CommandId::open:
       if (order_runs() || !view_.idle)
         return reply(ticket, CommandState::error, "can't open a program while something runs");
+      pending_[ticket].file = request.text("file");
       return post(Order::Kind::open, ticket, request.text("file"));
     case CommandId::tool_table:
       if (order_runs() || !view_.idle)
         return reply(ticket, CommandState::error, "can't read the tool table while something runs");
       return post(Order::Kind::reload_tools, ticket, {});
+    case CommandId::reset_interpreter:
+    case CommandId::synch: {
+      const bool reset = request.command->id == CommandId::reset_interpreter;
+      // A program under way is in step with the machine as it is.
+      if (order_runs() || !view_.idle)
+        return reset ? reply(ticket, CommandState::error,
+                             "can't reset the interpreter while something runs; abort first")
+                     : reply(ticket, CommandState::done);
+      return post(reset ? Order::Kind::reset : Order::Kind::synch, ticket, {});
+    }
     case CommandId::run: {
       if (refuse_unless_on(ticket, "command (EMC_TASK_PLAN_RUN)")) return;
       if (refuse_unless_homed(ticket, "Can't run a program when not homed")) return;
@@ -119,14 +157,14 @@ void CommandParticipant::do_program(Ticket ticket, const Request& request) {
         return reply(ticket, CommandState::error, "nothing runs that could pause");
       p_.motion.intent.hold.publish(1);
       p_.exchange.paused.set(1);
-      stepping_release_ = false;
+      end_block_step();
       p_.exchange.wake_interpreter();
       return reply(ticket, CommandState::done);
     default:  // resume
+      end_block_step();
       p_.motion.intent.hold.publish(0);
       p_.exchange.paused.set(0);
       p_.exchange.stepping.set(0);
-      stepping_release_ = false;
       p_.exchange.resumes.add(1);
       p_.exchange.wake_interpreter();
       return reply(ticket, CommandState::done);
@@ -148,10 +186,11 @@ void CommandParticipant::do_step(Ticket ticket) {
     post(Order::Kind::step, internal_ticket(CommandId::step), {});
     return reply(ticket, CommandState::done);
   }
-  // A program that was held in the middle of its queue goes on to the end of the block in execution.
+  // A program that was held in the middle of its queue goes on to the end of the block in execution; motion itself stands there.
   if (p_.motion.intent.hold.observe() != 0) {
-    stepping_release_ = true;
-    step_tag_ = status_.current.id;
+    block_step_since_ = status_.cycle + kCyclesToRelease;
+    want_.single_step = true;
+    write_intent();
   }
   p_.motion.intent.hold.publish(0);
   p_.exchange.paused.set(0);
@@ -160,9 +199,9 @@ void CommandParticipant::do_step(Ticket ticket) {
   reply(ticket, CommandState::done);
 }
 
-void CommandParticipant::do_mdi(Ticket ticket, const std::string& text, bool needs_home) {
+void CommandParticipant::do_mdi(Ticket ticket, const std::string& text, bool by_hand) {
   if (refuse_unless_on(ticket, "command (EMC_TASK_PLAN_EXECUTE)")) return;
-  if (needs_home && refuse_unless_homed(ticket, "Can't issue MDI command when not homed")) return;
+  if (!by_hand && refuse_unless_homed(ticket, "Can't issue MDI command when not homed")) return;
   std::int32_t queued = 0;
   for (const auto& [other, pending] : pending_) {
     if (!pending.order || other == ticket) continue;
@@ -171,19 +210,16 @@ void CommandParticipant::do_mdi(Ticket ticket, const std::string& text, bool nee
       return reply(ticket, CommandState::error, "can't issue MDI command while a program runs");
     if (!pending.begun) ++queued;
   }
-  if (status_.homing_active || status_.jogging)
+  if (!by_hand && (status_.homing_active || status_.jogging))
     return reply(ticket, CommandState::error,
                  "can't issue MDI command while the machine homes or jogs");
   if (queued >= p_.setup.mdi_queue)
     return reply(
         ticket, CommandState::error,
         "the MDI queue is full: [TASK]MDI_QUEUED_COMMANDS = " + std::to_string(p_.setup.mdi_queue));
-  // An idle machine in AUTO takes MDI and stays in AUTO; from manual it goes to MDI.
-  if (mode_ == TaskMode::manual)
-    set_mode(TaskMode::mdi);
-  else
-    set_mode(mode_);
-  post(Order::Kind::mdi, ticket, text);
+  // An idle machine in AUTO takes MDI and stays in AUTO; from manual it goes to MDI. Nothing moves by a spindle's words.
+  if (!by_hand) set_mode(mode_ == TaskMode::manual ? TaskMode::mdi : mode_);
+  post(Order::Kind::mdi, ticket, text, by_hand);
 }
 
 void CommandParticipant::do_override(Ticket ticket, const Request& request) {
@@ -209,8 +245,7 @@ void CommandParticipant::do_override(Ticket ticket, const Request& request) {
       break;
     }
     default:
-      want_.max_vel_mm_s =
-          std::min(value * p_.setup.linear_unit_mm, p_.setup.motion.traj_max_vel_mm_s);
+      want_.max_vel_mm_s = std::min(value * p_.setup.linear_unit_mm, machine_.traj_max_vel_mm_s);
       break;
   }
   write_intent();
@@ -219,9 +254,7 @@ void CommandParticipant::do_override(Ticket ticket, const Request& request) {
 
 void CommandParticipant::do_spindle(Ticket ticket, const Request& request) {
   const int spindle = request.integer("spindle");
-  if (spindle < 0 || spindle >= p_.setup.motion.spindles)
-    return reply(ticket, CommandState::error,
-                 "spindle " + std::to_string(spindle) + " does not exist");
+  if (refuse_spindle(ticket, spindle)) return;
   const std::string& action = request.text("action");
   if (action == "off") {
     ++want_.spindle_stop_seq[spindle];
@@ -240,7 +273,7 @@ void CommandParticipant::do_spindle(Ticket ticket, const Request& request) {
     std::snprintf(line, sizeof line, "S%.6f %s $%d", std::fabs(speed), code, spindle);
   else
     std::snprintf(line, sizeof line, "S%.6f $%d", std::fabs(speed), spindle);
-  do_mdi(ticket, line, false);
+  do_mdi(ticket, line, true);
 }
 
 void CommandParticipant::do_switch(Ticket ticket, const Request& request) {
@@ -264,18 +297,66 @@ void CommandParticipant::do_switch(Ticket ticket, const Request& request) {
   reply(ticket, CommandState::done);
 }
 
-void CommandParticipant::do_digital_out(Ticket ticket, const Request& request) {
+void CommandParticipant::do_output(Ticket ticket, const Request& request) {
+  const bool analog = request.command->id == CommandId::analog_out;
   const int index = request.integer("index");
-  if (index < 0 || index >= std::min<int>(status_.digital_count, 64))
+  const int count = std::min<int>(analog ? status_.analog_count : status_.digital_count, 64);
+  if (index < 0 || index >= count)
     return reply(ticket, CommandState::error,
-                 "motion.digital-out-" + std::to_string(index) + " does not exist: motmod has " +
-                     std::to_string(status_.digital_count) + " (num_dio)");
-  const std::uint64_t bit = std::uint64_t{1} << static_cast<unsigned>(index);
-  want_.digital_out_on = request.flag("on") ? bit : 0;
-  want_.digital_out_off = request.flag("on") ? 0 : bit;
-  ++want_.digital_out_set_seq;
-  write_intent();
+                 std::string(analog ? "motion.analog-out-" : "motion.digital-out-") +
+                     std::to_string(index) + " does not exist: motmod has " +
+                     std::to_string(count) + (analog ? " (num_aio)" : " (num_dio)"));
+  if (analog)
+    want_.analog_out[index].wish(request.number("value"));
+  else
+    want_.digital_out[index].wish(request.flag("on"));
+  wish();
   reply(ticket, CommandState::done);
+}
+
+bool CommandParticipant::refuse_spindle(Ticket ticket, int spindle) {
+  if (spindle >= 0 && spindle < machine_.spindles) return false;
+  reply(ticket, CommandState::error,
+        "spindle " + std::to_string(spindle) + " does not exist: expected 0 to " +
+            std::to_string(machine_.spindles - 1));
+  return true;
+}
+
+void CommandParticipant::do_enable(Ticket ticket, const Request& request) {
+  const bool on = request.flag("on");
+  const int spindle = request.integer("spindle");
+  if (refuse_spindle(ticket, spindle)) return;
+  switch (request.command->id) {
+    case CommandId::brake: want_.brake[spindle].wish(on); break;
+    case CommandId::feed_override_enable: want_.feed_override_enable.wish(on); break;
+    case CommandId::adaptive_feed: want_.adaptive_feed_enable.wish(on); break;
+    case CommandId::feed_hold: want_.feed_hold_enable.wish(on); break;
+    default: want_.spindle_override_enable[spindle].wish(on); break;
+  }
+  wish();
+  reply(ticket, CommandState::done);
+}
+
+void CommandParticipant::do_tool_offset(Ticket ticket, const Request& request) {
+  if (other_orders(ticket) || !view_.idle)
+    return reply(ticket, CommandState::error, "can't change the tool table while something runs");
+  const int number = request.integer("tool"), orientation = request.integer("orientation");
+  if (number < 1 || orientation < 0 || orientation > 9)
+    return reply(ticket, CommandState::error,
+                 number < 1 ? "tool " + std::to_string(number) + ": expected a number above 0"
+                            : "orientation " + std::to_string(orientation) + ": expected 0 to 9");
+  const double unit = p_.setup.linear_unit_mm;
+  Order order;
+  order.kind = Order::Kind::put_tool;
+  order.tool.number = number;
+  order.tool.pocket = number;
+  order.tool.offset.z = request.number("z") * unit;
+  order.tool.offset.x = request.number("x") * unit;
+  order.tool.diameter_mm = request.number("diameter") * unit;
+  order.tool.front_angle_deg = request.number("front");
+  order.tool.back_angle_deg = request.number("back");
+  order.tool.orientation = orientation;
+  post(std::move(order), ticket);
 }
 
 }  // namespace kerf::task

@@ -226,7 +226,8 @@ bool InterpreterParticipant::start_user_program(const UserMcodeRun& run) {
 bool InterpreterParticipant::poll_user_program(const UserMcodeRun& run) {
   const auto end = user_.poll();
   if (!end) return false;
-  if (end->status == 0) return true;
+  // In 2.7 nobody looks at the exit status.
+  if (end->status == 0 || p_.setup.interp.compat == interp::Compat::v2_7) return true;
   std::string text = "M" + std::to_string(run.number) + " (" + run.path + ") ended with " +
                      (end->status > 128 ? "signal " + std::to_string(end->status - 128)
                                         : "exit status " + std::to_string(end->status));
@@ -270,12 +271,14 @@ bool InterpreterParticipant::poll_input(const WaitInput& wait, rtapi::WaitSpec& 
   }
   if (met) {
     input_value_ = wait.analog ? status_.analog_in[index] : high ? 1 : 0;
+    input_timeout_ = false;
     news_.input = true;
     return true;
   }
   const rtapi::Nanos end = barrier_.since + rtapi::seconds(wait.timeout_s);
   if (now_ >= end) {
     input_value_ = -1;
+    input_timeout_ = true;
     news_.input = true;
     return true;
   }

@@ -186,7 +186,8 @@ void InterpreterParticipant::work(rtapi::WaitSpec& next) {
 }
 
 bool InterpreterParticipant::motion_ready() const {
-  return status_.enabled && status_.mode == motion::MotionMode::coordinated;
+  const bool any_mode = run_.active && run_.by_hand;
+  return status_.enabled && (any_mode || status_.mode == motion::MotionMode::coordinated);
 }
 
 bool InterpreterParticipant::push(const PathBody& body, const motion::SourceTag& tag) {
@@ -275,7 +276,10 @@ void InterpreterParticipant::take_outcome(Outcome outcome, std::size_t items_bef
   if (queue_tool_changes() && outcome == Outcome::ok) run_.sync_pending = true;
   if (outcome == Outcome::error) {
     const auto& error = interp_.error();
-    list_.push_back(TaskItem{canon_.tag(), ProgramError{error.message(), error.file, error.line}});
+    std::string text = error.message();
+    if (const std::string caret = error.caret(); !caret.empty())
+      text.append("\n").append(error.source).append("\n").append(caret);
+    list_.push_back(TaskItem{canon_.tag(), ProgramError{std::move(text), error.file, error.line}});
     run_.source_done = run_.read_error = true;
   }
   if (outcome == Outcome::idle || outcome == Outcome::program_end) run_.source_done = true;
@@ -424,6 +428,16 @@ void InterpreterParticipant::fail_at(const motion::SourceTag& tag, const std::st
        tag.line);
 }
 
+namespace {
+/// "MDI:1:7: text", "help" on a second line -> "text"
+std::string without_place(const std::string& text) {
+  std::size_t from = 0;
+  if (text.rfind("MDI:", 0) == 0)
+    if (const auto colon = text.find(": "); colon != std::string::npos) from = colon + 2;
+  return text.substr(from, text.find('\n') - from);
+}
+}  // namespace
+
 void InterpreterParticipant::fail(const std::string& text, const std::string& file,
                                   std::int32_t line) {
   Report report;
@@ -433,12 +447,15 @@ void InterpreterParticipant::fail(const std::string& text, const std::string& fi
   report.file = file;
   report.line = line;
   report.message = MessageKind::error;
+  failed_ = true;
   // A line of MDI that fails at rest harms nobody: the spindle may go on turning. Everything else is an abort.
   const bool quiet =
       run_.mdi && asides_.empty() && tool_order_ == 0 && executed() && !user_.running();
   if (quiet) {
     report.kind = Report::Kind::message;
+    // Whoever typed the line hears all; other operators need no place in a line that they do not see.
     const std::string shown = report.text;
+    report.text = without_place(report.text);
     reports_.push_back(std::move(report));
     finish_ticket(CommandState::error, shown);
     list_.clear();
@@ -492,6 +509,9 @@ bool InterpreterParticipant::next_order() {
   switch (order.kind) {
     case Order::Kind::open: result = open_program(p_.environment.find_program(order.text)); break;
     case Order::Kind::reload_tools: result = load_tools(); break;
+    case Order::Kind::put_tool: result = put_tool(order.tool); break;
+    case Order::Kind::reset: reset_state(); break;
+    case Order::Kind::synch: sync_position(); break;
     case Order::Kind::save: result = save_parameters(); break;
     case Order::Kind::run:
     case Order::Kind::step:
@@ -501,6 +521,35 @@ bool InterpreterParticipant::next_order() {
                 result.ok() ? std::string() : result.error().message());
   run_ = {};
   return true;
+}
+
+/// A remark is kept by the table; offsets of axes that the caller does not give, too.
+rtapi::Status InterpreterParticipant::put_tool(const io::ToolEntry& tool) {
+  io::ToolEntry entry = tool;
+  if (const io::ToolEntry* old = p_.tools.table()->find(tool.number); old != nullptr) {
+    entry = *old;
+    entry.offset.x = tool.offset.x;
+    entry.offset.z = tool.offset.z;
+    entry.diameter_mm = tool.diameter_mm;
+    entry.front_angle_deg = tool.front_angle_deg;
+    entry.back_angle_deg = tool.back_angle_deg;
+    entry.orientation = tool.orientation;
+  }
+  KERF_CHECK(p_.tools.put(entry));
+  return load_tools();
+}
+
+/// As after the program's end, and nothing of an error is left.
+void InterpreterParticipant::reset_state() {
+  interp_.abort();
+  interp_.init();
+  list_.clear();
+  announce_ = true;
+  failed_ = false;
+  const io::IoState io = p_.io.state();
+  interp_.set_tool_in_spindle(io.tool_in_spindle, io.pocket_in_spindle);
+  sync_position();
+  history_.reset(interp_.modal(), canon_.state());
 }
 
 rtapi::Status InterpreterParticipant::open_program(const std::string& path) {
@@ -513,6 +562,7 @@ rtapi::Status InterpreterParticipant::open_program(const std::string& path) {
 
 void InterpreterParticipant::begin_run(const Order& order) {
   run_.mdi = order.kind == Order::Kind::mdi;
+  run_.by_hand = order.by_hand;
   if (run_.mdi) {
     run_.text = order.text;
     command_ = order.text;
@@ -525,6 +575,7 @@ void InterpreterParticipant::begin_run(const Order& order) {
     return;
   }
   run_.active = true;
+  failed_ = false;
   run_.since = now_;
   sync_position();
   history_.reset(interp_.modal(), canon_.state());

@@ -64,6 +64,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   struct Run {
     bool active{false};
     bool mdi{false};
+    bool by_hand{false};  ///< Order::by_hand
     bool mdi_begun{false};
     bool source_done{false};  ///< nothing more to read
     bool read_error{false};   ///< ... since the interpreter found an error
@@ -102,6 +103,8 @@ class InterpreterParticipant final : public rtapi::Participant {
   bool queue_tool_changes();
   void store_tools(const StoreTools& store);
   rtapi::Status load_tools();
+  rtapi::Status put_tool(const io::ToolEntry& tool);
+  void reset_state();
   bool synchronise_if_due();
   bool finish_run();
   bool step_stop();
@@ -176,6 +179,8 @@ class InterpreterParticipant final : public rtapi::Participant {
     bool tool{false}, input{false}, probe{false};
   } news_;
   double input_value_{0};
+  bool input_timeout_{false};
+  bool failed_{false};  ///< the last program or MDI line is in error
   UserProgram user_;
   std::FILE* log_{nullptr};
   std::FILE* probe_log_{nullptr};  ///< (PROBEOPEN)

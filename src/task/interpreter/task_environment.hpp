@@ -7,6 +7,7 @@
 
 #include "ini/ini_file.hpp"
 #include "interp/environment.hpp"
+#include "interp/program_log.hpp"
 #include "io/tool_store.hpp"
 #include "task/machine_config.hpp"
 
@@ -19,7 +20,7 @@ class TaskEnvironment final : public interp::Environment {
  public:
   TaskEnvironment(const MachineSetup& setup, const ini::IniFile& ini, io::ToolStore& tools,
                   HalReader hal)
-      : setup_(setup), ini_(ini), tools_(tools), hal_(std::move(hal)) {}
+      : setup_(setup), ini_(ini), tools_(tools), hal_(std::move(hal)), log_(setup.interp) {}
 
   void set_scripts(interp::ScriptHost* scripts) { scripts_ = scripts; }
   interp::ScriptHost* scripts() override { return scripts_; }
@@ -28,6 +29,7 @@ class TaskEnvironment final : public interp::Environment {
   std::string find_sub(std::string_view name) override;
   interp::UserMcode find_user_mcode(int number) override;
   void warning(std::string_view text) override;
+  void log(std::string_view line) override { log_.write(line); }
   std::optional<double> hal_value(std::string_view name) override;
   std::optional<double> ini_value(std::string_view section, std::string_view key) override;
 
@@ -39,6 +41,7 @@ class TaskEnvironment final : public interp::Environment {
   const ini::IniFile& ini_;
   io::ToolStore& tools_;
   HalReader hal_;
+  interp::ProgramLog log_;
   interp::ScriptHost* scripts_{nullptr};
 };
 

@@ -63,6 +63,8 @@ void InterpreterParticipant::show() {
   view.running_program = run_.active && !run_.mdi;
   view.program_open = interp_.is_open();
   view.stopped = stopped_ || barrier_.pausing;
+  view.failed = failed_;
+  view.input_timeout = input_timeout_;
   if (std::memcmp(&before, &view, sizeof view) != 0) p_.exchange.show(view);
 }
 

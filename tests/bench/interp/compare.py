@@ -8,7 +8,6 @@ those of the processor (user and system), which other work on the computer distu
 LinuxCNC (/usr/bin/rs274) its column is '-'. A goal that is missed is marked; the exit status tells only whether everything could be
 measured. --scale makes the programs shorter or longer.
 """
-import argparse
 import os
 import pathlib
 import re
@@ -18,10 +17,11 @@ import sys
 import tempfile
 import time
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+import comparison  # noqa: E402
 import programs  # noqa: E402
 
-TOP = pathlib.Path(__file__).resolve().parents[3]
 PEER = "/usr/bin/rs274"
 TIME_LIMIT_S = 600
 
@@ -47,11 +47,6 @@ class Bench:
         path = f"{self.folder}/{make.__name__}-{count}.ngc"
         return path, make(path, count)
 
-    @staticmethod
-    def row(what, own, peer="-", ratio="-", goal="", ok=None):
-        verdict = "" if ok is None else "ok" if ok else "MISSED"
-        print("  ".join(f"{c:>{w}}" for c, w in zip((what, own, peer, ratio, goal, verdict), (48, 14, 14, 7, 12, 7))), flush=True)
-
     def pair(self, what, make, count, goal, least):
         path, lines = self.program(make, max(int(count * self.args.scale), 5000))
         own, peer = [], []
@@ -62,10 +57,10 @@ class Bench:
         os.unlink(path)
         speed = lambda times: f"{lines / statistics.median(times) / 1000:.0f} k/s"
         if not peer:
-            self.row(what, speed(own))
+            comparison.row(what, speed(own))
             return
         ratio = statistics.median(p / o for o, p in zip(own, peer))
-        self.row(what, speed(own), speed(peer), f"{ratio:.1f}", f">= {goal}" + (f" ({least})" if least < goal else ""), ratio >= least)
+        comparison.row(what, speed(own), speed(peer), f"{ratio:.1f}", f">= {goal}" + (f" ({least})" if least < goal else ""), ratio >= least)
 
     def speed(self):
         """Executed lines a second of four kinds of program, with text."""
@@ -80,14 +75,14 @@ class Bench:
                               capture_output=True, text=True, check=True, timeout=TIME_LIMIT_S).stdout
         found = re.search(r"straight_lines_median.*lines=([\d.]+)M/s", said)
         million = float(found.group(1))
-        self.row("(a) without text", f"{million:.2f} M/s", goal=">= 3 M/s", ok=million >= 3)
+        comparison.row("(a) without text", f"{million:.2f} M/s", goal=">= 3 M/s", ok=million >= 3)
 
     def memory(self):
         """Largest resident size."""
         for what, make, count in (("5 000 000 G1 lines", programs.lines, 5_000_000), ("10 000 subs", programs.many_subs, 10_000)):
             path, _ = self.program(make, count)
             kilobytes = self.run(self.own, path)[1]
-            self.row(f"memory, {what}", f"{kilobytes / 1024:.1f} MB", goal="< 64 MB", ok=kilobytes < 64 * 1024)
+            comparison.row(f"memory, {what}", f"{kilobytes / 1024:.1f} MB", goal="< 64 MB", ok=kilobytes < 64 * 1024)
             if make is programs.lines:
                 self.first_call(path, count)
             os.unlink(path)
@@ -100,7 +95,7 @@ class Bench:
                 child.stdout.read(1)
                 times.append((time.monotonic() - begin) * 1000)
                 child.kill()
-        self.row(f"first call, {count} lines", f"{statistics.median(times):.1f} ms", goal="< 50 ms", ok=statistics.median(times) < 50)
+        comparison.row(f"first call, {count} lines", f"{statistics.median(times):.1f} ms", goal="< 50 ms", ok=statistics.median(times) < 50)
 
     def growth(self):
         """Time of a line when there is ten times and a hundred times as much of something."""
@@ -111,36 +106,21 @@ class Bench:
                 path, lines = self.program(make, count)
                 times.append(min(self.run(self.own, path)[0] for _ in range(max(self.args.rounds, 3))) / lines * 1e9)
                 os.unlink(path)
-            self.row(f"a line at {counts[0]}, at {counts[1]} {what}", f"{times[0]:.0f} ns", f"{times[1]:.0f} ns",
+            comparison.row(f"a line at {counts[0]}, at {counts[1]} {what}", f"{times[0]:.0f} ns", f"{times[1]:.0f} ns",
                      f"{times[1] / times[0]:.2f}", "<= 1.3", times[1] / times[0] <= 1.3)
 
     MEASUREMENTS = ("speed", "without_text", "memory", "growth")
 
 
 def main():
-    ap = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    ap.add_argument("--build", default=str(TOP / "build/release"))
-    ap.add_argument("--rounds", type=int, default=5)
+    ap = comparison.options(__doc__, Bench.MEASUREMENTS, rounds=5)
     ap.add_argument("--scale", type=float, default=1)
     ap.add_argument("--wall", action="store_true")
-    ap.add_argument("--only", action="append", choices=Bench.MEASUREMENTS)
-    ap.add_argument("--list", action="store_true")
     a = ap.parse_args()
-    if a.list:
-        for name in Bench.MEASUREMENTS:
-            print(f"{name:<14} {getattr(Bench, name).__doc__}")
+    if comparison.listed(a, Bench):
         return 0
-    status = 0
     with tempfile.TemporaryDirectory(prefix="kerf-bench-") as folder:
-        bench = Bench(a, folder)
-        bench.row("", "Kerf", "LinuxCNC", "ratio", "goal")
-        for name in a.only or Bench.MEASUREMENTS:
-            try:
-                getattr(bench, name)()
-            except (OSError, RuntimeError, subprocess.SubprocessError, AttributeError) as e:
-                print(f"{name}: {e}", file=sys.stderr)
-                status = 1
-    return status
+        return comparison.run(Bench(a, folder), a.only)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-// Cost of the servo cycle and of the planner. Goals: a cycle of three joints well below 2 us in release.
+// Cost of the servo cycle (planner_bench has that of planning). Goals: a cycle of three joints well below 2 us in release.
 #include <benchmark/benchmark.h>
 
 #include <memory>
@@ -38,31 +38,6 @@ void servo_cycle_standing(benchmark::State& state) {
   for (auto _ : state) rig->cycle();
 }
 BENCHMARK(servo_cycle_standing);
-
-void plan_items(benchmark::State& state) {
-  auto rig = std::make_unique<Rig>();
-  rig->ready();
-  const ServoView view = rig->controller->view();
-  const bool arcs = state.range(0) != 0;
-  double side = 10;
-  bool first = true;
-  for (auto _ : state) {
-    if (!arcs || first) {
-      rig->line({.x = side}, 50);
-    } else {
-      ArcMove m;
-      m.end = {.x = side};
-      m.normal[2] = 1;
-      m.vel_mm_s = 50;
-      rig->push(m);
-    }
-    first = false;
-    side = -side;
-    benchmark::DoNotOptimize(rig->planner.run(*rig->path, view, 1));
-    (void)rig->spans->clear();
-  }
-}
-BENCHMARK(plan_items)->Arg(0)->Arg(1)->ArgNames({"arcs"});
 
 }  // namespace
 }  // namespace kerf::motion

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <string>
 
-#include "bench/interp/null_canon.hpp"
 #include "interp/interpreter.hpp"
+#include "interp/null_canon.hpp"
 #include "interp/text_canon.hpp"
 
 namespace kerf::interp {

@@ -172,40 +172,37 @@ class Program:
                 self.lines.append(self.rng.choice([f"G0 X#{self.rng.randint(1, 5)}", "#2 = [#2 + 1]", "(debug, #1 #2 #3)",
                                                    f"G0 Y{self.number()}", "#3 = [#1 * #2]"]))
 
+    def branch(self, depth, *lines):
+        self.lines += lines
+        self.body(depth, 1)
+
     def flow(self, depth=0):
         r = self.rng
         self.label += 1
         label = r.choice([str(self.label), f"<name{self.label}>", f"<Name {self.label}>"])
         kind = r.randint(0, 5)
         lines = self.lines
+        counter = f"#{10 + depth}"
+        start, step = f"{counter} = 0", f"{counter} = [{counter} + 1]"
         if kind == 0:
-            lines.append(f"o{label} if [#{r.randint(1, 3)} {r.choice(['LT', 'GT', 'EQ'])} {r.randint(0, 4)}]")
-            self.body(depth, 1)
+            self.branch(depth, f"o{label} if [#{r.randint(1, 3)} {r.choice(['LT', 'GT', 'EQ'])} {r.randint(0, 4)}]")
             if r.random() < 0.5:
-                lines.append(f"o{label} elseif [#2 GT {r.randint(0, 6)}]")
-                self.body(depth, 1)
+                self.branch(depth, f"o{label} elseif [#2 GT {r.randint(0, 6)}]")
             if r.random() < 0.5:
-                lines.append(f"o{label} else")
-                self.body(depth, 1)
+                self.branch(depth, f"o{label} else")
             lines.append(f"O{label} endif")
         elif kind == 1:
             lines.append(f"o{label} repeat [{r.randint(0, 3)}]")
             self.body(depth, 2)
             lines.append(f"o{label} endrepeat")
         elif kind == 2:
-            lines.append(f"#{10 + depth} = 0")
-            lines.append(f"o{label} while [#{10 + depth} LT {r.randint(1, 3)}]")
-            lines.append(f"#{10 + depth} = [#{10 + depth} + 1]")
-            self.body(depth, 1)
+            self.branch(depth, start, f"o{label} while [{counter} LT {r.randint(1, 3)}]", step)
             if r.random() < 0.3:
                 lines.append(f"o{label} {r.choice(['break', 'continue'])}")
             lines.append(f"o{label} endwhile")
         elif kind == 3:
-            lines.append(f"#{10 + depth} = 0")
-            lines.append(f"o{label} do")
-            lines.append(f"#{10 + depth} = [#{10 + depth} + 1]")
-            self.body(depth, 1)
-            lines.append(f"o{label} while [#{10 + depth} LT {r.randint(1, 3)}]")
+            self.branch(depth, start, f"o{label} do", step)
+            lines.append(f"o{label} while [{counter} LT {r.randint(1, 3)}]")
         elif depth == 0:
             lines.append(f"o{label} sub")
             self.body(1, 2)

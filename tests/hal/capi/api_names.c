@@ -30,7 +30,11 @@
 #include <emcpose.h>
 #include <kinematics.h>
 #include <motion_types.h>
+#include <homing.h>
+#include <linuxcnc.h>
+#include <posemath.h>
 #include <posemath_types.h>
+#include <switchkins.h>
 #ifdef RTAPI
 #include <rtapi_app.h>
 #endif
@@ -40,6 +44,14 @@
 #else
 #define SAME(a, b) _Static_assert((a) == (b), #a)
 #endif
+SAME(sizeof(PmLine), 192);
+SAME(sizeof(PmCartLine), 88);
+SAME(sizeof(PmCircle), 144);
+SAME(sizeof(PmHomogeneous), 96);
+SAME(sizeof(kparms), 48);
+SAME(PM_DIV_ERR, -4);
+SAME(sizeof(hal_bool), sizeof(hal_bit_t));
+SAME(LINELEN, 255);
 SAME(HAL_TYPE_UNSPECIFIED, -1);
 SAME(HAL_TYPE_UNINITIALIZED, 0);
 SAME(HAL_BIT, 1);

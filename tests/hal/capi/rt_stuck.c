@@ -1,4 +1,5 @@
-/* A module whose code does not come back: what=task a realtime task that never waits, what=crash and what=hang its start. */
+/* A module whose code does not come back: what=task a realtime task that never waits, what=crash and what=hang its start,
+   what=exit its end. */
 #include <hal.h>
 #include <rtapi.h>
 #include <rtapi_app.h>
@@ -43,6 +44,8 @@ int rtapi_app_main(void) {
 }
 
 void rtapi_app_exit(void) {
+  if (what[0] == 'e') rtapi_print_msg(RTAPI_MSG_ERR, "at the end: %d\n", hal_signal_new("at-the-end", HAL_BIT));
+  while (what[0] == 'e') rtapi_delay(10000);
   if (what[0] == 't') rtapi_print_msg(RTAPI_MSG_ERR, "deleted: %d\n", rtapi_task_delete(task));
   hal_exit(comp);
 }

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "bench/interp/null_canon.hpp"
 #include "interp/interpreter.hpp"
 #include "interp/lathe/profile.hpp"
+#include "interp/null_canon.hpp"
 
 namespace kerf::interp {
 namespace {

@@ -28,6 +28,18 @@ Program random_program(const Rig& rig, const Pose& from, Random& r, int moves) {
   return p;
 }
 
+/// How far a point is from the program near its move `i`: a blend belongs to both of its moves.
+double off(const Program& program, std::size_t i, const Pose& at, double allowed) {
+  double best = 1e9;
+  for (std::size_t k = i < 3 ? 0 : i - 3; k < program.move.size() && k <= i + 3; ++k)
+    best = std::min(best, deviation(program.move[k], program.start[k], at));
+  if (best <= std::max(allowed, 1e-6)) return best;
+  // Near the centre of a spiral a small distance is a large angle: look for the nearest point.
+  for (std::size_t k = i < 3 ? 0 : i - 3; k < program.move.size() && k <= i + 3; ++k)
+    best = std::min(best, test::distance(program.move[k], program.start[k], at));
+  return best;
+}
+
 /// One program on one machine; operators meddle.
 void run_program(unsigned seed, bool core_xy = false) {
   SCOPED_TRACE("seed " + std::to_string(seed));
@@ -39,6 +51,16 @@ void run_program(unsigned seed, bool core_xy = false) {
   Oracle oracle;
   oracle.watch(rig);
   Program program = random_program(rig, rig.status().pos_cmd, r, r.integer(2, 8));
+  // Any joint stops within this, at half of its acceleration: the path shares it with curvature, kinematics that mix axes keep a reserve.
+  double stop_s = 0;
+  for (std::size_t j = 0; j < rig.controller->joints(); ++j)
+    stop_s = std::max(stop_s, 2 * rig.config.joint[j].max_vel / rig.config.joint[j].max_acc);
+  // Kinematics that mix axes stop at every corner.
+  const double p = core_xy || r.chance(0.3) ? 0.0 : r.log(0.002, 0.5);
+  PathControl control;
+  control.mode = p > 0 ? PathControl::Mode::continuous : PathControl::Mode::exact_path;
+  control.tolerance_mm = p;
+  ASSERT_TRUE(rig.push(control));
   std::uint64_t first = rig.seq + 1;
   for (const auto& m : program.move) ASSERT_TRUE(rig.push(m));
   int aborts = r.integer(0, 2);
@@ -55,20 +77,18 @@ void run_program(unsigned seed, bool core_xy = false) {
     }
     if (aborts > 0 && r.chance(0.002)) {
       --aborts;
-      const double speed = rig.status().vel_mm_s;
-      const MoveSpan* span = rig.controller->executor().move();
-      const double acc = span != nullptr ? span->acc : 1e9;
       rig.abort();
       int cycles = 0;
       const std::uint64_t item = rig.status().current_seq;
       while (rig.status().acked_epoch != rig.orders.abort_epoch) {
         rig.cycle();
         oracle.watch(rig);
-        ASSERT_LE(++cycles, speed / acc / Rig::kPeriod + 2);
+        ASSERT_LE(++cycles, stop_s / Rig::kPeriod + 25);
         if (item >= first)
-          worst = std::max(worst, deviation(program.move[item - first], program.start[item - first],
-                                            rig.status().pos_cmd));
+          worst = std::max(worst, off(program, item - first, rig.status().pos_cmd, p));
       }
+      rig.cycle();  // the planner forgets in its next turn
+      oracle.watch(rig);
       ASSERT_TRUE(rig.status().path_empty);
       program = random_program(rig, rig.status().pos_cmd, r, r.integer(1, 5));
       first = rig.seq + 1;
@@ -79,8 +99,7 @@ void run_program(unsigned seed, bool core_xy = false) {
     oracle.watch(rig);
     const MotionStatus& s = rig.status();
     if (rig.controller->executor().move() != nullptr) {
-      const std::size_t i = s.current_seq - first;
-      worst = std::max(worst, deviation(program.move[i], program.start[i], s.pos_cmd));
+      worst = std::max(worst, off(program, s.current_seq - first, s.pos_cmd, p));
     }
     if (s.executed_seq == rig.seq && s.path_empty) break;
   }
@@ -88,7 +107,7 @@ void run_program(unsigned seed, bool core_xy = false) {
   EXPECT_EQ(rig.status().pos_cmd, program.end.back());
   EXPECT_LE(oracle.vel, 1.0001);
   EXPECT_LE(oracle.acc, 1.001);
-  EXPECT_LE(worst, 1e-9);
+  EXPECT_LE(worst, p + 1e-6) << "P " << p;
   EXPECT_TRUE(rig.faults.empty()) << static_cast<int>(rig.faults[0].fault) << " value "
                                   << rig.faults[0].value << " limit " << rig.faults[0].limit;
 }
@@ -146,6 +165,7 @@ TEST(PathProperty, SplittingALineOnlyAddsItsStops) {
   Rig one, two;
   one.ready();
   two.ready();
+  two.push(PathControl{.mode = PathControl::Mode::exact_stop});
   one.line({.x = 7.123}, 60);
   two.line({.x = 3.5}, 60);
   two.line({.x = 7.123}, 60);

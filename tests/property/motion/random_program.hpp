@@ -165,6 +165,60 @@ inline double deviation(const PathItems::Variant& move, const Pose& start, const
   return best;
 }
 
+/// Point of an arc at a share of its angle.
+inline Pose arc_point_at(const ArcMove& arc, const Pose& start, double share) {
+  double a[3], b[3], ha = 0, hb = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    ha += (start[i] - arc.centre[i]) * arc.normal[i];
+    hb += (arc.end[i] - arc.centre[i]) * arc.normal[i];
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    a[i] = start[i] - arc.centre[i] - ha * arc.normal[i];
+    b[i] = arc.end[i] - arc.centre[i] - hb * arc.normal[i];
+  }
+  const auto dot = [](const double* l, const double* r) {
+    return l[0] * r[0] + l[1] * r[1] + l[2] * r[2];
+  };
+  const double side[3] = {arc.normal[1] * a[2] - arc.normal[2] * a[1],
+                          arc.normal[2] * a[0] - arc.normal[0] * a[2],
+                          arc.normal[0] * a[1] - arc.normal[1] * a[0]};
+  constexpr double kTurn = 6.283185307179586;
+  const double ra = std::sqrt(dot(a, a)), rb = std::sqrt(dot(b, b));
+  double whole = std::atan2(dot(b, side), dot(b, a));
+  if (whole < 1e-6 / ra) whole += kTurn;
+  whole += kTurn * (arc.turns - 1);
+  const double phi = whole * share, r = ra + (rb - ra) * share;
+  Pose out = start + (arc.end - start) * share;
+  for (std::size_t i = 0; i < 3; ++i)
+    out[i] = arc.centre[i] + (ha + (hb - ha) * share) * arc.normal[i] +
+             r * (a[i] * std::cos(phi) + side[i] * std::sin(phi)) / ra;
+  return out;
+}
+
+/// Distance of `p` from a move, by the larger of XYZ, UVW and each rotary axis.
+inline double distance(const PathItems::Variant& move, const Pose& start, const Pose& p) {
+  const auto far = [&](const Pose& at) {
+    const Pose d = p - at;
+    return std::max({std::hypot(d.x, d.y, d.z), std::hypot(d.u, d.v, d.w), std::abs(d.a),
+                     std::abs(d.b), std::abs(d.c)});
+  };
+  const auto at = [&](double share) {
+    if (const auto* line = std::get_if<LinearMove>(&move))
+      return start + (line->end - start) * share;
+    return arc_point_at(*std::get_if<ArcMove>(&move), start, share);
+  };
+  constexpr int kSteps = 300;
+  int best = 0;
+  for (int i = 0; i <= kSteps; ++i)
+    if (far(at(1.0 * i / kSteps)) < far(at(1.0 * best / kSteps))) best = i;
+  double low = std::max(0.0, (best - 1.0) / kSteps), high = std::min(1.0, (best + 1.0) / kSteps);
+  for (int i = 0; i < 60; ++i) {
+    const double l = low + (high - low) / 3, h = high - (high - low) / 3;
+    (far(at(l)) < far(at(h)) ? high : low) = far(at(l)) < far(at(h)) ? h : l;
+  }
+  return far(at(low));
+}
+
 /// Differences of every joint, cycle by cycle, against its limits.
 class Oracle {
  public:

@@ -32,9 +32,28 @@ std::map<std::string, std::vector<Documented>> documented() {
   return table;
 }
 
-void set_sample_args(hal::TestBuilder& hal) {
-  hal.set_arg("cfg", "bfsu,FF");
-  hal.set_arg("depth", "10,5");
+/// The loadrt parameters of the component's own example.
+void set_sample_args(hal::TestBuilder& hal, const hal::Module& m) {
+  std::istringstream words{std::string(m.info.example)};
+  for (std::string word; words >> word;)
+    hal.set_arg(word.substr(0, word.find('=')), word.substr(word.find('=') + 1));
+}
+
+/// Makes the component with the loadrt parameters of the table, "NAME=VALUE" with the type "loadrt".
+void create_all(hal::TestBuilder& hal, const std::string& component,
+                const std::vector<Documented>& items) {
+  std::string personality = "0";
+  for (const Documented& item : items) {
+    if (item.type != "loadrt") continue;
+    const auto equals = item.name.find('=');
+    const std::string key = item.name.substr(0, equals), value = item.name.substr(equals + 1);
+    if (key == "personality")
+      personality = value;
+    else
+      hal.set_arg(key, value);
+  }
+  const hal::Module& m = module(component);
+  hal.create(m, first_prefix(m), std::stol(personality, nullptr, 0));
 }
 
 std::string dir_text(hal::Dir dir) {
@@ -74,10 +93,11 @@ TEST(Components, ExportWhatTheManualPagesName) {
   for (const auto& [component, items] : table) {
     SCOPED_TRACE(component);
     hal::TestBuilder hal;
-    set_sample_args(hal);
-    ASSERT_TRUE(hal.create(module(component), first_prefix(module(component)))) << hal.error();
+    create_all(hal, component, items);
+    ASSERT_TRUE(hal.error().empty()) << hal.error();
     const auto functions = hal.functions();
     for (const Documented& item : items) {
+      if (item.type == "loadrt") continue;
       SCOPED_TRACE(item.name);
       if (item.type == "function") {
         EXPECT_EQ(std::count(functions.begin(), functions.end(), item.name), 1);
@@ -102,7 +122,7 @@ TEST(Components, DescribeThemselvesAndAllTheirPins) {
     EXPECT_TRUE(m->info.notes.ends_with('.')) << "notes are whole sentences";
     EXPECT_EQ(m->info.license, "MIT");
     hal::TestBuilder hal;
-    set_sample_args(hal);
+    set_sample_args(hal, *m);
     ASSERT_TRUE(hal.create(*m, first_prefix(*m))) << hal.error();
     for (const std::string& item : hal.items()) {
       EXPECT_GT(hal.doc(item).size(), 4U) << item;
@@ -115,7 +135,7 @@ TEST(Components, RunOnDefaultValuesForASecond) {
   for (const hal::Module* m : all_modules()) {
     SCOPED_TRACE(m->info.name);
     hal::TestBuilder hal;
-    set_sample_args(hal);
+    set_sample_args(hal, *m);
     ASSERT_TRUE(hal.create(*m, first_prefix(*m))) << hal.error();
     for (const std::string& function : hal.functions()) hal.run(function, 1'000'000, 1000);
     for (const std::string& item : hal.items()) {

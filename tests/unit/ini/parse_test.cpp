@@ -131,11 +131,11 @@ INSTANTIATE_TEST_SUITE_P(
                   {"c.ini:2: error: Invalid tag 'X'. Expected '=' after tag identifier"}},
         ErrorCase{"ByteOrderMark",
                   "\xEF\xBB\xBF[A]\nX=1\n",
-                  {"c.ini:1: warning: The file begins with a UTF-8 byte order mark; save it "
-                   "without one",
-                   "c.ini:1: error: Invalid tag '\xEF\xBB\xBF[A]'. Expected '=' after tag "
+                  {"c.ini:1: error: Invalid tag '\xEF\xBB\xBF[A]'. Expected '=' after tag "
                    "identifier",
-                   "c.ini:2: error: Tag 'X' found without prior section definition"}},
+                   "c.ini:2: error: Tag 'X' found without prior section definition",
+                   "c.ini:1: warning: The file begins with a UTF-8 byte order mark; save it "
+                   "without one"}},
         ErrorCase{"BlankInKey",
                   "[A]\nX Y = 1\n",
                   {"c.ini:2: error: Invalid tag name 'X Y'. Identifier contains invalid "

@@ -29,46 +29,74 @@ std::vector<std::string> lines(const std::vector<Diagnostic>& diagnostics) {
   return out;
 }
 
+constexpr Key kJointKeys[] = {
+    real("MAX_VELOCITY", "").unit("mm/s").above(0).otherwise("1"),
+    real("MAX_ACCELERATION", "").unit("mm/s^2").from(0).to(1000),
+    real("HOME", "").otherwise("2.5"),
+    real("BACKLASH", ""),
+    integer("N", "").otherwise("-7"),
+    boolean("FLAG", "").otherwise("YES"),
+    text("S", "").otherwise("none"),
+    text("H", "").repeated(),
+    choice("TYPE", "LINEAR ANGULAR", "").otherwise("ANGULAR"),
+    reals("P", "3 6", "").unit("mm"),
+    text("L", ""),
+    text("N2", ""),
+};
+constexpr KeySection kSections[] = {{"JOINT_n", "", kJointKeys, By::motion}};
+constexpr KeyTable kTable{kSections};
+
 TEST(IniReader, GoodValuesNeedNoComplaint) {
   const IniFile file =
-      ini("[J]\nV = 12.5\nN=-3\nU=0x1F\nB=Yes\nS=a b\nH=1\nH=2\nT=angular\nL=inch\nD=deg\n");
-  Reader r(file);
-  EXPECT_DOUBLE_EQ(r.real("J", "V", {.min = 0, .required = true, .unit = "mm/s"}), 12.5);
-  EXPECT_EQ(r.integer("J", "N"), -3);
-  EXPECT_EQ(r.unsigned_integer("J", "U"), 31U);
-  EXPECT_TRUE(r.boolean("J", "B", false));
-  EXPECT_EQ(r.string("J", "S"), "a b");
-  EXPECT_THAT(r.strings("J", "H"), ElementsAre("1", "2"));
-  EXPECT_EQ(r.choice("J", "T", {"LINEAR", "ANGULAR"}, 0), 1U);
-  EXPECT_DOUBLE_EQ(r.linear_unit("J", "L"), 25.4);
-  EXPECT_DOUBLE_EQ(r.angular_unit("J", "D"), 1.0);
+      ini("[JOINT_0]\nMAX_VELOCITY = 12.5\nN=-3\nFLAG=no\nS=a "
+          "b\nH=1\nH=2\nTYPE=linear\nL=inch\nN2=0.25\n"
+          "P=1 2\t-3.5\n");
+  Reader r(file, kTable);
+  EXPECT_DOUBLE_EQ(r.real("JOINT_0", "MAX_VELOCITY"), 12.5);
+  EXPECT_EQ(r.integer("JOINT_0", "N"), -3);
+  EXPECT_FALSE(r.boolean("JOINT_0", "FLAG"));
+  EXPECT_EQ(r.string("JOINT_0", "S"), "a b");
+  EXPECT_THAT(r.strings("JOINT_0", "H"), ElementsAre("1", "2"));
+  EXPECT_EQ(r.choice("JOINT_0", "TYPE"), 0U);
+  EXPECT_THAT(r.reals("JOINT_0", "P"), ElementsAre(1, 2, -3.5));
+  EXPECT_DOUBLE_EQ(r.linear_unit("JOINT_0", "L"), 25.4);
+  EXPECT_DOUBLE_EQ(r.linear_unit("JOINT_0", "N2"), 4) << "units in 1 mm";
   EXPECT_TRUE(r.complaints().empty());
   EXPECT_FALSE(r.failed());
 }
 
-TEST(IniReader, AbsentKeysGiveTheirDefaults) {
-  const IniFile file = ini("[J]\n");
-  Reader r(file);
-  EXPECT_DOUBLE_EQ(r.real("J", "V", {.fallback = 2.5}), 2.5);
-  EXPECT_EQ(r.integer("J", "N", {.fallback = -7}), -7);
-  EXPECT_TRUE(r.boolean("J", "B", true));
-  EXPECT_EQ(r.string("J", "S", "none"), "none");
-  EXPECT_EQ(r.choice("J", "T", {"A", "B"}, 1), 1U);
+TEST(IniReader, AbsentKeysGiveTheTablesDefaults) {
+  const IniFile file = ini("[JOINT_0]\n");
+  Reader r(file, kTable);
+  EXPECT_DOUBLE_EQ(r.real("JOINT_0", "HOME"), 2.5);
+  EXPECT_DOUBLE_EQ(r.real("JOINT_0", "HOME", 7), 7) << "the caller's own default";
+  EXPECT_EQ(r.integer("JOINT_0", "N"), -7);
+  EXPECT_TRUE(r.boolean("JOINT_0", "FLAG"));
+  EXPECT_EQ(r.string("JOINT_0", "S"), "none");
+  EXPECT_EQ(r.choice("JOINT_0", "TYPE"), 1U);
+  EXPECT_TRUE(r.reals("JOINT_0", "P").empty());
   EXPECT_TRUE(r.complaints().empty());
+}
+
+TEST(IniReader, AKeyThatIsNotInTheTableIsAFaultOfTheProgram) {
+  const IniFile file = ini("[JOINT_0]\nSECRET = 1\n");
+  Reader r(file, kTable);
+  r.real("JOINT_0", "SECRET");
+  ASSERT_TRUE(r.failed());
+  EXPECT_THAT(r.complaints()[0].message(), HasSubstr("is not in the table"));
 }
 
 TEST(IniReader, EveryBadKeyIsCollected) {
   const IniFile file =
       ini("[JOINT_0]\nMAX_VELOCITY = -1\nMAX_ACCELERATION = fast\nHOME = 1\nTYPE = LINAER\n"
-          "BACKLASH = 0 # none\nFLAG = maybe\n");
-  Reader r(file);
-  EXPECT_DOUBLE_EQ(r.real("JOINT_0", "MAX_VELOCITY",
-                          {.fallback = 1, .min = 0, .min_excluded = true, .unit = "mm/s"}),
-                   1);
-  r.real("JOINT_0", "MAX_ACCELERATION", {.min = 0, .max = 1000, .unit = "mm/s^2"});
-  r.choice("JOINT_0", "TYPE", {"LINEAR", "ANGULAR"}, 0);
+          "BACKLASH = 0 # none\nFLAG = maybe\nP = 1 2\n");
+  Reader r(file, kTable);
+  EXPECT_DOUBLE_EQ(r.real("JOINT_0", "MAX_VELOCITY"), 1);
+  r.real("JOINT_0", "MAX_ACCELERATION");
+  r.choice("JOINT_0", "TYPE");
   EXPECT_DOUBLE_EQ(r.real("JOINT_0", "BACKLASH"), 0);
-  r.boolean("JOINT_0", "FLAG", true);
+  EXPECT_TRUE(r.boolean("JOINT_0", "FLAG"));
+  EXPECT_TRUE(r.reals("JOINT_0", "P").empty());
   r.complain("JOINT_0", "HOME", "is outside the limits");
   EXPECT_TRUE(r.failed());
   EXPECT_THAT(
@@ -80,21 +108,22 @@ TEST(IniReader, EveryBadKeyIsCollected) {
                   "you mean 'LINEAR'?",
                   "m.ini:7: error: [JOINT_0]FLAG = 'maybe': expected one of TRUE YES ON 1 FALSE NO "
                   "OFF 0",
+                  "m.ini:8: error: [JOINT_0]P = '1 2': expected 3 or 6 numbers [mm]",
                   "m.ini:4: error: [JOINT_0]HOME: is outside the limits"));
 }
 
 TEST(IniReader, TrailingTextIsAWarningButACommentIsNot) {
-  const IniFile file = ini("[A]\nC=100 # travel\nT=1.5\nS=1 000\nB=TRUE # c\n");
-  Reader r(file);
-  EXPECT_DOUBLE_EQ(r.real("A", "C"), 100);
+  const IniFile file = ini("[JOINT_0]\nHOME=100 # travel\nN=1.5\nBACKLASH=1 000\nFLAG=TRUE # c\n");
+  Reader r(file, kTable);
+  EXPECT_DOUBLE_EQ(r.real("JOINT_0", "HOME"), 100);
   EXPECT_TRUE(r.complaints().empty());
-  EXPECT_EQ(r.integer("A", "T"), 1);
-  EXPECT_EQ(r.integer("A", "S"), 1);
+  EXPECT_EQ(r.integer("JOINT_0", "N"), 1);
+  EXPECT_EQ(r.real("JOINT_0", "BACKLASH"), 1);
   EXPECT_FALSE(r.failed());
-  r.boolean("A", "B", false);
+  r.boolean("JOINT_0", "FLAG");
   ASSERT_EQ(r.complaints().size(), 3U);
   EXPECT_EQ(r.complaints()[0].message(),
-            "m.ini:3: warning: [A]T = '1.5': '.5' after the number is ignored");
+            "m.ini:3: warning: [JOINT_0]N = '1.5': '.5' after the number is ignored");
   EXPECT_THAT(r.complaints()[2].message(), HasSubstr("put it on a line of its own"));
 }
 
@@ -118,18 +147,6 @@ TEST(IniReader, UnsignedRefusesNegative) {
   EXPECT_FALSE(get_uint(file, "A", "X").ok());
   EXPECT_TRUE(get_uint(file, "A", "Y").ok());
   EXPECT_THAT(get_uint(file, "A", "X").error(), HasSubstr("an integer of at least 0"));
-}
-
-TEST(IniReader, UnknownKeysGetASuggestion) {
-  const IniFile file = ini("[A]\nHOME=1\nHOEM_OFFSET=2\nHAL_ONLY=3\nHOEM_OFFSET=4\n[B]\nZ=1\n");
-  Reader r(file);
-  r.real("A", "HOME");
-  r.real("A", "HOME_OFFSET");
-  r.known_key("A", "HAL_ONLY");
-  EXPECT_THAT(lines(r.unknown_keys({"A", "NOPE"})),
-              ElementsAre("m.ini:3: warning: unknown key [A]HOEM_OFFSET; did you mean "
-                          "'HOME_OFFSET'?"));
-  EXPECT_THAT(lines(r.unknown_keys({"B"})), ElementsAre("m.ini:7: warning: unknown key [B]Z"));
 }
 
 TEST(IniConvert, IntegerPrefixes) {

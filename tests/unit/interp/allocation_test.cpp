@@ -5,8 +5,8 @@
 #include <new>
 #include <string>
 
-#include "bench/interp/null_canon.hpp"
 #include "interp/interpreter.hpp"
+#include "interp/null_canon.hpp"
 
 namespace {
 unsigned long allocations = 0;  // single-threaded test program

@@ -304,6 +304,50 @@ TEST(SavedState, M72BringsAllModesButTheMotionBack) {
       << "MDI is a level of its own";
 }
 
+TEST(SavedState, M72BringsCutterCompensationBack) {
+  struct Row {
+    const char* before;
+    int code;
+  };
+  for (const Row& row : {Row{"G40", 400}, Row{"G41.1 D2", 410}, Row{"G42.1 D2", 420},
+                         Row{"G41 D7", 410}, Row{"G42 D7", 420}}) {
+    for (const char* inside : {"G40\n", "G40\nG42.1 D4\n", "G40\nG41 D7\n"}) {
+      Rig rig;
+      Tool tool;
+      tool.number = 7;
+      tool.pocket = 7;
+      tool.diameter_mm = 3;
+      rig.world.files.set_tool(tool);
+      const std::string out =
+          rig.run(std::string("G21 F100\n") + row.before + "\nM70\n" + inside + "M72\n(abort,x)\n");
+      EXPECT_EQ(out.substr(out.size() - 8), "error: x") << row.before << inside << out;
+      EXPECT_EQ(rig.interp.modal().cutter_comp, row.code) << row.before << inside;
+    }
+  }
+}
+
+// The example of the manual.
+TEST(SavedState, NamedParametersShowTheModesAroundACall) {
+  Rig rig;
+  const std::string show =
+      "(debug,imperial=%d#<_imperial> absolute=%d#<_absolute> feed=%d#<_feed> rpm=%d#<_rpm>)\n";
+  const std::string out =
+      rig.run("O<showstate> sub\n" + show + "O<showstate> endsub\nO<imperialsub> sub\n" +
+              "G20\nG91\nF5\nS300\n(debug,in subroutine, state now:)\no<showstate> call\n" +
+              "O<imperialsub> endsub\ng21\ng90\nf200\nS2500\n(debug,in main, state now:)\n" +
+              "o<showstate> call\nM70\nO<imperialsub> call\nM72\n(debug,back in main)\n" +
+              "o<showstate> call\nm2\n");
+  std::string said;
+  for (std::size_t at = 0; (at = out.find("MESSAGE(\"", at)) != std::string::npos;) {
+    at += 9;
+    said += out.substr(at, out.find('"', at) - at) + "\n";
+  }
+  EXPECT_EQ(said,
+            "in main, state now:\nimperial=0 absolute=1 feed=200 rpm=2500\n"
+            "in subroutine, state now:\nimperial=1 absolute=0 feed=5 rpm=300\n"
+            "back in main\nimperial=0 absolute=1 feed=200 rpm=2500\n");
+}
+
 TEST(SavedState, M73RestoresOnReturnAndM71Forgets) {
   const std::string sub = "o1 sub\nM73\nG20 G91\nF5\n%o1 endsub\nG21 F100\no1 call\n(abort,x)\n";
   for (const std::string& extra :

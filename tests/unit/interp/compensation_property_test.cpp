@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "bench/interp/null_canon.hpp"
+#include "interp/null_canon.hpp"
 #include "rig.hpp"
 
 namespace kerf::interp {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "bench/interp/null_canon.hpp"
+#include "interp/null_canon.hpp"
 #include "rig.hpp"
 
 namespace kerf::interp {

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "interp/config/ini_settings.hpp"
+#include "interp/dialect.hpp"
 
 namespace kerf::interp {
 namespace {
@@ -53,10 +54,17 @@ TEST_F(IniSettings, Defaults) {
   EXPECT_DOUBLE_EQ(s.settings.arc_error_inch, 0.0005);
   EXPECT_EQ(s.settings.compat, Compat::newest);
   EXPECT_EQ(s.settings.dialect, "linuxcnc");
-  EXPECT_EQ(s.settings.log_level, -1);
+  EXPECT_EQ(s.settings.log_level, LogLevel::nothing);
   EXPECT_EQ(s.paths.program_prefix, dir_ + "/nc_files");
   EXPECT_EQ(s.paths.parameter_file, "");
   EXPECT_EQ(s.python.toplevel, "");
+}
+
+TEST_F(IniSettings, EachDialectCanBeChosen) {
+  for (const std::string_view name : dialect_names()) {
+    EXPECT_EQ(read("DIALECT = " + std::string(name) + "\n").settings.dialect, name);
+    EXPECT_EQ(complaints_, "");
+  }
 }
 
 TEST_F(IniSettings, EveryFlagHasItsKey) {
@@ -153,7 +161,7 @@ TEST_F(IniSettings, TextsAndPaths) {
   EXPECT_EQ(s.paths.parameter_file, dir_ + "/my.var");
   EXPECT_THAT(s.paths.user_m_path, ElementsAre(dir_ + "/one", dir_ + "/two"));
   EXPECT_EQ(s.startup_code, "G21 G90");
-  EXPECT_EQ(s.settings.log_level, 3);
+  EXPECT_EQ(s.settings.log_level, LogLevel{3});
   EXPECT_EQ(s.settings.log_file, dir_ + "/interp.log");
   EXPECT_EQ(s.on_abort_command, "O <on_abort> call");
   EXPECT_EQ(s.python.toplevel, dir_ + "/python/top.py");

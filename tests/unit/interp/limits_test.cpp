@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "bench/interp/null_canon.hpp"
 #include "interp/core.hpp"
+#include "interp/null_canon.hpp"
 #include "interp/source.hpp"
 #include "rig.hpp"
 

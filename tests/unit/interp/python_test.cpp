@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 
@@ -133,15 +134,16 @@ def mover(self, *args):
     self.execute("G0 X%f" % args[0])
     return 2
 )PY";
+  static constexpr const char* kToplevel = "import remap\nimport oword\nimport namedparams\n";
   static constexpr const char* kNamed = "def _pi(self):\n    return 3.1415926535\n";
 
   static void SetUpTestSuite() {
-    dir_ = new fs::path(fs::temp_directory_path() / ("kerf_python_" + std::to_string(::getpid())));
-    fs::create_directories(*dir_);
+    dir = new fs::path(fs::temp_directory_path() / ("kerf_python_" + std::to_string(::getpid())));
+    fs::create_directories(*dir);
     write("remap.py", kRemap);
     write("oword.py", kOword);
     write("namedparams.py", kNamed);
-    write("toplevel.py", "import remap\nimport oword\nimport namedparams\n");
+    write("toplevel.py", kToplevel);
     write("pp.ngc",
           "o<pp> sub\n(debug,myname #<myname> #1 glob #<_glob>)\n#<result> = [#<myname> * "
           "2]\n#1 = 9\no<pp> endsub [4]\n");
@@ -149,11 +151,11 @@ def mover(self, *args):
     write("body.ngc", "o<body> sub\n(debug,body)\no<body> endsub [1]\n");
   }
   static void TearDownTestSuite() {
-    fs::remove_all(*dir_);
-    delete dir_;
+    fs::remove_all(*dir);
+    delete dir;
   }
   static void write(const std::string& name, const std::string& text) {
-    std::ofstream(*dir_ / name) << text;
+    std::ofstream(*dir / name) << text;
   }
 
   class World final : public Environment {
@@ -168,22 +170,18 @@ def mover(self, *args):
   };
 
   void SetUp() override { start(); }
-  void TearDown() override {
-    interp_.reset();
-    std::fclose(out_);
-    std::free(text_);
-  }
-  void start(const std::string& toplevel = "toplevel.py") {
+  void TearDown() override { interp_.reset(); }
+  void start(const std::string& toplevel = "toplevel.py", bool reload = false) {
     PythonSettings settings;
-    settings.toplevel = (*dir_ / toplevel).string();
-    settings.path_prepend = {dir_->string()};
+    settings.reload_on_change = reload;
+    settings.toplevel = (*dir / toplevel).string();
+    settings.path_prepend = {dir->string()};
     auto host = open_scripts(settings, [this] { return stop_ && ++asked_ > 3; });
     if (!host.ok()) GTEST_SKIP() << host.error().message();
     host_ = std::move(*host);
     world_.host = host_.get();
-    world_.files.add_directory(dir_->string());
-    out_ = open_memstream(&text_, &size_);
-    canon_ = std::make_unique<TextCanon>(out_);
+    world_.files.add_directory(dir->string());
+    printed_ = std::make_unique<PrintedCalls>();
     Settings s;
     for (const char* line : {"M400 argspec=p ngc=body",
                              "M401 argspec=Pqx python=words",
@@ -212,24 +210,15 @@ def mover(self, *args):
                              "M423 python=forever",
                              "M424 python=sleeps",
                              "M425 python=executes_wait",
+                             "M426 python=changing",
+                             "M427 python=added",
                              "T prolog=prepare_prolog ngc=body epilog=prepare_epilog"})
       s.remaps.push_back(parse_remap(line).remap.value());
-    interp_ = std::make_unique<Interpreter>(world_, *canon_, s);
+    interp_ = std::make_unique<Interpreter>(world_, printed_->canon(), s);
     interp_->init();
     (void)calls();
   }
-  std::string calls() {
-    std::fflush(out_);
-    std::string all(text_ + taken_, size_ - taken_);
-    taken_ = size_;
-    std::string clean;
-    for (std::size_t at = 0; at < all.size();) {
-      const std::size_t end = all.find('\n', at);
-      clean += all.substr(at + 13, end - at - 12);
-      at = end + 1;
-    }
-    return clean;
-  }
+  std::string calls() { return printed_->take(); }
   /// Calls of a line; "error: TEXT" at the end. Waits are answered with the input 5; `waits_` counts them.
   std::string mdi(const std::string& line) {
     waits_ = 0;
@@ -254,18 +243,15 @@ def mover(self, *args):
     return "STRAIGHT_TRAVERSE(" + x + ", 0.0000, 0.0000, 0.0000, 0.0000, 0.0000)\n";
   }
 
-  static fs::path* dir_;
+  static fs::path* dir;
   std::unique_ptr<ScriptHost> host_;
   World world_;
-  char* text_{nullptr};
-  std::size_t size_{0}, taken_{0};
-  std::FILE* out_{nullptr};
-  std::unique_ptr<TextCanon> canon_;
+  std::unique_ptr<PrintedCalls> printed_;
   std::unique_ptr<Interpreter> interp_;
   int waits_{0}, asked_{0};
   bool stop_{false};
 };
-fs::path* PythonTest::dir_ = nullptr;
+fs::path* PythonTest::dir = nullptr;
 
 TEST_F(PythonTest, BodiesGetTheirWords) {
   EXPECT_EQ(mdi("M401 P1 Q2"), message("[('p', 1.0), ('q', 2.0)] 1 1"));
@@ -386,6 +372,77 @@ TEST_F(PythonTest, ABrokenToplevelIsSaid) {
   start("broken.py");
   EXPECT_THAT(interp_->script_problem(), HasSubstr("nothing_of_this_name"));
   EXPECT_THAT(world_.warnings, HasSubstr("broken.py"));
+}
+
+/// Other functions for the running machine: remap.py ends with `changing`, for which others follow.
+class PythonReload : public PythonTest {
+ protected:
+  void SetUp() override {
+    change("remap.py", kRemap + changing("one"));
+    start("toplevel.py", true);
+  }
+  void TearDown() override {
+    PythonTest::TearDown();
+    change("remap.py", kRemap);
+    change("toplevel.py", kToplevel);
+  }
+  static std::string changing(const std::string& says) {
+    return "def changing(self, **words):\n    emccanon.MESSAGE(\"" + says + "\")\n";
+  }
+  /// Each change has a time of its own, however fast the test is.
+  static void change(const std::string& name, const std::string& text) {
+    static int changes = 0;
+    write(name, text);
+    fs::last_write_time(*dir / name,
+                        fs::last_write_time(*dir / name) + std::chrono::milliseconds(++changes));
+  }
+};
+
+TEST_F(PythonReload, AChangedModuleCountsFromTheNextCall) {
+  // The module is that of the process; other tests imported it before this one wrote its function.
+  change("remap.py", kRemap + changing("one"));
+  EXPECT_EQ(mdi("M426"), message("one"));
+  change("remap.py", kRemap + changing("two"));  // as long as before, within the same second
+  EXPECT_EQ(mdi("M426"), message("two"));
+  EXPECT_EQ(mdi("M426"), message("two"));
+  EXPECT_EQ(mdi("M401 P1"), message("[('p', 1.0)] 1 1")) << "the others are there too";
+}
+
+TEST_F(PythonReload, AnAddedFunctionIsFound) {
+  change("toplevel.py", kToplevel + std::string("remap.__dict__.pop('added', None)\n"));
+  EXPECT_EQ(mdi("M427"), "error: 'added' is not a Python callable function");
+  change("toplevel.py", kToplevel);
+  change("remap.py", kRemap + std::string("added = number\n"));
+  EXPECT_THAT(mdi("M427"), HasSubstr("remap.added must return INTERP_OK"));
+}
+
+TEST_F(PythonReload, AChangedToplevelRunsAgain) {
+  change("toplevel.py", std::string(kToplevel) + "remap.changing = remap.finish\n");
+  EXPECT_EQ(mdi("M426 G0 X1"), traverse("1.0000"));
+  EXPECT_EQ(waits_, 1);
+}
+
+TEST_F(PythonReload, AWrongChangeLeavesTheFunctionsAndIsSaidOnce) {
+  change("remap.py", kRemap + changing("good"));
+  EXPECT_EQ(mdi("M426"), message("good"));
+  change("remap.py", "def changing(self, **words:\n");
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(mdi("M426"), message("good"));
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("SyntaxError"));
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(mdi("M426"), message("good"));
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  change("remap.py", kRemap + changing("mended"));
+  EXPECT_EQ(mdi("M426"), message("mended"));
+}
+
+TEST_F(PythonReload, WithoutTheKeyNothingIsReadAgain) {
+  change("remap.py", kRemap + changing("read"));
+  EXPECT_EQ(mdi("M426"), message("read"));
+  interp_.reset();
+  start();
+  change("remap.py", kRemap + changing("unread"));
+  EXPECT_EQ(mdi("M426"), message("read"));
 }
 
 TEST(PythonAbsent, CommentsSayThatThereIsNone) {

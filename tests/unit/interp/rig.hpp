@@ -43,22 +43,20 @@ class ScriptedWorld final : public Environment {
   }
 };
 
-class Rig {
+/// A canon that prints into memory.
+class PrintedCalls {
  public:
-  explicit Rig(const Settings& settings = {})
-      : out_(open_memstream(&text_, &size_)), canon_(out_), interp(world, canon_, settings) {
-    interp.init();
-    (void)calls();
-  }
-  ~Rig() {
+  PrintedCalls() : out_(open_memstream(&text_, &size_)), canon_(out_) {}
+  ~PrintedCalls() {
     std::fclose(out_);
     std::free(text_);
   }
-  Rig(const Rig&) = delete;
-  Rig& operator=(const Rig&) = delete;
+  PrintedCalls(const PrintedCalls&) = delete;
+  PrintedCalls& operator=(const PrintedCalls&) = delete;
 
-  /// The calls printed since the last calls(), one a line, without counter and "N..... ".
-  std::string calls() {
+  [[nodiscard]] TextCanon& canon() noexcept { return canon_; }
+  /// The calls printed since the last take(), one a line, without counter and "N..... ".
+  std::string take() {
     std::fflush(out_);
     std::string all(text_ + taken_, size_ - taken_);
     taken_ = size_;
@@ -73,6 +71,23 @@ class Rig {
     }
     return clean;
   }
+
+ private:
+  char* text_{nullptr};
+  std::size_t size_{0}, taken_{0};
+  std::FILE* out_;
+  TextCanon canon_;
+};
+
+class Rig {
+ public:
+  explicit Rig(const Settings& settings = {}) : interp(world, printed_.canon(), settings) {
+    interp.init();
+    (void)calls();
+  }
+
+  /// The calls printed since the last calls().
+  std::string calls() { return printed_.take(); }
   /// Runs one MDI line to its end; answers every wait with `answer`. The printed calls, or "error: TEXT".
   std::string mdi(std::string_view line, const ExternalState& answer = {}) {
     Outcome o = interp.execute_mdi(line);
@@ -105,10 +120,7 @@ class Rig {
   }
 
  private:
-  char* text_{nullptr};
-  std::size_t size_{0}, taken_{0};
-  std::FILE* out_;
-  TextCanon canon_;
+  PrintedCalls printed_;
 
  public:
   ScriptedWorld world;

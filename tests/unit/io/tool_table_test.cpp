@@ -21,8 +21,8 @@ ToolTable parse(const std::string& text, double unit = 1.0) {
   return table.ok() ? *table : ToolTable();
 }
 
-std::string complaint(const std::string& text) {
-  const auto table = ToolTable::parse(text, "tool.tbl", 1.0);
+std::string complaint(const std::string& text, bool random = false) {
+  const auto table = ToolTable::parse(text, "tool.tbl", 1.0, random);
   EXPECT_FALSE(table.ok()) << text;
   return table.ok() ? "" : table.error().message();
 }
@@ -54,17 +54,36 @@ TEST(ToolTable, comments_and_their_places_are_kept) {
 }
 
 TEST(ToolTable, errors_name_file_line_and_what_was_expected_all_at_once) {
-  const std::string all = complaint(
-      "T1 P1\nT2\nP3\nT4 P4 Zx\nT5 P5 K3\nT1 P9\nT6 P2000\nT7 P7 Q10\nT8 P8 Z1 Z2\nT-1 P1\n");
+  const std::string all =
+      complaint("T1 P1\nT2\nP3\nT4 P4 Zx\nT5 P5 K3\nT6 P2000\nT7 P7 Q10\nT8 P8 Z1 Z2\nT-1 P1\n");
   EXPECT_THAT(all, HasSubstr("tool.tbl:2: no pocket number"));
   EXPECT_THAT(all, HasSubstr("tool.tbl:3: no tool number"));
   EXPECT_THAT(all, HasSubstr("tool.tbl:4: Zx: expected a number"));
   EXPECT_THAT(all, HasSubstr("tool.tbl:5: 'K3'"));
-  EXPECT_THAT(all, HasSubstr("tool.tbl:6: tool T1 is defined twice"));
-  EXPECT_THAT(complaint("T6 P2000\n"), HasSubstr("0 to 1000"));
+  EXPECT_THAT(complaint("T6 P2000\n", true), HasSubstr("0 to 1000"));
+  EXPECT_EQ(parse("T99999 P99999\n").tools()[0].pocket, 99999) << "P is the user's own here";
   EXPECT_THAT(complaint("T7 P7 Q10\n"), HasSubstr("0 to 9"));
   EXPECT_THAT(complaint("T8 P8 Z1 Z2\n"), HasSubstr("two Z"));
   EXPECT_THAT(complaint("T1 P\n"), HasSubstr("expected a whole number"));
+}
+
+TEST(ToolTable, of_two_lines_for_a_tool_the_first_counts_and_the_other_is_kept) {
+  const std::string text = "T1 P1 Z1 D6\nT1 P9 Z2\n";
+  const auto table = parse(text);
+  ASSERT_EQ(table.tools().size(), 1U);
+  EXPECT_DOUBLE_EQ(table.find(1)->offset.z, 1);
+  ASSERT_EQ(table.warnings().size(), 1U);
+  EXPECT_THAT(table.warnings()[0], HasSubstr("tool.tbl:2: tool T1 is defined twice"));
+  EXPECT_EQ(table.text(1.0), text);
+}
+
+TEST(ToolTable, headings_and_old_formats_are_skipped_and_kept) {
+  const std::string text = "TOOLNO POCKET LENGTH\n1 1 0.5 0.25\nT3 P3 D6\n";
+  const auto table = parse(text);
+  ASSERT_EQ(table.tools().size(), 1U);
+  ASSERT_EQ(table.warnings().size(), 2U);
+  EXPECT_THAT(table.warnings()[1], HasSubstr("tool.tbl:2: not a line of a tool"));
+  EXPECT_EQ(table.text(1.0), text);
 }
 
 TEST(ToolTable, two_tools_in_one_pocket_are_wrong_on_random_changers_only) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
+#include <cstdlib>
 #include <filesystem>
 
 namespace kerf::launcher {
@@ -17,7 +20,8 @@ TEST(Options, AllOfThem) {
   EXPECT_EQ(o->program, here + "/b.ngc");
   EXPECT_EQ(o->log_joints, here + "/c.log");
   EXPECT_EQ(o->svg, "/tmp/d.svg");
-  EXPECT_EQ(o->hal_dirs, (std::vector<std::string>{here + "/h1", here + "/h2"}));
+  EXPECT_EQ(o->hal_dirs,
+            (std::vector<std::string>{here + "/h2", here + "/h1"}));  // each before the others
   EXPECT_EQ(o->instance, "m-1");
   EXPECT_TRUE(o->once && o->virtual_time && o->ignore_hal_errors && o->verbose);
   EXPECT_FALSE(o->check_only);
@@ -42,6 +46,30 @@ TEST(Options, Check) {
   const auto o = parse_options({"check", "a.ini"});
   ASSERT_TRUE(o.ok());
   EXPECT_TRUE(o->check_only);
+}
+
+TEST(Options, PlannerAndHomingModules) {
+  EXPECT_TRUE(parse_options({"-t", "tpmod", "-m", "homemod", "a.ini"}).ok());
+  EXPECT_TRUE(parse_options({"-t", "tpmod", "x=1", "y=2", "a.ini"}).ok()) << "with parameters";
+  const auto other = parse_options({"-m", "myhome", "a.ini"});
+  ASSERT_FALSE(other.ok());
+  EXPECT_NE(other.error().text.find("myhome"), std::string::npos);
+  EXPECT_NE(other.error().text.find("cannot be exchanged"), std::string::npos);
+}
+
+TEST(Options, TheLastIniFileAgain) {
+  const std::string state = testing::TempDir() + "kerf_state_" + std::to_string(getpid());
+  setenv("XDG_STATE_HOME", state.c_str(), 1);
+  const auto none = parse_options({"-l"});
+  ASSERT_FALSE(none.ok());
+  EXPECT_NE(none.error().text.find("no machine was started yet"), std::string::npos);
+  remember_ini("/m/mill.ini");
+  const auto last = parse_options({"-l"});
+  ASSERT_TRUE(last.ok());
+  EXPECT_EQ(last->ini, "/m/mill.ini");
+  EXPECT_EQ(parse_options({"-l", "/m/other.ini"})->ini, "/m/other.ini");
+  unsetenv("XDG_STATE_HOME");
+  std::filesystem::remove_all(state);
 }
 
 TEST(Options, WrongUseIsNamed) {

@@ -156,14 +156,43 @@ TEST_F(PlanTest, Programs) {
   const LaunchPlan p = plan(
       "[HAL]\nHALFILE = one.hal\nHALUI = halui\n[TASK]\nTASK = mytask\n[DISPLAY]\nDISPLAY = axis "
       "-x \"a b\"\n"
-      "OPEN_FILE = part.ngc\n[APPLICATIONS]\nAPP = sim_pin one\nAPP = other\n");
+      "OPEN_FILE = part.ngc\n[APPLICATIONS]\nDELAY = 2.5\nAPP = sim_pin one\nAPP = other\n");
   EXPECT_EQ(p.task_program, "mytask");
   EXPECT_EQ(p.halui, "halui");
   EXPECT_EQ(p.display, (std::vector<std::string>{"axis", "-x", "a b"}));
   EXPECT_EQ(p.open_file, dir_ + "/machine/part.ngc");
   ASSERT_EQ(p.applications.size(), 2U);
-  EXPECT_EQ(p.applications[0], (std::vector<std::string>{"sim_pin", "one"}));
+  EXPECT_EQ(p.applications[0], "sim_pin one");
+  EXPECT_EQ(p.applications_delay_s, 2.5);
   EXPECT_EQ(plan("[HAL]\nHALFILE = one.hal\n[DISPLAY]\nOPEN_FILE = \"\"\n").open_file, "");
+}
+
+TEST_F(PlanTest, EveryKeyIsHeldAgainstTheTable) {
+  std::ofstream(dir_ + "/machine/one.hal") << "setp pid.0.x [JOINT_0]MY_SCALE\n";
+  const std::string text = messages(
+      plan("[HAL]\nHALFILE = one.hal\nHALCMD = setp y [JOINT_0]OTHER\n[JOINT_0]\nMY_SCALE = 1\n"
+           "OTHER = 2\nHOME_SERCH_VEL = 3\nMAX_VELOCITY = fast\n"));
+  EXPECT_EQ(text.find("MY_SCALE"), std::string::npos) << text;
+  EXPECT_EQ(text.find("OTHER"), std::string::npos) << text;
+  EXPECT_NE(text.find("m.ini:7: warning: unknown key [JOINT_0]HOME_SERCH_VEL; did you mean "
+                      "'HOME_SEARCH_VEL'?"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("m.ini:8: error: [JOINT_0]MAX_VELOCITY = 'fast'"), std::string::npos) << text;
+}
+
+TEST_F(PlanTest, FiltersByExtension) {
+  const auto loaded = ini::IniFile::parse(
+      "[FILTER]\nPROGRAM_EXTENSION = .png,.gif Depth Image\nPROGRAM_EXTENSION = .py Script\n"
+      "png = image-to-gcode -x\npy = python3\njpg = never\n",
+      "m.ini");
+  const ini::IniFile& file = loaded.file;
+  EXPECT_EQ(filter_for(file, "/a/b.png"), (std::vector<std::string>{"image-to-gcode", "-x"}));
+  EXPECT_EQ(filter_for(file, "b.py"), (std::vector<std::string>{"python3"}));
+  EXPECT_TRUE(filter_for(file, "b.gif").empty()) << "no program for it";
+  EXPECT_TRUE(filter_for(file, "b.jpg").empty()) << "not among the extensions";
+  EXPECT_TRUE(filter_for(file, "b.ngc").empty());
+  EXPECT_TRUE(filter_for(file, "noext").empty());
 }
 
 TEST(SplitWords, QuotesKeepBlanks) {

@@ -33,6 +33,26 @@ TEST(Controller, DisabledFollowsTheFeedback) {
   EXPECT_EQ(rig.status().joint[0].pos_cmd, 7) << "switching on moves nothing";
 }
 
+TEST(Controller, JointsBeginWhereTheyWereWhenTheMachineWentOff) {
+  Rig rig;
+  rig.follow = false;
+  rig.in.joint[0].motor_pos_fb = 7;
+  rig.config.joint[0].start = 12.5;
+  rig.config.joint[0].has_start = true;
+  rig.apply_config();
+  rig.run(2);
+  EXPECT_EQ(rig.status().joint[0].pos_cmd, 12.5);
+  EXPECT_EQ(rig.status().joint[0].pos_fb, 12.5);
+  EXPECT_EQ(rig.status().pos_cmd.x, 12.5);
+  EXPECT_EQ(rig.status().joint[0].motor_offset, -5.5);
+  EXPECT_FALSE(rig.status().joint[0].homed);
+  EXPECT_EQ(rig.status().joint[1].pos_cmd, 0);
+  rig.in.joint[0].motor_pos_fb = 8;
+  rig.apply_config();
+  rig.run(2);
+  EXPECT_EQ(rig.status().joint[0].pos_cmd, 13.5) << "only the first time";
+}
+
 TEST(Controller, FaultsSwitchOffAndNeedANewRequest) {
   const auto off_by = [](Fault fault, auto&& provoke, auto&& mend) {
     Rig rig;
@@ -98,6 +118,56 @@ TEST(Controller, FollowingErrorLimitGrowsWithTheSpeed) {
   EXPECT_TRUE(rig.status().enabled) << "4.5 mm behind";
   rig.run(20);
   EXPECT_TRUE(rig.saw(Fault::following_error));
+}
+
+// BACKLASH = 0.4: the motor goes 0.2 further to the side that the joint moves to; the joint's own position knows nothing of
+// it, nor does the following error.
+TEST(Controller, BacklashIsMadeGoodWithinItsShareOfTheLimits) {
+  Rig rig;
+  rig.config.joint[0].backlash = 0.4;
+  rig.apply_config();
+  rig.ready();
+  const auto extra = [&] { return rig.controller->joint(0).backlash.position(); };
+  rig.run(10);
+  EXPECT_EQ(extra(), 0) << "nothing has moved yet";
+  double before = 0, speed_before = 0;
+  const auto goes_within_limits = [&] {
+    const double speed = (extra() - before) / Rig::kPeriod;
+    EXPECT_LE(std::abs(speed), 0.5 * rig.config.joint[0].max_vel + 1e-9);
+    EXPECT_LE(std::abs(speed - speed_before) / Rig::kPeriod,
+              0.5 * rig.config.joint[0].max_acc * (1 + 1e-6) + 1e-3);
+    before = extra();
+    speed_before = speed;
+    EXPECT_NEAR(rig.status().joint[0].ferror, 0, 1e-9);
+  };
+  const auto move_to = [&](double x) {
+    ASSERT_TRUE(rig.line({.x = x}, 20));
+    ASSERT_GT(rig.run_until([&] {
+      goes_within_limits();
+      return rig.status().path_empty && rig.status().in_position;
+    }),
+              0);
+    for (int i = 0; i < 200; ++i) {
+      rig.cycle();
+      goes_within_limits();
+    }
+    EXPECT_NEAR(rig.status().joint[0].pos_cmd, x, 1e-9);
+  };
+  move_to(5);
+  EXPECT_NEAR(extra(), 0.2, 1e-12);
+  move_to(8);
+  EXPECT_NEAR(extra(), 0.2, 1e-12) << "the same side";
+  move_to(3);
+  EXPECT_NEAR(extra(), -0.2, 1e-12);
+  EXPECT_EQ(rig.controller->joint(1).backlash.position(), 0) << "that joint did not move";
+  EXPECT_EQ(rig.faults.size(), 0U);
+  rig.config.joint[0].backlash = 0.1;
+  rig.controller->adopt(rig.config);
+  for (int i = 0; i < 200; ++i) {
+    rig.cycle();
+    goes_within_limits();
+  }
+  EXPECT_NEAR(extra(), -0.05, 1e-12) << "a new value takes the same side";
 }
 
 TEST(Controller, ALostHeartbeatStopsOnThePathThenSwitchesOff) {

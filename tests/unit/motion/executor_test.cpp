@@ -24,18 +24,19 @@ TEST(Executor, LinesTakeTheTimeOfTheTrapezoidAndEndExactly) {
   rig.line({.x = 10, .y = 1.0 / 3}, 20);
   const double length = std::hypot(10, 1.0 / 3), acc = 1000 / (10 / length);
   const int cycles = rig.finish();
-  EXPECT_NEAR(cycles * Rig::kPeriod, length / 20 + 20 / acc, 0.003);
+  // Five milliseconds go by before the planner believes that no more moves come.
+  EXPECT_NEAR(cycles * Rig::kPeriod, length / 20 + 20 / acc + 0.005, 0.003);
   EXPECT_EQ(rig.status().pos_cmd, (Pose{.x = 10, .y = 1.0 / 3}));
   EXPECT_EQ(rig.status().joint[1].pos_cmd, 1.0 / 3);
   EXPECT_FALSE(rig.saw(Fault::limit_acceleration));
 }
 
 TEST(Executor, TheRestOfACycleIsCarriedIntoTheNextMove) {
-  Rig one, many;
-  one.ready();
+  Rig many;
   many.ready();
+  many.push(PathControl{.mode = PathControl::Mode::exact_stop});
   for (int i = 1; i <= 40; ++i) many.line({.x = 0.1 * i}, 50);
-  const double exact = 40 * 2 * std::sqrt(0.1 / 1000);  // 40 triangles
+  const double exact = 0.005 + 40 * 2 * std::sqrt(0.1 / 1000);  // 40 triangles
   EXPECT_NEAR(many.finish() * Rig::kPeriod, exact, 0.003);
   EXPECT_TRUE(many.faults.empty());
 }
@@ -525,6 +526,51 @@ TEST(Executor, AbortStopsOnThePathAndForgetsTheRest) {
   EXPECT_GT(rig.finish(2000), 0);
   EXPECT_EQ(rig.status().pos_cmd.x, 3);
   EXPECT_TRUE(rig.faults.empty());
+}
+
+/// Least time to stop on a circle about 0 from a point at a speed: at each instant as hard as both axes allow.
+double least_stop_s(Pose at, double speed, double acc) {
+  const double r = std::hypot(at.x, at.y), dt = 1e-5;
+  double phi = std::atan2(at.y, at.x), t = 0;
+  while (speed > 0) {
+    const double c = std::cos(phi), s = std::sin(phi), n = speed * speed / r;
+    // Acceleration of X: u sin - n cos, of Y: -u cos - n sin, for a braking u.
+    double u = 1e9;
+    if (std::abs(s) > 1e-9) u = std::min(u, (acc + (s > 0 ? n * c : -n * c)) / std::abs(s));
+    if (std::abs(c) > 1e-9) u = std::min(u, (acc + (c > 0 ? -n * s : n * s)) / std::abs(c));
+    speed -= u * dt;
+    phi += speed / r * dt;
+    t += dt;
+  }
+  return t;
+}
+
+TEST(Executor, StopsOnArcsTakeLittleMoreThanTheLeastTime) {
+  for (const double override_factor : {1.0, 0.3, 0.02}) {
+    for (const int cycles : {400, 777, 1313, 2001}) {
+      Rig rig;
+      rig.ready();
+      rig.line({.x = 20}, 90);
+      ASSERT_GT(rig.finish(), 0);
+      ArcMove m;
+      m.end = {.x = 20};
+      m.normal[2] = 1;
+      m.vel_mm_s = 90;
+      m.turns = 3;
+      rig.push(m);
+      rig.intent.feed_override = override_factor;
+      rig.run(cycles);
+      const double speed = rig.status().vel_mm_s;
+      ASSERT_GT(speed, 0);
+      const double least = least_stop_s(rig.status().pos_cmd, speed, 1000);
+      rig.abort();
+      const int took = rig.run_until([&] { return rig.status().acked_epoch == 2; }, 2000);
+      EXPECT_GT(took, 0);
+      EXPECT_LE(took * Rig::kPeriod, 1.1 * least + 2.5 * Rig::kPeriod)
+          << "override " << override_factor << " after " << cycles;
+      EXPECT_TRUE(rig.faults.empty());
+    }
+  }
 }
 
 TEST(Executor, MarkersAndToolOffsetsPassInOrder) {

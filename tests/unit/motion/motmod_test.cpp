@@ -52,9 +52,7 @@ struct Shell {
       a = AxisConfig{.min_limit = -500, .max_limit = 500, .max_vel = 100, .max_acc = 1000};
     shared().config.write(c);
   }
-  /// One instant: participants, then the servo functions; motors follow.
-  void cycle() {
-    shared().intent.heartbeat.add(1);
+  void plan() {
     for (rtapi::Participant* p : hal.participants()) {
       rtapi::WaitSpec next;
       do {
@@ -62,7 +60,14 @@ struct Shell {
         p->step(hal.clock().now(), next);
       } while (next.until <= hal.clock().now());
     }
+  }
+  /// One instant: participants, then the servo functions; motors follow. `between`: the planner has its turn between these, as it
+  /// may when it runs beside them.
+  void cycle(bool between = false) {
+    shared().intent.heartbeat.add(1);
+    if (!between) plan();
     hal.run("motion-command-handler");
+    if (between) plan();
     hal.run("motion-controller");
     for (int j = 0; j < 3; ++j) {
       const std::string joint = "joint." + std::to_string(j) + ".";
@@ -94,6 +99,35 @@ struct Shell {
     run(3);
   }
 };
+
+/// Whenever the planner runs: a move is watched by the limits that it was planned with.
+TEST(Motmod, NewLimitsMeetNoMoveOfTheOldOnes) {
+  for (const bool between : {false, true}) {
+    Shell s;
+    ASSERT_TRUE(s.load()) << s.hal.error();
+    s.configure();
+    s.ready();
+    MachineConfig slow;
+    ASSERT_TRUE(s.shared().config.read(slow));
+    for (auto& j : slow.joint) j.max_vel = 10, j.max_acc = 100;
+    for (auto& a : slow.axis) a.max_vel = 10, a.max_acc = 100;
+    const auto peak_to = [&](double x) {
+      double peak = 0;
+      s.push(LinearMove{.end = {.x = x}, .vel_mm_s = 1000});
+      for (int i = 0; i < 8000; ++i) {
+        s.cycle(between);
+        peak = std::max(peak, std::abs(s.status().joint[0].vel_cmd));
+      }
+      EXPECT_NEAR(s.status().pos_cmd.x, x, 1e-9);
+      return peak;
+    };
+    s.shared().config.write(slow);
+    const double first = peak_to(30);
+    EXPECT_TRUE(std::abs(first - 10) < 0.01 || std::abs(first - 100) < 0.1) << first;
+    EXPECT_NEAR(peak_to(0), 10, 0.01);
+    EXPECT_EQ(s.status().faults, 0U) << "planner " << (between ? "between" : "before");
+  }
+}
 
 TEST(Motmod, NeedsKinematics) {
   hal::TestBuilder hal;

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <vector>
 
@@ -51,6 +53,19 @@ class RigKinematics final : public Kinematics {
   std::vector<int> axes_;
 };
 
+/// The planner's memory, for the life of the rig.
+class HeapMemory final : public path::Memory {
+ public:
+  void* allocate(std::size_t bytes, std::size_t align) noexcept override {
+    if (align > alignof(std::max_align_t)) return nullptr;
+    blocks_.push_back(std::make_unique<std::byte[]>(bytes));
+    return blocks_.back().get();
+  }
+
+ private:
+  std::vector<std::unique_ptr<std::byte[]>> blocks_;
+};
+
 struct Rig {
   static constexpr double kPeriod = 0.001;
 
@@ -59,9 +74,11 @@ struct Rig {
         path(std::make_unique<PathRing>()),
         spans(std::make_unique<SpanRing>()),
         faults_in(std::make_unique<FaultRing>()),
-        planner(kinematics, *spans, *faults_in),
-        controller(
-            std::make_unique<Controller>(kinematics, *spans, *faults_in, kinematics.joints(), 2)) {
+        slots(std::make_unique<PlanSlots>()),
+        planner(kinematics, *spans, *slots, *faults_in),
+        controller(std::make_unique<Controller>(kinematics, *spans, *slots, *faults_in,
+                                                kinematics.joints(), 2)) {
+    if (!planner.create(memory)) std::abort();
     config.joints = kinematics.joints();
     config.axis_mask = kinematics.axis_mask();
     config.traj_max_vel_mm_s = 1e6;
@@ -93,8 +110,8 @@ struct Rig {
   /// One servo cycle, planner first.
   void cycle() {
     if (heart) ++orders.heartbeat;
-    while (plan &&
-           planner.run(*path, controller->view(), orders.abort_epoch) == Planner::Waits::turn) {
+    while (plan && planner.run(*path, controller->view(), orders.abort_epoch, now_ns) ==
+                       Planner::Waits::turn) {
     }
     orders.path_ring_empty = path->empty();
     controller->step(in, orders, kPeriod, now_ns);
@@ -102,7 +119,9 @@ struct Rig {
     for (const auto& f : controller->faults()) faults.push_back(f);
     for (std::size_t j = 0; j < controller->joints(); ++j) {
       const auto& s = status().joint[j];
-      if (follow) in.joint[j].motor_pos_fb = s.pos_cmd + s.motor_offset;
+      if (follow)
+        in.joint[j].motor_pos_fb =
+            s.pos_cmd + s.motor_offset + controller->joint(j).backlash.position();
     }
   }
   void run(int cycles) {
@@ -167,6 +186,8 @@ struct Rig {
   std::unique_ptr<PathRing> path;
   std::unique_ptr<SpanRing> spans;
   std::unique_ptr<FaultRing> faults_in;
+  std::unique_ptr<PlanSlots> slots;
+  HeapMemory memory;
   Planner planner;
   std::unique_ptr<Controller> controller;
   Inputs in;

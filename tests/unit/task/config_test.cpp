@@ -1,14 +1,17 @@
 // The INI file as task reads it, and its complaints.
 #include <gmock/gmock.h>
 
+#include <unistd.h>
+
+#include "io/tool_table.hpp"
 #include "rig.hpp"
 #include "task/machine_config.hpp"
+#include "task/position_file.hpp"
 
 namespace kerf::task::testing {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 SetupResult read(const std::string& text) {
   const auto loaded = ini::IniFile::parse(text, "/m/test.ini");
@@ -49,9 +52,46 @@ TEST(Config, all_complaints_at_once_each_with_its_line) {
   const auto r = read(text);
   EXPECT_FALSE(r.ok);
   EXPECT_THAT(r.text(), HasSubstr("[AXIS_X]"));
-  EXPECT_THAT(r.text(), HasSubstr("MAX_VELOCITYY"));
+  EXPECT_THAT(r.text(), HasSubstr("[AXIS_X]MAX_VELOCITY: is not given"));
   EXPECT_THAT(r.text(), HasSubstr("fast"));
   EXPECT_THAT(r.text(), HasSubstr("test.ini:"));
+}
+
+TEST(Config, speeds_that_are_not_given_are_the_defaults_with_a_warning) {
+  const auto r = read(with("MAX_VELOCITY = 50\nMAX_ACCELERATION = 500\n[AXIS_Y]",
+                           "MAX_ACCELERATION = 500\n[AXIS_Y]"));
+  EXPECT_TRUE(r.ok) << r.text();
+  EXPECT_DOUBLE_EQ(r.setup.motion.axis[0].max_vel, 1);
+  EXPECT_THAT(r.text(), HasSubstr("warning: [AXIS_X]MAX_VELOCITY: is not given: 1 is used"));
+}
+
+TEST(PositionFile, keeps_where_the_joints_were) {
+  const std::string file = ::testing::TempDir() + "positions_" + std::to_string(::getpid());
+  MachineSetup setup;
+  setup.motion.joints = 2;
+  setup.joint_unit = {25.4, 1};
+  EXPECT_TRUE(load_positions(file, setup).ok()) << "no file yet";
+  EXPECT_FALSE(setup.motion.joint[0].has_start);
+  motion::MotionStatus status;
+  status.joint[0].pos_fb = 12.7;
+  status.joint[1].pos_fb = -1.0 / 3.0;
+  ASSERT_TRUE(save_positions(file, setup, status).ok());
+  EXPECT_EQ(*io::read_file(file), "0.50000000000000000\n-0.33333333333333331\n");
+  ASSERT_TRUE(load_positions(file, setup).ok());
+  EXPECT_TRUE(setup.motion.joint[0].has_start);
+  EXPECT_DOUBLE_EQ(setup.motion.joint[0].start, 12.7);
+  EXPECT_DOUBLE_EQ(setup.motion.joint[1].start, -1.0 / 3.0);
+
+  MachineSetup other;
+  other.motion.joints = 2;
+  for (const char* bad : {"1\n", "1\nx\n", "", "1 nan\n"}) {
+    ASSERT_TRUE(io::write_file_whole(file, bad).ok());
+    const auto loaded = load_positions(file, other);
+    ASSERT_FALSE(loaded.ok()) << bad;
+    EXPECT_THAT(loaded.error().message(), HasSubstr("position of each of 2 joints"));
+    EXPECT_FALSE(other.motion.joint[0].has_start);
+  }
+  ::unlink(file.c_str());
 }
 
 TEST(Config, limits_must_make_sense) {
@@ -65,14 +105,6 @@ TEST(Config, limits_must_make_sense) {
               HasSubstr("'Q' is no axis"));
   EXPECT_THAT(read(with("TOOL_TABLE", "TOOL_CHANGE_POSITION = 0 0\nTOOL_TABLE")).text(),
               HasSubstr("3, 6 or 9 numbers"));
-}
-
-TEST(Config, unknown_keys_are_warned_of_unless_hal_uses_them) {
-  const auto r = read(with("[JOINT_0]\n", "[JOINT_0]\nHOME_SERCH_VEL = 5\nMY_SCALE = 3\n") +
-                      "[HAL]\nHALCMD = setp a.b [JOINT_0]MY_SCALE\n");
-  EXPECT_TRUE(r.ok);
-  EXPECT_THAT(r.text(), HasSubstr("HOME_SEARCH_VEL"));
-  EXPECT_THAT(r.text(), Not(HasSubstr("MY_SCALE")));
 }
 
 }  // namespace

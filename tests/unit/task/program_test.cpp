@@ -222,6 +222,8 @@ TEST(Program, step_after_pause_ends_the_held_block) {
 TEST(Program, m0_waits_for_resume_and_m1_for_the_switch) {
   Rig rig;
   rig.ready();
+  EXPECT_TRUE(rig.status().optional_stop) << "on at the start";
+  rig.does({"optional-stop", "off"});
   auto run = rig.start_text("G0 X1\nM0\nG0 X2\nM1\nG0 X3\nM2\n");
   rig.run_for(1);
   EXPECT_EQ(rig.fake->status.pos_cmd.x, 1);
@@ -245,7 +247,7 @@ TEST(Program, m0_waits_for_resume_and_m1_for_the_switch) {
 TEST(Program, block_delete_skips_lines) {
   Rig rig;
   rig.ready();
-  rig.does({"block-delete", "on"});
+  EXPECT_TRUE(rig.status().block_delete) << "on at the start";
   rig.run_text("/G0 X5\nG0 Y1\nM2\n");
   EXPECT_EQ(rig.fake->status.pos_cmd.x, 0);
   rig.does({"block-delete", "off"});

@@ -1,9 +1,7 @@
 // The client protocol: one table, exact words, and a client over a real socket.
 #include <gmock/gmock.h>
 
-#include "rig.hpp"
-#include "rtapi/clock/join_clock.hpp"
-#include "task/api/client.hpp"
+#include "served.hpp"
 
 namespace kerf::task::testing {
 namespace {
@@ -64,28 +62,6 @@ TEST(Protocol, replies_survive_the_wire) {
   EXPECT_EQ(r->text, "line \"3\"\nand more");
   EXPECT_FALSE(parse_reply("{\"id\":1}").ok());
 }
-
-/// A rig whose task listens under a name of its own.
-struct Served : Rig {
-  Served() {
-    stop();
-    segment.reset();
-    instance = "t-task-" + std::to_string(::getpid());
-    segment = std::move(rtapi::Segment::create(instance, 8U << 20U).value());
-    shared = *segment->make<motion::MotionShared>(motion::kMotionBlock, motion::kMotionAbi);
-    fake = std::make_unique<FakeMotion>(*shared);
-    TaskOptions options;
-    options.pins = &pins;
-    task = std::make_unique<Task>(loaded.file, *segment, nullptr, options);
-    started = task->start();
-    EXPECT_TRUE(started.ok()) << started.error().message();
-    scheduler = std::make_unique<rtapi::LocalScheduler>();
-    scheduler->add(*fake);
-    for (auto* p : task->participants()) scheduler->add(*p);
-    run_for(0.01);
-  }
-  std::string instance;
-};
 
 TEST(Protocol, client_gets_each_outcome_once_and_the_messages) {
   Served rig;

@@ -98,7 +98,7 @@ class FakeMotion final : public rtapi::Participant {
     }
     peak_queue = std::max(peak_queue, shared_.path.size());
     status.path_empty = shared_.path.empty();
-    status.held = shared_.intent.hold.get() != 0;
+    status.held = shared_.intent.hold.get() != 0 || step_done_;
     shared_.status.write(status);
     if (before != std::make_tuple(status.executed_seq, status.acked_epoch, status.enabled,
                                   status.mode, status.path_empty, status.all_homed))
@@ -123,6 +123,10 @@ class FakeMotion final : public rtapi::Participant {
   }
 
   void work(Nanos now) {
+    if (shared_.intent.hold.get() != 0 || !intent.single_step) {
+      step_id_ = 0;
+      step_done_ = false;
+    }
     if (!status.enabled || shared_.intent.hold.get() != 0) return;
     for (int n = 0; n < 64; ++n) {
       const motion::PathItem* item = shared_.path.front();
@@ -132,6 +136,9 @@ class FakeMotion final : public rtapi::Participant {
         shared_.path.pop();
         continue;
       }
+      if (intent.single_step && step_id_ == 0) step_id_ = item->tag.id;
+      step_done_ = intent.single_step && item->tag.id != step_id_;
+      if (step_done_) return;
       if (status.current_seq != item->seq) {
         status.current_seq = item->seq;
         status.current = item->tag;
@@ -161,6 +168,8 @@ class FakeMotion final : public rtapi::Participant {
   motion::MotionShared& shared_;
   Nanos next_cycle_{0};
   Nanos busy_until_{0};
+  std::uint64_t step_id_{0};
+  bool step_done_{false};
   int ack_count_{0};
 };
 

@@ -79,6 +79,7 @@ typedef enum {
 typedef hal_comp_type_t component_type_t;
 
 /* Values as others may change them at any moment. */
+typedef bool hal_bool;
 typedef volatile bool hal_bit_t;
 typedef volatile rtapi_s32 hal_s32_t;
 typedef volatile rtapi_u32 hal_u32_t;

@@ -179,6 +179,35 @@ bool check_range(double low, double high, double start, double end, double min_l
 
 }  // namespace
 
+PathLimits path_limits_of(const Kinematics& kinematics, const MachineConfig& config) noexcept {
+  PathLimits out;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    const AxisConfig& a = config.axis[i];
+    const bool exists = (axes_of(kinematics.axis_mask(), config) >> i & 1U) != 0;
+    out.axes.vel[i] = exists ? a.max_vel : path::kNoLimit;
+    out.axes.acc[i] = exists ? a.max_acc : path::kNoLimit;
+    out.low[i] = exists ? a.min_limit : -path::kNoLimit;
+    out.high[i] = exists ? a.max_limit : path::kNoLimit;
+  }
+  for (std::int32_t j = 0; j < joints_of(kinematics.joints(), config); ++j) {
+    const std::int32_t axis = kinematics.axis_of_joint(j);
+    if (axis < 0) {
+      out.plain = false;
+      continue;
+    }
+    const JointConfig& c = config.joint[j];
+    const auto i = static_cast<std::size_t>(axis);
+    out.axes.vel[i] = std::min(out.axes.vel[i], c.max_vel);
+    out.axes.acc[i] = std::min(out.axes.acc[i], c.max_acc);
+    out.low[i] = std::max(out.low[i], c.min_limit);
+    out.high[i] = std::min(out.high[i], c.max_limit);
+  }
+  out.axes.path_vel = config.traj_max_vel_mm_s;
+  out.axes.path_acc = config.traj_max_acc_mm_s2;
+  out.axes.turn_vel = config.traj_max_ang_vel_deg_s;
+  return out;
+}
+
 bool ceilings_of(const Curve& curve, const Kinematics& kinematics, const MachineConfig& config,
                  double wanted_speed, Ceilings& out) noexcept {
   const Sampler sampler(curve, kinematics, config);

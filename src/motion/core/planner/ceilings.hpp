@@ -7,6 +7,7 @@
 #include "motion/api/kinematics.hpp"
 #include "motion/api/status.hpp"
 #include "motion/core/geometry.hpp"
+#include "motion/core/path/limits.hpp"
 
 namespace kerf::motion {
 
@@ -20,6 +21,16 @@ namespace kerf::motion {
                                                const MachineConfig& config) noexcept {
   return config.joints > 0 && config.joints < kinematics_joints ? config.joints : kinematics_joints;
 }
+
+/// What limits smooth paths of a machine whose joints each move one axis.
+struct PathLimits {
+  path::AxisLimits
+      axes;  ///< of each axis and of the joints that it moves; kNoLimit for axes that are not there
+  path::Vec low, high;  ///< soft limits, alike
+  bool plain{true};  ///< false: kinematics mix axes, so each move is judged by itself (ceilings_of)
+};
+[[nodiscard]] PathLimits path_limits_of(const Kinematics& kinematics,
+                                        const MachineConfig& config) noexcept;
 
 struct Ceilings {
   double speed{0};  ///< along the curve

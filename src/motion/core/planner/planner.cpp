@@ -1,3 +1,4 @@
+// Items: what of the queue becomes which part of the path.
 #include "motion/core/planner/planner.hpp"
 
 #include <algorithm>
@@ -7,16 +8,85 @@
 
 namespace kerf::motion {
 namespace {
+
 /// Items in one turn: the caller looks for stops between turns.
 constexpr int kItemsPerTurn = 64;
 constexpr std::size_t kBodies = std::variant_size_v<PathItems::Variant>;
+constexpr std::size_t kMoves = 1024;   ///< pending at most
+constexpr std::size_t kEvents = 1024;  ///< between them
+constexpr std::size_t kPieces =
+    8192;  ///< of kMoves moves: five knots a corner, and what feeds divide
+/// G64 without P keeps this; see docs/planner.md.
+constexpr double kFreeTolerance = 0.1;
+
+path::Piece piece_of(const Curve& curve, double feed, bool rapid,
+                     const path::Vec& max_vel) noexcept {
+  const path::Vec from = path::to_vec(curve.start), to = path::to_vec(curve.end);
+  if (curve.shape != Curve::Shape::arc) return path::line_move(from, to, feed, rapid, max_vel);
+  path::Piece p;
+  p.shape = path::Piece::Shape::arc;
+  p.a = from;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) p.b[i] = (to[i] - from[i]) / curve.angle;
+  for (std::size_t i = 0; i < 3; ++i) {
+    p.a[i] = curve.base[i];
+    p.b[i] = curve.axial * curve.normal[i];
+    p.c[i] = curve.radial[i];
+    p.d[i] = curve.side[i];
+  }
+  p.radius = curve.radius;
+  p.growth = curve.growth;
+  path::scale_arc(p, curve.angle, curve.length, feed, rapid, max_vel);
+  return p;
+}
+
+/// Ceilings of a whole move count along its length: sigma is not stretched for slow axes then.
+void unstretch(const Curve& curve, path::Piece& piece) noexcept {
+  if (piece.shape == path::Piece::Shape::arc)
+    piece.rate = curve.angle / curve.length;
+  else
+    piece.b *= piece.length / curve.length;
+  piece.length = curve.length;
+}
+
 }  // namespace
 
-Planner::Waits Planner::run(PathRing& in, const ServoView& view,
-                            std::uint32_t abort_epoch) noexcept {
+bool Planner::create(path::Memory& memory) noexcept {
+  return moves_.create(memory, kMoves) && meta_.create(memory, kMoves) &&
+         events_.create(memory, kEvents) && pieces_.create(memory, kPieces) &&
+         sent_.create(memory, kSpans) && program_path_.create(memory, kMoves);
+}
+
+void Planner::configure(const MachineConfig& config) noexcept {
+  config_ = config;
+  const PathLimits limits = path_limits_of(kinematics_, config);
+  limits_ = limits.axes;
+  plain_ = limits.plain;
+  path::PathSettings settings;
+  settings.low = limits.low;
+  settings.high = limits.high;
+  program_path_.configure(settings);
+}
+
+Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
+                            std::int64_t now_ns) noexcept {
+  if (view.acked_epoch != epoch_ || (placed_ && view.place != place_ && !probing_)) {
+    forget();
+    epoch_ = view.acked_epoch;
+  }
+  if (!(view.scale == scale_) || view.single_step != single_step_) {
+    scale_ = view.scale;
+    single_step_ = view.single_step;
+    plan(true);
+  }
   for (int n = 0; n < kItemsPerTurn; ++n) {
+    if (sending_ > 0 || events_sending_ > 0) {
+      if (!send()) return Waits::room;
+      continue;
+    }
     const PathItem* item = in.front();
-    if (item == nullptr) return Waits::items;
+    commit_if_due(item != nullptr, now_ns);
+    if (sending_ > 0 || events_sending_ > 0) continue;
+    if (item == nullptr) return moves_.empty() ? Waits::items : Waits::time;
     const bool old =
         static_cast<std::int32_t>(item->epoch - abort_epoch) < 0 || item->epoch <= view.void_epoch;
     if (old || (refusing_ && item->epoch == refused_epoch_)) {
@@ -25,16 +95,42 @@ Planner::Waits Planner::run(PathRing& in, const ServoView& view,
     }
     if (item->epoch != view.acked_epoch) return Waits::servo;
     switch (take(*item, view)) {
-      case Take::done: in.pop(); break;
+      case Take::done:
+        last_item_ns_ = now_ns;
+        slots_.pending.publish(1);
+        in.pop();
+        break;
       case Take::wait_room: return Waits::room;
-      case Take::wait_servo: return Waits::servo;
+      case Take::wait_servo:
+        // What is pending must not wait for what cannot come yet.
+        if (moves_.empty()) return Waits::servo;
+        stop_here();
+        break;
     }
   }
   return Waits::turn;
 }
 
-Planner::Take Planner::push(Span& span) noexcept {
-  return spans_.push(span) ? Take::done : Take::wait_room;
+/// Nothing of what was taken will be driven, but for what the servo has.
+void Planner::forget() noexcept {
+  moves_.clear();
+  meta_.clear();
+  events_.clear();
+  pieces_.clear();
+  sending_ = events_sending_ = events_sent_ = 0;
+  slots_.pending.publish(0);
+  due_ = false;
+  begins_ = true;
+  spindle_changed_ = false;
+  after_traverse_ = false;
+  placed_ = false;
+  probing_ = false;
+}
+
+void Planner::stop_here() noexcept {
+  if (moves_.empty()) return;
+  moves_.back().stop_at_end = true;
+  due_ = true;
 }
 
 Planner::Take Planner::refuse(const PathItem& item, FaultRecord record) noexcept {
@@ -43,6 +139,7 @@ Planner::Take Planner::refuse(const PathItem& item, FaultRecord record) noexcept
   (void)faults_.push(record);
   refusing_ = true;
   refused_epoch_ = item.epoch;
+  stop_here();
   return Take::done;
 }
 
@@ -55,112 +152,198 @@ Planner::Take Planner::bad_item(const PathItem& item, double value) noexcept {
 }
 
 bool Planner::may_move(const ServoView& view) noexcept {
-  if (!view.takes_moves || spans_.size() == SpanRing::capacity()) return false;
+  if (!view.takes_moves) return false;
   if (probing_) {
     // Wherever the probe move ends, the place changes.
     if (view.place == place_) return false;
     probing_ = false;
+    placed_ = false;
   }
-  if (!placed_ || view.place != place_) {
+  if (!placed_) {
     end_ = view.pose;
     place_ = view.place;
     placed_ = true;
+    begins_ = true;
   }
   return true;
 }
 
+path::PathMode Planner::mode_of(const PathControl& control) const noexcept {
+  using Corners = path::PathMode::Corners;
+  path::PathMode out;
+  switch (control.mode) {
+    case PathControl::Mode::exact_path: out.corners = Corners::exact_path; break;
+    case PathControl::Mode::exact_stop: out.corners = Corners::exact_stop; break;
+    default: out.corners = Corners::blend;
+  }
+  const double p = control.tolerance_mm > 0 ? control.tolerance_mm : kFreeTolerance;
+  out.tolerance = {p, p};
+  return out;
+}
+
+/// Whether the machine has to stand before the item acts.
+bool Planner::stands_for(const PathItem& item) const noexcept {
+  if (const auto* change = std::get_if<OutputChange>(&item.body)) return !change->synchronised;
+  if (const auto* dwell = std::get_if<Dwell>(&item.body)) return dwell->seconds > 0;
+  const auto* spindle = std::get_if<SpindleChange>(&item.body);
+  return spindle != nullptr && spindle->action == SpindleChange::Action::orient;
+}
+
+Planner::Take Planner::event(const PathItem& item, const Span::Body& body) noexcept {
+  if (events_.full()) {
+    // All of them stand between the last few moves.
+    stop_here();
+    due_ = true;
+    return Take::wait_room;
+  }
+  if (stands_for(item)) stop_here();
+  Event e;
+  e.span.epoch = item.epoch;
+  e.span.seq = item.seq;
+  e.span.tag = item.tag;
+  e.span.body = body;
+  e.after = static_cast<std::uint32_t>(moves_.size());
+  events_.push_back(e);
+  return Take::done;
+}
+
 Planner::Take Planner::take(const PathItem& item, const ServoView& view) noexcept {
   if (item.body.index() >= kBodies) return bad_item(item, -1);
-  Span span;
-  span.epoch = item.epoch;
-  span.seq = item.seq;
-  span.tag = item.tag;
   const auto straight = [&](const Pose& end, double speed, MotionKind kind,
                             const ProbeMove* probe) {
-    if (!may_move(view))
-      return spans_.size() == SpanRing::capacity() ? Take::wait_room : Take::wait_servo;
+    if (!may_move(view)) return Take::wait_servo;
     Curve curve;
     const bool shaped = make_line(end_, end, axes_of(kinematics_.axis_mask(), config_), curve);
-    return take_move(item, span, curve, shaped, speed, kind, probe);
-  };
-  const auto event = [&](const auto& body) {
-    span.body = body;
-    return push(span);
+    return take_move(item, curve, shaped, speed, kind, probe);
   };
   return std::visit(
       Overloaded{
           [&](const LinearMove& m) { return straight(m.end, m.vel_mm_s, m.kind, nullptr); },
           [&](const ProbeMove& m) { return straight(m.end, m.vel_mm_s, MotionKind::probing, &m); },
           [&](const ArcMove& m) {
-            if (!may_move(view))
-              return spans_.size() == SpanRing::capacity() ? Take::wait_room : Take::wait_servo;
+            if (!may_move(view)) return Take::wait_servo;
             Curve curve;
             const bool shaped = make_arc(end_, m, curve);
-            return take_move(item, span, curve, shaped, m.vel_mm_s, m.kind, nullptr);
+            return take_move(item, curve, shaped, m.vel_mm_s, m.kind, nullptr);
           },
           [&](const Dwell& m) {
-            return m.seconds >= 0 && std::isfinite(m.seconds) ? event(m)
+            return m.seconds >= 0 && std::isfinite(m.seconds) ? event(item, m)
                                                               : bad_item(item, m.seconds);
           },
-          [&](const OutputChange& m) { return output_change(item, m, span); },
-          [&](const SpindleChange& m) { return spindle_change(item, m, span); },
-          [&](const PathControl& m) { return event(m); },
-          [&](const OverrideEnable& m) { return event(m); },
-          [&](const ToolOffset& m) { return is_finite(m.offset) ? event(m) : bad_item(item, 0); },
-          [&](const Marker& m) { return event(m); },
+          [&](const OutputChange& m) { return output_change(item, m); },
+          [&](const SpindleChange& m) { return spindle_change(item, m); },
+          [&](const PathControl& m) {
+            mode_ = mode_of(m);
+            return event(item, m);
+          },
+          [&](const OverrideEnable& m) { return event(item, m); },
+          [&](const ToolOffset& m) {
+            return is_finite(m.offset) ? event(item, m) : bad_item(item, 0);
+          },
+          [&](const Marker& m) { return event(item, m); },
       },
       item.body);
 }
 
-Planner::Take Planner::take_move(const PathItem& item, Span& span, Curve& curve, bool shaped,
-                                 double speed, MotionKind kind, const ProbeMove* probe) noexcept {
-  const bool traverse = kind == MotionKind::traverse || kind == MotionKind::tool_change;
-  const bool speed_ok = std::isfinite(speed) && (traverse ? speed >= 0 : speed > 0);
-  if (!shaped || (!speed_ok && curve.shape != Curve::Shape::point)) return bad_item(item, speed);
-  FaultRecord record;
-  MoveSpan move;
-  move.curve = curve;
-  move.kind = kind;
-  if (curve.shape != Curve::Shape::point) {
-    if (!within_soft_limits(curve, kinematics_, config_, record)) return refuse(item, record);
-    // Ceilings hold for any override: a curve is planned for the largest one.
-    const double most =
-        traverse ? (speed > 0 ? speed : 1e99) : speed * std::max(config_.max_feed_override, 1.0);
-    Ceilings ceilings;
-    if (!ceilings_of(curve, kinematics_, config_, most, ceilings)) {
-      record.fault = Fault::no_inverse;
-      return refuse(item, record);
-    }
-    if (!(ceilings.speed > 0) || !(ceilings.acc > 0)) return bad_item(item, ceilings.speed);
-    move.speed_ceiling = ceilings.speed;
-    move.acc = ceilings.acc;
-    move.requested = traverse && speed == 0 ? ceilings.speed : speed;
+bool Planner::limits_of(const PathItem& item, const Curve& curve, double speed, bool traverse,
+                        Meta& meta, FaultRecord& fault) noexcept {
+  if (!within_soft_limits(curve, kinematics_, config_, fault)) return false;
+  if (plain_) return true;
+  // Ceilings hold for any override: a curve is planned for the largest one.
+  const double most = traverse ? (speed > 0 ? speed : path::kNoLimit)
+                               : speed * std::max(config_.max_feed_override, 1.0);
+  Ceilings ceilings;
+  if (!ceilings_of(curve, kinematics_, config_, most, ceilings)) {
+    fault.fault = Fault::no_inverse;
+    return false;
   }
-  if (probe != nullptr) {
-    move.probe = true;
-    move.probe_until_open = probe->until_open;
-    move.probe_fail_is_error = probe->fail_is_error;
+  if (!(ceilings.speed > 0) || !(ceilings.acc > 0)) {
+    fault.fault = Fault::bad_item;
+    fault.index = static_cast<std::int32_t>(item.body.index());
+    fault.value = ceilings.speed;
+    return false;
   }
-  span.body = move;
-  const Take result = push(span);
-  if (result == Take::done) {
-    end_ = curve.end;
-    if (probe != nullptr) probing_ = true;
+  // Ceilings count along the length; sigma of a spiral runs evenly in its angle, so it is slower or faster by the radius.
+  double even = 1;
+  if (curve.shape == Curve::Shape::arc && curve.growth != 0) {
+    const double last = curve.radius + curve.growth * curve.angle;
+    even = std::min(curve.radius, last) / std::max(curve.radius, last);
   }
-  return result;
+  meta.even_acc = ceilings.acc * even;
+  meta.cap = ceilings.speed * ceilings.speed * even * even;
+  if (!(meta.cap > 0)) {
+    fault.fault = Fault::bad_item;
+    fault.index = static_cast<std::int32_t>(item.body.index());
+    return false;
+  }
+  return true;
 }
 
-Planner::Take Planner::output_change(const PathItem& item, const OutputChange& change,
-                                     Span& span) noexcept {
+Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool shaped,
+                                 double speed, MotionKind kind, const ProbeMove* probe) noexcept {
+  if (moves_.full()) {
+    due_ = true;
+    return Take::wait_room;
+  }
+  const bool traverse = kind == MotionKind::traverse || kind == MotionKind::tool_change;
+  const bool speed_ok = std::isfinite(speed) && (traverse ? speed >= 0 : speed > 0);
+  const bool point = curve.shape == Curve::Shape::point;
+  if (!shaped || (!speed_ok && !point)) return bad_item(item, speed);
+  Meta meta;
+  meta.seq = item.seq;
+  meta.tag = item.tag;
+  meta.kind = kind;
+  meta.end = curve.end;
+  if (probe != nullptr) {
+    stop_here();
+    meta.probe = true;
+    meta.probe_until_open = probe->until_open;
+    meta.probe_fail_is_error = probe->fail_is_error;
+  }
+  if (point) {
+    PathSpan span;
+    span.point = true;
+    span.end = curve.end;
+    span.done_seq = item.seq;
+    span.kind = kind;
+    span.probe = meta.probe;
+    span.probe_until_open = meta.probe_until_open;
+    span.probe_fail_is_error = meta.probe_fail_is_error;
+    const Take result = event(item, span);
+    if (result == Take::done && probe != nullptr) probing_ = true;
+    return result;
+  }
+  FaultRecord fault;
+  if (!limits_of(item, curve, speed, traverse, meta, fault)) return refuse(item, fault);
+  // The first feed move after a change of a spindle waits for it at rest; at constant surface speed also the first after a rapid.
+  const bool css = std::any_of(std::begin(css_), std::end(css_), [](bool on) { return on; });
+  if (!traverse && (spindle_changed_ || (after_traverse_ && css))) stop_here();
+  if (!traverse) spindle_changed_ = false;
+  path::Move move;
+  move.piece =
+      piece_of(curve, traverse && speed == 0 ? path::kNoLimit : speed, traverse, limits_.vel);
+  if (!plain_) unstretch(curve, move.piece);
+  move.mode = mode_;
+  move.stop_at_end = probe != nullptr || !plain_;
+  if (!(path::axis_cap(move.piece, 0, move.piece.length, limits_) > 0)) return bad_item(item, 0);
+  if (!plain_) stop_here();
+  moves_.push_back(move);
+  meta_.push_back(meta);
+  if (move.stop_at_end) due_ = true;
+  after_traverse_ = traverse;
+  end_ = curve.end;
+  if (probe != nullptr) probing_ = true;
+  return Take::done;
+}
+
+Planner::Take Planner::output_change(const PathItem& item, const OutputChange& change) noexcept {
   const std::int32_t count = change.analog ? analog_ : digital_;
   if (change.index < 0 || change.index >= count) return bad_item(item, change.index);
   if (!std::isfinite(change.value)) return bad_item(item, change.value);
-  span.body = change;
-  return push(span);
+  return event(item, change);
 }
 
-Planner::Take Planner::spindle_change(const PathItem& item, const SpindleChange& change,
-                                      Span& span) noexcept {
+Planner::Take Planner::spindle_change(const PathItem& item, const SpindleChange& change) noexcept {
   if (change.spindle < 0 || change.spindle >= spindles_) return bad_item(item, change.spindle);
   const bool numbers = std::isfinite(change.speed_rpm) && std::isfinite(change.css_factor) &&
                        std::isfinite(change.css_max_rpm) && std::isfinite(change.css_center_x_mm) &&
@@ -168,8 +351,18 @@ Planner::Take Planner::spindle_change(const PathItem& item, const SpindleChange&
   // Without a bound the speed at the centre would be without end.
   if (change.css_factor > 0 && change.css_max_rpm <= 0) return bad_item(item, change.css_max_rpm);
   if (!numbers || change.speed_rpm < 0) return bad_item(item, change.speed_rpm);
-  span.body = change;
-  return push(span);
+  const Take result = event(item, change);
+  if (result == Take::done) {
+    // S as it was changes nothing.
+    const auto n = static_cast<std::size_t>(change.spindle);
+    using Action = SpindleChange::Action;
+    const bool css = change.css_factor > 0;
+    if (change.action != Action::set_speed || change.speed_rpm != speed_rpm_[n] || css != css_[n])
+      spindle_changed_ = true;
+    speed_rpm_[n] = change.speed_rpm;
+    css_[n] = css;
+  }
+  return result;
 }
 
 }  // namespace kerf::motion

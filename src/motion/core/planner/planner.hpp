@@ -1,12 +1,18 @@
-// Planner: path items in, checked spans out. Pure arithmetic; the shell gives it its turn and its waits.
+// Planner: path items in, one smooth and certified path out. Pure arithmetic in memory that it got at load time; the shell gives it its turn and
+// its waits.
 //
-// First planner: every corner is an exact stop (MoveSpan::exit_speed stays 0).
+// Moves gather until a stop is due, enough of them have come, or none comes any more while the machine would run dry. Then they become
+// pieces of path (path/program_path.hpp), divided into spans with their limits, and a pass from the end writes into PlanSlots how fast each
+// span may be left. Every plan ends in a stop, and what the servo has been given stays true when more comes: speeds only grow.
 #pragma once
 
 #include <cstdint>
 
 #include "motion/api/config.hpp"
 #include "motion/api/kinematics.hpp"
+#include "motion/core/geometry.hpp"
+#include "motion/core/path/program_path.hpp"
+#include "motion/core/path/reach.hpp"
 #include "motion/core/span.hpp"
 
 namespace kerf::motion {
@@ -18,14 +24,18 @@ class Planner {
     items = 0,
     room = 1,
     servo = 2,
-    turn = 3 /**< nothing: call again */
+    turn = 3, /**< nothing: call again */
+    time = 4  /**< new items, or `wake_ns` */
   };
 
-  Planner(const Kinematics& kinematics, SpanRing& spans, FaultRing& faults) noexcept
-      : kinematics_(kinematics), spans_(spans), faults_(faults) {}
+  Planner(const Kinematics& kinematics, SpanRing& spans, PlanSlots& slots,
+          FaultRing& faults) noexcept
+      : kinematics_(kinematics), spans_(spans), slots_(slots), faults_(faults) {}
+  /// Before anything else. False: no memory.
+  [[nodiscard]] bool create(path::Memory& memory) noexcept;
 
   /// Limits for the items taken from now on.
-  void configure(const MachineConfig& config) noexcept { config_ = config; }
+  void configure(const MachineConfig& config) noexcept;
   /// How many outputs and spindles the shell has; larger numbers in items are refused.
   void set_counts(std::int32_t digital, std::int32_t analog, std::int32_t spindles) noexcept {
     digital_ = digital;
@@ -34,34 +44,111 @@ class Planner {
   }
 
   /// Takes items from `in` while that is possible. Items older than `abort_epoch`, void ones and those behind a refused one
-  /// are dropped. Moves are taken only while `view.takes_moves`.
-  Waits run(PathRing& in, const ServoView& view, std::uint32_t abort_epoch) noexcept;
+  /// are dropped. Moves are taken only while `view.takes_moves`. `now_ns` is the instance's time.
+  Waits run(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
+            std::int64_t now_ns) noexcept;
+  [[nodiscard]] std::int64_t wake_ns() const noexcept { return wake_ns_; }
 
  private:
   enum class Take { done, wait_room, wait_servo };
+  /// What the path does not know of a move.
+  struct Meta {
+    std::uint64_t seq{0};
+    SourceTag tag;
+    Pose end;
+    double even_acc{0}, cap{0};  ///< above 0: limits for the whole move (kinematics that mix axes)
+    double sigma_end{0};         ///< while it is being sent: from the start of what is sent
+    MotionKind kind{MotionKind::feed};
+    bool part{false};  ///< the rest of the move comes later
+    bool probe{false}, probe_until_open{false}, probe_fail_is_error{false};
+  };
+  /// Something between the moves: behind the first `after` of them.
+  struct Event {
+    Span span;
+    std::uint32_t after{0};
+  };
+  /// What the pass from the end needs of a span that was sent.
+  struct Sent {
+    double length{0}, even_acc{0};
+    SpeedBounds speed;
+    std::uint64_t place{0};  ///< in the ring
+    path::Rows rows;
+    bool stop_at_end{false}, block_end{false}, begins{false};
+  };
+
+  // planner.cpp: items
   Take take(const PathItem& item, const ServoView& view) noexcept;
-  Take take_move(const PathItem& item, Span& span, Curve& curve, bool shaped, double speed,
+  Take take_move(const PathItem& item, const Curve& curve, bool shaped, double speed,
                  MotionKind kind, const ProbeMove* probe) noexcept;
-  /// A move of any kind: finds the start, or says why not now.
+  [[nodiscard]] bool limits_of(const PathItem& item, const Curve& curve, double speed,
+                               bool traverse, Meta& meta, FaultRecord& fault) noexcept;
   [[nodiscard]] bool may_move(const ServoView& view) noexcept;
-  Take push(Span& span) noexcept;
+  [[nodiscard]] bool stands_for(const PathItem& item) const noexcept;
+  Take event(const PathItem& item, const Span::Body& body) noexcept;
   Take refuse(const PathItem& item, FaultRecord record) noexcept;
   Take bad_item(const PathItem& item, double value) noexcept;
-  Take output_change(const PathItem& item, const OutputChange& change, Span& span) noexcept;
-  Take spindle_change(const PathItem& item, const SpindleChange& change, Span& span) noexcept;
+  Take output_change(const PathItem& item, const OutputChange& change) noexcept;
+  Take spindle_change(const PathItem& item, const SpindleChange& change) noexcept;
+  void stop_here() noexcept;
+  void forget() noexcept;
+  [[nodiscard]] path::PathMode mode_of(const PathControl& control) const noexcept;
+
+  // send.cpp: pieces, spans and the pass from the end
+  void commit_if_due(bool more_items, std::int64_t now_ns) noexcept;
+  void commit(std::size_t moves, bool hand_over) noexcept;
+  [[nodiscard]] std::size_t hand_over_at() const noexcept;
+  [[nodiscard]] bool send() noexcept;
+  [[nodiscard]] bool send_events(double sigma) noexcept;
+  [[nodiscard]] bool send_stretch(const path::Piece& piece, double from, double to) noexcept;
+  void finish_sending() noexcept;
+  void plan(bool all) noexcept;
+  [[nodiscard]] double seconds_ahead() const noexcept;
 
   const Kinematics& kinematics_;
   SpanRing& spans_;
+  PlanSlots& slots_;
   FaultRing& faults_;
   MachineConfig config_{};
+  path::AxisLimits limits_;
+  bool plain_{true};  ///< each joint is one axis: limits along the path; else each move by itself
   std::int32_t digital_{static_cast<std::int32_t>(kMaxDigital)},
       analog_{static_cast<std::int32_t>(kMaxAnalog)};
   std::int32_t spindles_{static_cast<std::int32_t>(kMaxSpindles)};
+
+  // where the path leads
   Pose end_;                ///< where the path taken so far leads
   std::uint64_t place_{0};  ///< ServoView::place for which end_ is true
+  std::uint32_t epoch_{0};  ///< of what is pending
   std::uint32_t refused_epoch_{0};
   bool placed_{false}, refusing_{false};
   bool probing_{false};  ///< moves behind a probe move wait until it has ended, wherever that is
+  path::PathMode mode_;
+  double speed_rpm_
+      [kMaxSpindles]{};  ///< as the last item left it: unchanged S words never stop the path
+  bool css_[kMaxSpindles]{};
+  bool after_traverse_{false}, spindle_changed_{false};
+
+  // pending
+  path::Buffer<path::Move> moves_;
+  path::Buffer<Meta> meta_;
+  path::Buffer<Event> events_;
+  std::int64_t last_item_ns_{0}, wake_ns_{0};
+  bool due_{false};  ///< the path has to stand at the end of what is pending
+
+  // being sent
+  path::ProgramPath program_path_;
+  path::Buffer<path::Piece> pieces_;
+  std::size_t sending_{0};  ///< moves of which pieces_ were made; 0: none
+  std::size_t events_sending_{0}, events_sent_{0};
+  std::size_t piece_{0}, stretch_{0}, move_{0}, done_{0};
+  double sigma_{0}, piece_sigma_{0};
+  bool handed_over_{false}, begins_{true};
+
+  // sent
+  path::Buffer<Sent> sent_;
+  std::uint64_t next_number_{0}, first_new_{0};
+  FeedScale scale_;
+  bool single_step_{false};
 };
 
 }  // namespace kerf::motion

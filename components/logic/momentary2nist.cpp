@@ -1,0 +1,38 @@
+// momentary2nist: two-position switch for a device with on and off inputs.
+#include "hal/component.hpp"
+
+namespace kerf::components {
+
+class Momentary2nist final : public hal::Component<Momentary2nist> {
+ public:
+  static constexpr hal::Info kInfo{
+      .name = "momentary2nist",
+      .summary = "Two-position switch for a device with on and off inputs",
+      .notes =
+          "A change of in asks the device to follow, and keeps asking until is-on has done so."};
+  using Component::Component;
+
+ private:
+  hal::In<bool> in_{pin<hal::In<bool>>("in", "Switch: true on, false off")};
+  hal::In<bool> is_on_{pin<hal::In<bool>>("is-on", "True while the device is on")};
+  hal::Out<bool> on_{pin<hal::Out<bool>>("on", "True asks the device to go on")};
+  hal::Out<bool> off_{pin<hal::Out<bool>>("off", "True asks the device to go off")};
+  bool before_{false};
+
+  void update(const hal::Period&) noexcept {
+    const bool in = in_, is_on = is_on_;
+    if (in != before_) {
+      on_ = in && !is_on;
+      off_ = !in && is_on;
+    }
+    before_ = in;
+    if (is_on) on_ = false;
+    if (!is_on) off_ = false;
+  }
+  hal::Function update_{
+      function<&Momentary2nist::update>("", "Computes the outputs from the inputs")};
+};
+
+}  // namespace kerf::components
+
+KERF_HAL_MODULE(kerf::components::Momentary2nist)

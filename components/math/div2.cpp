@@ -1,0 +1,31 @@
+// div2: quotient of two floats.
+#include "hal/component.hpp"
+
+namespace kerf::components {
+
+class Div2 final : public hal::Component<Div2> {
+ public:
+  static constexpr hal::Info kInfo{.name = "div2",
+                                   .summary = "Quotient of two floats",
+                                   .notes = "A divisor within the deadband gives zero."};
+  using Component::Component;
+
+ private:
+  hal::In<double> in0_{pin<hal::In<double>>("in0", "Dividend")};
+  hal::In<double> in1_{pin<hal::In<double>>("in1", "Divisor")};
+  hal::Out<double> out_{pin<hal::Out<double>>("out", "in0 / in1, or zero near a divisor of zero")};
+  hal::Param<double> deadband_{param<hal::Param<double>>(
+      "deadband", "Values of in1 not farther from zero than this give zero", 0.0)};
+
+  void update(const hal::Period&) noexcept {
+    double deadband = deadband_;
+    if (deadband < 1e-8) deadband_ = deadband = 1e-8;
+    const double divisor = in1_;
+    out_ = divisor > deadband || divisor < -deadband ? in0_ / divisor : 0.0;
+  }
+  hal::Function update_{function<&Div2::update>("", "Computes the outputs from the inputs")};
+};
+
+}  // namespace kerf::components
+
+KERF_HAL_MODULE(kerf::components::Div2)

@@ -1,0 +1,63 @@
+// orient: target position for turning a spindle to an angle.
+#include <cmath>
+
+#include "hal/component.hpp"
+
+namespace kerf::components {
+
+class Orient final : public hal::Component<Orient> {
+ public:
+  static constexpr hal::Info kInfo{.name = "orient",
+                                   .summary = "Target position for turning a spindle to an angle",
+                                   .notes =
+                                       "At a rising edge of enable the target is computed from the "
+                                       "spindle's position; a position loop then follows command."};
+  using Component::Component;
+
+ private:
+  hal::In<bool> enable_{pin<hal::In<bool>>("enable", "A rising edge computes command")};
+  hal::In<std::int32_t> mode_{pin<hal::In<std::int32_t>>(
+      "mode", "0 the short way, 1 clockwise (upwards), 2 counterclockwise")};
+  hal::In<double> position_{
+      pin<hal::In<double>>("position", "Position of the spindle [revolutions]")};
+  hal::In<double> angle_{pin<hal::In<double>>("angle", "Angle to turn to [degrees]")};
+  hal::Out<double> command_{pin<hal::Out<double>>("command", "Target position [revolutions]")};
+  hal::Out<double> poserr_{pin<hal::Out<double>>("poserr", "Position minus target [degrees]")};
+  hal::Out<bool> is_oriented_{
+      pin<hal::Out<bool>>("is-oriented", "True while the error is below tolerance")};
+  hal::In<double> tolerance_{
+      pin<hal::In<double>>("tolerance", "Largest error that counts as oriented [degrees]", 0.5)};
+  bool before_{false};
+
+  void update(const hal::Period&) noexcept {
+    const bool enable = enable_;
+    const double position = position_;
+    if (enable && !before_) {
+      double target = std::floor(position) + angle_ / 360.0;
+      const double way = target - position;
+      if (mode_ == 1) {
+        if (way < 0.0) target += 1.0;
+      } else if (mode_ == 2) {
+        if (way > 0.0) target -= 1.0;
+      } else if (way > 0.5) {
+        target -= 1.0;
+      } else if (way < -0.5) {
+        target += 1.0;
+      }
+      command_ = target;
+    }
+    before_ = enable;
+    if (enable) {
+      const double error = (position - command_.last()) * 360.0;
+      poserr_ = error;
+      is_oriented_ = std::fabs(error) < tolerance_;
+    } else {
+      is_oriented_ = false;
+    }
+  }
+  hal::Function update_{function<&Orient::update>("", "Computes the outputs from the inputs")};
+};
+
+}  // namespace kerf::components
+
+KERF_HAL_MODULE(kerf::components::Orient)

@@ -1,0 +1,101 @@
+// latencybins: histogram of the lateness of a thread.
+#include <algorithm>
+
+#include "hal/component.hpp"
+
+namespace kerf::components {
+
+class Latencybins final : public hal::Component<Latencybins> {
+ public:
+  static constexpr hal::Info kInfo{
+      .name = "latencybins",
+      .summary = "Histogram of the lateness of a thread",
+      .notes =
+          "Set maxbinnumber and nsbinsize, then step index from 0 to maxbinnumber and read the two "
+          "bins once check shows the same index. In virtual time there is no lateness."};
+  using Component::Component;
+
+ private:
+  hal::In<std::int32_t> maxbinnumber_{
+      pin<hal::In<std::int32_t>>("maxbinnumber", "Bins on each side", 1000)};
+  hal::In<std::int32_t> index_{pin<hal::In<std::int32_t>>("index", "Bin to show")};
+  hal::In<bool> reset_{pin<hal::In<bool>>("reset", "True starts anew")};
+  hal::In<std::int32_t> nsbinsize_{pin<hal::In<std::int32_t>>("nsbinsize", "Width of a bin [ns]")};
+  hal::Out<std::int32_t> check_{
+      pin<hal::Out<std::int32_t>>("check", "The index that the bins belong to")};
+  hal::Out<std::int32_t> latency_{
+      pin<hal::Out<std::int32_t>>("latency", "Time since the last call minus the period [ns]")};
+  hal::Out<std::int32_t> latency_max_{
+      pin<hal::Out<std::int32_t>>("latency-max", "Highest latency [ns]")};
+  hal::Out<std::int32_t> latency_min_{
+      pin<hal::Out<std::int32_t>>("latency-min", "Lowest latency [ns]")};
+  hal::Out<std::int32_t> pbinvalue_{pin<hal::Out<std::int32_t>>(
+      "pbinvalue", "Count of the bin on the late side, -1 for an index out of range")};
+  hal::Out<std::int32_t> nbinvalue_{pin<hal::Out<std::int32_t>>(
+      "nbinvalue", "Count of the bin on the early side, -1 for an index out of range")};
+  hal::Out<std::int32_t> pextra_{
+      pin<hal::Out<std::int32_t>>("pextra", "Count of calls later than the last bin")};
+  hal::Out<std::int32_t> nextra_{
+      pin<hal::Out<std::int32_t>>("nextra", "Count of calls earlier than the last bin")};
+  hal::Out<std::int32_t> variance_{
+      pin<hal::Out<std::int32_t>>("variance", "Variance of the latency [ns^2]")};
+  hal::Out<std::int32_t> availablebins_{
+      pin<hal::Out<std::int32_t>>("availablebins", "Bins that there are on each side", 1000)};
+
+  static constexpr std::int64_t kBins = 1000;
+  static std::int32_t bounded(std::int64_t ns) noexcept {
+    return static_cast<std::int32_t>(std::clamp<std::int64_t>(ns, INT32_MIN, INT32_MAX));
+  }
+  void start() noexcept {
+    for (std::int64_t i = 0; i <= kBins; ++i) early_[i] = late_[i] = 0;
+    above_ = below_ = 0;
+    samples_ = 0;
+    mean_ = squares_ = 0.0;
+    latency_max_ = 0;
+    latency_min_ = 0;
+    variance_ = 0;
+  }
+  std::int32_t early_[kBins + 1]{}, late_[kBins + 1]{};
+  std::int32_t above_{0}, below_{0};
+  std::int64_t samples_{0};
+  double mean_{0.0}, squares_{0.0};
+  bool first_{true};
+
+  void update(const hal::Period& period) noexcept {
+    const std::int32_t index = index_;
+    check_ = index;
+    const std::int64_t late = period.actual_ns - period.nominal_ns;
+    if (reset_ || first_) {
+      first_ = false;
+      start();
+      return;
+    }
+    const std::int64_t last = std::clamp<std::int64_t>(maxbinnumber_, 0, kBins);
+    const std::int64_t width = std::max<std::int64_t>(nsbinsize_, 1);
+    latency_ = bounded(late);
+    if (late > latency_max_.last()) latency_max_ = bounded(late);
+    if (late < latency_min_.last()) latency_min_ = bounded(late);
+    const std::int64_t bin = (late < 0 ? -late : late) / width;
+    if (bin > last)
+      ++(late < 0 ? below_ : above_);
+    else
+      ++(late < 0 ? early_ : late_)[bin];
+    ++samples_;
+    const auto value = static_cast<double>(late), before = mean_;
+    mean_ += (value - before) / static_cast<double>(samples_);
+    squares_ += (value - before) * (value - mean_);
+    if (samples_ > 1)
+      variance_ = bounded(static_cast<std::int64_t>(
+          std::min(squares_ / static_cast<double>(samples_ - 1), 2147483647.0)));
+    const bool in_range = index >= 0 && index <= last;
+    pbinvalue_ = in_range ? late_[index] : -1;
+    nbinvalue_ = in_range ? early_[index] : -1;
+    pextra_ = above_;
+    nextra_ = below_;
+  }
+  hal::Function update_{function<&Latencybins::update>("", "Computes the outputs from the inputs")};
+};
+
+}  // namespace kerf::components
+
+KERF_HAL_MODULE(kerf::components::Latencybins)

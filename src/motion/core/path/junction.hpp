@@ -1,0 +1,24 @@
+// Junction: the blend between two pieces of which at least one is an arc or a spline: a cubic of three spans that takes over position,
+// direction and curvature from both sides. For two straights it is the trapezoid of smoothing.hpp.
+#pragma once
+
+#include "motion/core/path/buffer.hpp"
+#include "motion/core/path/piece.hpp"
+#include "motion/core/path/tolerance.hpp"
+
+namespace kerf::motion::path {
+
+struct JunctionSettings {
+  Tolerance tolerance;
+  double reach_a{0},
+      reach_b{
+          0};  ///< the most that may be taken from the end of the one and the start of the other (sigma)
+  Vec low, high;  ///< no blend leaves this box, which the two pieces keep to themselves
+};
+
+/// Appends up to four pieces (the middle span is divided at the vertex) that replace the last `l` of `a` and the first `l` of `b`, and
+/// gives l; 0 when no blend fits.
+double blend_junction(const Piece& a, const Piece& b, const JunctionSettings& settings,
+                      Buffer<Piece>& out) noexcept;
+
+}  // namespace kerf::motion::path

@@ -1,0 +1,151 @@
+#include "motion/core/path/program_path.hpp"
+
+#include <algorithm>
+
+namespace kerf::motion::path {
+namespace {
+
+constexpr double kNoPace = 1e6;  ///< mm/s: nothing holds it back
+/// Directions this near to each other are one: the rounding of whoever computed the points.
+constexpr double kTangent = 1e-9;
+constexpr std::size_t kBlendPieces = 4;
+
+/// The rate at which sigma is meant to advance: the feed, or what the axes of its metric can do.
+double pace(double feed, bool rapid, double measured, double own_time) noexcept {
+  const double most = own_time > 0 ? measured / own_time : kNoPace;
+  return rapid ? most : std::min(feed, most);
+}
+
+double slowest_time(const Vec& way, const Vec& max_vel, std::size_t first,
+                    std::size_t last) noexcept {
+  double t = 0;
+  for (std::size_t i = first; i < last; ++i)
+    if (way[i] != 0) t = std::max(t, std::abs(way[i]) / max_vel[i]);
+  return t;
+}
+
+}  // namespace
+
+Piece line_move(const Vec& from, const Vec& to, double feed, bool rapid,
+                const Vec& max_vel) noexcept {
+  const Vec way = to - from;
+  Feed f;
+  f.speed = feed;
+  f.rapid = rapid;
+  std::size_t first = 0;  // of the three axes that measure it: XYZ, else UVW, else ABC
+  double measured = norm3(way, first);
+  for (const std::size_t other : {std::size_t{6}, std::size_t{3}}) {
+    if (measured > 0) break;
+    first = other;
+    measured = norm3(way, first);
+  }
+  f.metric = static_cast<std::int8_t>(first);
+  if (!(measured > 0)) return straight_piece(from, Vec{}, 0, f);
+  const double own = slowest_time(way, max_vel, first, first + 3);
+  const double slowest = slowest_time(way, max_vel, 0, kAxes);
+  // Only where other axes decide: straights of the metric's own axes keep sigma = length, so that all of them are alike.
+  const double length =
+      slowest > own ? std::max(measured, pace(feed, rapid, measured, own) * slowest) : measured;
+  return straight_piece(from, way * (1.0 / length), length, f);
+}
+
+void scale_arc(Piece& arc, double sweep, double length, double feed, bool rapid,
+               const Vec& max_vel) noexcept {
+  arc.feed.speed = feed;
+  arc.feed.rapid = rapid;
+  arc.feed.metric = 0;
+  double slowest = 0;
+  for (std::size_t i = 3; i < kAxes; ++i)
+    if (arc.b[i] != 0) slowest = std::max(slowest, std::abs(arc.b[i]) * sweep / max_vel[i]);
+  const double own = length / std::max({max_vel[0], max_vel[1], max_vel[2]});
+  arc.length = std::max(length, pace(feed, rapid, length, own) * slowest);
+  arc.rate = sweep / arc.length;
+}
+
+bool ProgramPath::create(Memory& memory, std::size_t moves) noexcept {
+  return blend_.create(memory, kBlendPieces) && chain_.create(memory, moves) &&
+         smoother_.create(memory, moves);
+}
+
+ProgramPath::Joint ProgramPath::joint_between(const Move& a, const Move& b) const noexcept {
+  if (a.stop_at_end || a.mode.corners == PathMode::Corners::exact_stop) return Joint::stop;
+  const bool lines = a.piece.shape == Piece::Shape::cubic && b.piece.shape == Piece::Shape::cubic;
+  const bool tangent = max_abs(b.piece.first(0) - a.piece.first(a.piece.length)) < kTangent;
+  if (a.mode.corners == PathMode::Corners::exact_path || !(a.mode.tolerance.mm > 0))
+    return tangent ? Joint::pass : Joint::stop;
+  if (lines) return Joint::chain;
+  return tangent ? Joint::pass : Joint::blend;
+}
+
+void ProgramPath::make(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept {
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool last = i + 1 == count;
+    if (!last && joint_between(moves[i], moves[i + 1]) != Joint::stop) continue;
+    make_run(moves + first, i + 1 - first, out);
+    if (!last || moves[i].stop_at_end) out.back().stop_at_end = true;
+    first = i + 1;
+  }
+}
+
+void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept {
+  double taken = 0;  // of the start of move i by the blend before it
+  for (std::size_t i = 0; i < count;) {
+    // A chain of lines, or one arc.
+    std::size_t j = i;
+    while (j + 1 < count && joint_between(moves[j], moves[j + 1]) == Joint::chain) ++j;
+    const Move& tail = moves[j];
+    const bool blended = j + 1 < count && joint_between(tail, moves[j + 1]) == Joint::blend;
+    double l = 0;
+    blend_.clear();
+    if (blended) {
+      JunctionSettings s;
+      s.tolerance = tail.mode.tolerance;
+      s.reach_a = std::min(tail.piece.length / 2, settings_.widest_junction);
+      s.reach_b = std::min(moves[j + 1].piece.length / 2, settings_.widest_junction);
+      s.low = settings_.low;
+      s.high = settings_.high;
+      l = blend_junction(tail.piece, moves[j + 1].piece, s, blend_);
+    }
+    if (i == j) {
+      if (tail.piece.length - taken - l > 0)
+        out.push_back(part_of(tail.piece, taken, tail.piece.length - l));
+    } else {
+      chain_.clear();
+      SmoothingSettings s;
+      s.tolerance = moves[i].mode.tolerance;
+      double sigma = 0;
+      for (std::size_t k = i; k <= j; ++k) {
+        const Piece& p = moves[k].piece;
+        const double from = k == i ? taken : 0, to = k == j ? p.length - l : p.length;
+        if (k < j) {
+          s.tolerance.mm = std::min(s.tolerance.mm, moves[k].mode.tolerance.mm);
+          s.tolerance.deg = std::min(s.tolerance.deg, moves[k].mode.tolerance.deg);
+        }
+        chain_.at.push_back(p.point(from));
+        chain_.sigma.push_back(sigma);
+        chain_.feed.push_back(p.feed);
+        sigma += to - from;
+      }
+      chain_.at.push_back(tail.piece.point(tail.piece.length - l));
+      chain_.sigma.push_back(sigma);
+      s.widest = settings_.widest;
+      const std::size_t before = out.size();
+      if (smoother_.smooth(chain_, s, out) > 1.0) {
+        // Has never been seen; the programmed corners with stops are always right.
+        out.truncate(before);
+        for (std::size_t k = 0; k < chain_.lines(); ++k) {
+          out.push_back(straight_piece(chain_.at[k], chain_.direction(k),
+                                       chain_.sigma[k + 1] - chain_.sigma[k], chain_.feed[k]));
+          out.back().stop_at_end = k + 1 < chain_.lines();
+        }
+      }
+    }
+    for (const Piece& p : blend_) out.push_back(p);
+    if (blended && l <= 0) out.back().stop_at_end = true;
+    taken = l;
+    i = j + 1;
+  }
+}
+
+}  // namespace kerf::motion::path

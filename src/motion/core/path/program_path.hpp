@@ -1,0 +1,59 @@
+// ProgramPath: programmed moves in, one smooth path out: pieces that join with continuous direction, but at exact stops.
+#pragma once
+
+#include "motion/core/path/junction.hpp"
+#include "motion/core/path/piece.hpp"
+#include "motion/core/path/smoothing.hpp"
+
+namespace kerf::motion::path {
+
+/// G61, G61.1, G64.
+struct PathMode {
+  enum class Corners : std::int8_t { exact_path, exact_stop, blend };
+  Corners corners{Corners::blend};
+  Tolerance tolerance;  ///< of blends; mm <= 0 is an exact path
+};
+
+/// One programmed move: a straight or an arc (Piece with the whole move), with sigma already scaled.
+struct Move {
+  Piece piece;
+  PathMode mode;            ///< counts for the corner at its end
+  bool stop_at_end{false};  ///< something that needs a standing machine follows
+};
+
+struct PathSettings {
+  double widest{2};  ///< see SmoothingSettings; a good value is 20 ms of feed
+  double widest_junction{4};
+  Vec low, high;  ///< blends stay in this box
+};
+
+class ProgramPath {
+ public:
+  /// For up to `moves` moves at once.
+  [[nodiscard]] bool create(Memory& memory, std::size_t moves) noexcept;
+  void configure(const PathSettings& settings) noexcept { settings_ = settings; }
+
+  /// Appends the pieces of moves[0..count), none of length 0. The path begins exactly at the first and ends exactly at the end of the last;
+  /// stop_at_end of pieces says where it has to stand. sigma of the pieces adds up to that of the moves.
+  void make(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept;
+
+ private:
+  enum class Joint { stop, pass, chain, blend };
+  [[nodiscard]] Joint joint_between(const Move& a, const Move& b) const noexcept;
+  void make_run(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept;
+
+  PathSettings settings_;
+  Buffer<Piece> blend_;
+  Chain chain_;
+  Smoother smoother_;
+};
+
+/// A straight move: sigma is the length in the feed metric; where that is short against what slow axes need, it is stretched so that sigma
+/// at `feed` advances at a rate that the slowest axis can follow. Length 0: nothing moves.
+[[nodiscard]] Piece line_move(const Vec& from, const Vec& to, double feed, bool rapid,
+                              const Vec& max_vel) noexcept;
+/// The same for an arc of which everything but length, rate and feed is filled in: `sweep` and its length in XYZ.
+void scale_arc(Piece& arc, double sweep, double length, double feed, bool rapid,
+               const Vec& max_vel) noexcept;
+
+}  // namespace kerf::motion::path

@@ -1,0 +1,309 @@
+#include "motion/core/path/smoothing.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace kerf::motion::path {
+namespace {
+
+constexpr double kAim = 0.97;   ///< share of the tolerance that the first guess of a width uses
+constexpr double kGrow = 1.25;  ///< step of the search for the largest width
+constexpr double kShrinkStep = 0.9;  ///< and of its way back where the check fails
+constexpr double kKnotsApart =
+    0.24;                        ///< of the width: a knot nearer to another one is not worth it
+constexpr int kMaxRounds = 120;  ///< 0.9^120 = 3e-6 of the first widths: always ends before
+/// A kink below this turns nothing: rounding of the input.
+constexpr double kNoKink = 1e-12;
+
+/// Deviation that a unit kink spread over a triangle of half-width h leaves at distance s from its vertex.
+double triangle_off(double s, double h) noexcept {
+  const double d = h - std::abs(s);
+  return d <= 0 ? 0.0 : d * d * d / (6.0 * h * h);
+}
+
+/// The same at its vertex for the trapezoid with plateau of half-width h/2 (R(0) of docs/planner.md).
+constexpr double kTrapezoidAtVertex = 1.75 / 9.0;
+
+}  // namespace
+
+bool Smoother::create(Memory& memory, std::size_t lines) noexcept {
+  // Five knots a vertex at most, and some at the ends.
+  const std::size_t knots = 5 * lines + 64;
+  return kink_.create(memory, lines + 1) && width_.create(memory, lines + 1) &&
+         shrink_.create(memory, lines + 1) && order_.create(memory, lines + 1) &&
+         knot_.create(memory, knots) && centroid_.create(memory, knots) &&
+         area_.create(memory, knots) && bend_.create(memory, knots);
+}
+
+double Smoother::smooth(const Chain& chain, const SmoothingSettings& settings,
+                        Buffer<Piece>& out) noexcept {
+  const std::size_t lines = chain.lines();
+  const std::size_t first_piece = out.size();
+  kink_.assign(lines + 1, Vec{});
+  for (std::size_t v = 1; v < lines; ++v) {
+    kink_[v] = chain.direction(v) - chain.direction(v - 1);
+    if (max_abs(kink_[v]) < kNoKink) kink_[v] = Vec{};
+  }
+  first_widths(chain, settings);
+  double worst = 0;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    slope_widths(chain);
+    request_knots(chain);
+    distribute(chain);
+    out.truncate(first_piece);
+    integrate(chain, out);
+    shrink_.assign(lines + 1, 1.0);
+    tolerance_ = settings.tolerance;
+    worst = check(chain, out, first_piece);
+    if (worst <= 1.0) return worst;
+    for (std::size_t v = 1; v < lines; ++v) width_[v] *= shrink_[v];
+  }
+  return worst;
+}
+
+void Smoother::first_widths(const Chain& chain, const SmoothingSettings& settings) noexcept {
+  const std::size_t lines = chain.lines();
+  width_.assign(lines + 1, 0.0);
+  const double begin = chain.sigma.front(), end = chain.sigma.back();
+  for (std::size_t v = 1; v < lines; ++v) {
+    if (kink_[v] == Vec{}) continue;
+    const double at = chain.sigma[v];
+    const double room = std::min({at - begin, end - at, settings.widest});
+    const double near = std::min(at - chain.sigma[v - 1], chain.sigma[v + 1] - at);
+    const double alone = settings.tolerance.share(kink_[v]) * kTrapezoidAtVertex;
+    double h = std::min(kAim / alone, room);
+    if (h <= near) {
+      width_[v] = h;
+      continue;
+    }
+    // Others lie within reach: march up while all that is spread there stays within the tolerance at this vertex.
+    double best = std::min(near, room);
+    for (double next = best;; next *= kGrow) {
+      next = std::min(next, room);
+      Vec off;
+      for (std::size_t j = v;; --j) {
+        if (at - chain.sigma[j] >= next || j == 0) break;
+        off.add(triangle_off(at - chain.sigma[j], next), kink_[j]);
+      }
+      for (std::size_t j = v + 1; j < lines && chain.sigma[j] - at < next; ++j)
+        off.add(triangle_off(chain.sigma[j] - at, next), kink_[j]);
+      if (settings.tolerance.share(off) > kAim) break;
+      best = next;
+      if (next >= room) break;
+    }
+    width_[v] = best;
+  }
+}
+
+void Smoother::slope_widths(const Chain& chain) noexcept {
+  const std::size_t lines = chain.lines();
+  double reach = 0;
+  bool any = false;
+  const auto sweep = [&](std::size_t v, double step) {
+    if (any) reach += step;
+    if (kink_[v] == Vec{}) return;
+    if (any) width_[v] = std::min(width_[v], reach);
+    reach = width_[v];
+    any = true;
+  };
+  for (std::size_t v = 1; v < lines; ++v) sweep(v, chain.sigma[v] - chain.sigma[v - 1]);
+  any = false;
+  for (std::size_t v = lines - 1; v >= 1 && lines > 1; --v)
+    sweep(v, chain.sigma[v + 1] - chain.sigma[v]);
+}
+
+void Smoother::add_knot(double at, double apart) noexcept {
+  const auto after = std::lower_bound(knot_.begin(), knot_.end(), at);
+  if (after != knot_.end() && *after - at < apart) return;
+  if (after != knot_.begin() && at - *std::prev(after) < apart) return;
+  knot_.insert(after, at);
+}
+
+void Smoother::request_knots(const Chain& chain) noexcept {
+  const std::size_t lines = chain.lines();
+  order_.clear();
+  for (std::size_t v = 1; v < lines; ++v)
+    if (width_[v] > 0) order_.push_back(static_cast<std::uint32_t>(v));
+  knot_.clear();
+  knot_.push_back(chain.sigma.front());
+  knot_.push_back(chain.sigma.back());
+  if (!order_.empty()) {
+    // The outermost kinks must lie between centroids of hats, or their moment cannot be kept.
+    const std::size_t first = order_.front(), last = order_.back();
+    const double s0 = chain.sigma[first], s1 = chain.sigma[last];
+    std::sort(order_.begin(), order_.end(), [&](std::uint32_t l, std::uint32_t r) {
+      return width_[l] != width_[r] ? width_[l] < width_[r] : l < r;
+    });
+    for (const std::size_t v : order_) {
+      const double h = width_[v], at = chain.sigma[v], apart = kKnotsApart * h;
+      const bool lone = at - chain.sigma[v - 1] >= h && chain.sigma[v + 1] - at >= h;
+      if (!lone) add_knot(at, apart);  // alone: a trapezoid
+      add_knot(at - h / 2, apart);
+      add_knot(at + h / 2, apart);
+      add_knot(at - h, apart);
+      add_knot(at + h, apart);
+    }
+    const auto centroid = [&](std::size_t k) {
+      return (knot_[k - 1] + knot_[k] + knot_[k + 1]) / 3.0;
+    };
+    if (knot_.size() < 3 || centroid(1) > s0) {
+      add_knot(s0, 0);
+      add_knot((chain.sigma.front() + s0) / 2, 0);
+      while (centroid(1) > s0 && !knot_.full()) add_knot((knot_[0] + knot_[1]) / 2, 0);
+    }
+    if (centroid(knot_.size() - 2) < s1) {
+      add_knot(s1, 0);
+      add_knot((chain.sigma.back() + s1) / 2, 0);
+      while (centroid(knot_.size() - 2) < s1 && !knot_.full())
+        add_knot((knot_[knot_.size() - 1] + knot_[knot_.size() - 2]) / 2, 0);
+    }
+  }
+  const std::size_t n = knot_.size();
+  centroid_.assign(n, 0.0);
+  area_.assign(n, 0.0);
+  bend_.assign(n, Vec{});
+  for (std::size_t k = 1; k + 1 < n; ++k) {
+    centroid_[k] = (knot_[k - 1] + knot_[k] + knot_[k + 1]) / 3.0;
+    area_[k] = (knot_[k + 1] - knot_[k - 1]) / 2.0;
+  }
+}
+
+void Smoother::distribute(const Chain& chain) noexcept {
+  if (knot_.size() < 3) return;
+  const auto begin = centroid_.begin() + 1, end = centroid_.end() - 1;
+  for (const std::size_t v : order_) {
+    const double at = chain.sigma[v], h = width_[v];
+    const auto lo =
+        static_cast<std::size_t>(std::upper_bound(begin, end, at - h) - centroid_.begin());
+    const auto hi =
+        static_cast<std::size_t>(std::lower_bound(begin, end, at + h) - centroid_.begin());
+    bool spread = false;
+    if (hi >= lo + 3) {
+      // Weights (1 - |d|/h) A (alpha + beta d): sum 1, first moment 0.
+      double m0 = 0, m1 = 0, m2 = 0;
+      for (std::size_t k = lo; k < hi; ++k) {
+        const double d = centroid_[k] - at, w = (1.0 - std::abs(d) / h) * area_[k];
+        m0 += w;
+        m1 += w * d;
+        m2 += w * d * d;
+      }
+      const double det = m0 * m2 - m1 * m1;
+      if (det > 1e-12 * m0 * m2) {
+        const double alpha = m2 / det, beta = -m1 / det;
+        spread = alpha + beta * (centroid_[lo] - at) >= 0 &&
+                 alpha + beta * (centroid_[hi - 1] - at) >= 0;
+        for (std::size_t k = lo; spread && k < hi; ++k) {
+          const double d = centroid_[k] - at;
+          bend_[k].add((1.0 - std::abs(d) / h) * area_[k] * (alpha + beta * d), kink_[v]);
+        }
+      }
+    }
+    if (spread) continue;
+    auto right = static_cast<std::size_t>(std::lower_bound(begin, end, at) - centroid_.begin());
+    right = std::min(right, knot_.size() - 2);
+    if (right == 1 || centroid_[right] == at) {
+      bend_[right].add(1.0, kink_[v]);
+      continue;
+    }
+    const double g = (at - centroid_[right - 1]) / (centroid_[right] - centroid_[right - 1]);
+    bend_[right].add(g, kink_[v]);
+    bend_[right - 1].add(1.0 - g, kink_[v]);
+  }
+}
+
+void Smoother::integrate(const Chain& chain, Buffer<Piece>& out) const noexcept {
+  Vec q = chain.at.front(), d1 = chain.direction(0), d2;
+  std::size_t line = 0;
+  // Rounding adds up over long chains; on each straight the curve is on the chain again, exactly.
+  for (std::size_t k = 0; k + 1 < knot_.size(); ++k) {
+    const double length = knot_[k + 1] - knot_[k];
+    Vec next;
+    if (k + 2 < knot_.size()) next = bend_[k + 1] * (1.0 / area_[k + 1]);
+    const double middle = (knot_[k] + knot_[k + 1]) / 2;
+    while (line + 1 < chain.lines() && chain.sigma[line + 1] <= middle) ++line;
+    const bool straight = d2 == Vec{} && next == Vec{};
+    if (straight) {
+      d1 = chain.direction(line);
+      q = chain.at[line] + d1 * (knot_[k] - chain.sigma[line]);
+    }
+    Piece p;
+    p.length = length;
+    p.a = q;
+    p.b = d1;
+    p.c = d2;
+    if (!straight) p.d = (next - d2) * (1.0 / length);
+    p.feed = chain.feed[line];
+    q = p.point(length);
+    d1 = p.first(length);
+    d2 = next;
+    // A piece that reaches over a vertex with another feed is divided there.
+    std::size_t last = line;
+    while (last + 1 < chain.lines() && chain.sigma[last + 1] < knot_[k + 1]) ++last;
+    while (line > 0 && chain.sigma[line] > knot_[k]) --line;
+    double from = 0;
+    for (std::size_t j = line; j <= last; ++j) {
+      const double to = j == last ? length : chain.sigma[j + 1] - knot_[k];
+      const bool differs = j < last && (chain.feed[j + 1].speed != chain.feed[j].speed ||
+                                        chain.feed[j + 1].metric != chain.feed[j].metric ||
+                                        chain.feed[j + 1].rapid != chain.feed[j].rapid);
+      if (j < last && !differs) continue;
+      if (to - from <= 0) continue;
+      Piece part = from == 0 && j == last ? p : part_of(p, from, to);
+      part.feed = chain.feed[j];
+      out.push_back(part);
+      from = to;
+    }
+    line = last;
+  }
+}
+
+double Smoother::check(const Chain& chain, const Buffer<Piece>& out,
+                       std::size_t first_piece) noexcept {
+  double worst = 0, sigma = chain.sigma.front();
+  std::size_t line = 0;
+  std::size_t near = 1;  // first vertex that may reach here
+  for (std::size_t p = first_piece; p < out.size(); ++p) {
+    const Piece& piece = out[p];
+    const double end = sigma + piece.length;
+    if (piece.straight()) {
+      sigma = end;
+      while (line + 1 < chain.lines() && chain.sigma[line + 1] <= sigma) ++line;
+      continue;
+    }
+    double from = sigma;
+    while (from < end) {
+      while (line + 1 < chain.lines() && chain.sigma[line + 1] <= from) ++line;
+      double to = line + 1 < chain.lines() ? std::min(end, chain.sigma[line + 1]) : end;
+      if (!(to > from)) to = end;
+      // q - p is a cubic here: it lies within the hull of its four Bernstein coefficients.
+      const Vec t = chain.direction(line);
+      const double third = (to - from) / 3.0;
+      const auto off = [&](double s) {
+        return piece.point(s - sigma) - (chain.at[line] + t * (s - chain.sigma[line]));
+      };
+      const Vec o0 = off(from), o3 = off(to);
+      const Vec o1 = o0 + (piece.first(from - sigma) - t) * third;
+      const Vec o2 = o3 - (piece.first(to - sigma) - t) * third;
+      const double share = std::max(
+          {tolerance_.share(o0), tolerance_.share(o1), tolerance_.share(o2), tolerance_.share(o3)});
+      worst = std::max(worst, share);
+      if (share > 1.0) {
+        while (near < chain.lines() && chain.sigma[near] + width_[near] < from) ++near;
+        // Much too far off: go back faster.
+        const double step = std::clamp(0.97 / share, 0.5, kShrinkStep);
+        for (std::size_t v = near; v < chain.lines(); ++v) {
+          if (chain.sigma[v] - width_[v] > to) {
+            // Widths grow by at most the distance (slope_widths), so nothing beyond reaches here either.
+            break;
+          }
+          if (chain.sigma[v] + width_[v] >= from) shrink_[v] = std::min(shrink_[v], step);
+        }
+      }
+      from = to;
+    }
+    sigma = end;
+  }
+  return worst;
+}
+
+}  // namespace kerf::motion::path

@@ -1,0 +1,68 @@
+// Smoothing: a chain of straight lines becomes one C2 curve within tolerance, corners and dense streams alike.
+//
+// Each kink (jump of q' at a vertex) is spread over hat functions of q''. Area and first moment of what is spread are kept, so the
+// curve leaves each kink exactly on the programmed line again. The result differs from the chain by at most the tolerance
+// at equal sigma, proven by Bernstein coefficients on every stretch, which bounds both distances: of the curve from the chain and of
+// each programmed point from the curve.
+#pragma once
+
+#include "motion/core/path/buffer.hpp"
+#include "motion/core/path/piece.hpp"
+#include "motion/core/path/tolerance.hpp"
+
+namespace kerf::motion::path {
+
+/// The chain: vertex i at `at[i]`, reached at sigma[i]; line i leads from vertex i to i+1 with feed[i].
+/// Neighbouring vertices differ; sigma grows. Both ends are kept exactly, with their directions.
+struct Chain {
+  Buffer<Vec> at;
+  Buffer<double> sigma;
+  Buffer<Feed> feed;
+
+  [[nodiscard]] bool create(Memory& memory, std::size_t lines) noexcept {
+    return at.create(memory, lines + 1) && sigma.create(memory, lines + 1) &&
+           feed.create(memory, lines);
+  }
+
+  void clear() noexcept {
+    at.clear();
+    sigma.clear();
+    feed.clear();
+  }
+  [[nodiscard]] std::size_t lines() const noexcept { return feed.size(); }
+  [[nodiscard]] Vec direction(std::size_t line) const noexcept {
+    return (at[line + 1] - at[line]) * (1.0 / (sigma[line + 1] - sigma[line]));
+  }
+};
+
+struct SmoothingSettings {
+  Tolerance tolerance;
+  double widest{2};  ///< no kink is spread further than this to each side (sigma)
+};
+
+class Smoother {
+ public:
+  /// For chains of up to `lines` lines.
+  [[nodiscard]] bool create(Memory& memory, std::size_t lines) noexcept;
+  /// Appends the pieces of the smoothed chain to `out`. Gives the worst deviation as a share of the tolerance, at most 1.
+  double smooth(const Chain& chain, const SmoothingSettings& settings, Buffer<Piece>& out) noexcept;
+
+ private:
+  void first_widths(const Chain& chain, const SmoothingSettings& settings) noexcept;
+  void slope_widths(const Chain& chain) noexcept;
+  void request_knots(const Chain& chain) noexcept;
+  void add_knot(double at, double apart) noexcept;
+  void distribute(const Chain& chain) noexcept;
+  void integrate(const Chain& chain, Buffer<Piece>& out) const noexcept;
+  double check(const Chain& chain, const Buffer<Piece>& out, std::size_t first_piece) noexcept;
+
+  Tolerance tolerance_;
+  Buffer<Vec> kink_;       ///< per vertex; ends: zero
+  Buffer<double> width_;   ///< half-width of each vertex
+  Buffer<double> shrink_;  ///< per vertex, after a check: factor for its width
+  Buffer<double> knot_, centroid_, area_;
+  Buffer<Vec> bend_;  ///< C of each hat
+  Buffer<std::uint32_t> order_;
+};
+
+}  // namespace kerf::motion::path

@@ -1,0 +1,281 @@
+// Pending moves become pieces of path, pieces become spans, and the pass from the end says how fast each may be left.
+#include <algorithm>
+#include <cmath>
+
+#include "motion/core/planner/planner.hpp"
+
+namespace kerf::motion {
+namespace {
+
+/// No new item for this long: whoever makes them may have no more.
+constexpr std::int64_t kSettle = 5'000'000;  // ns
+/// What the machine still has to drive when the path is ended for want of more.
+constexpr double kLeastAhead = 0.1;  // s
+/// Two places on the path nearer than this are one (sigma).
+constexpr double kSamePlace = 1e-7;
+/// Of the pending moves, the last ones stay when the path is handed over: they may still be joined with what comes.
+constexpr double kHandOverFrom = 0.5;
+/// With fewer pending moves a hand-over gives no room worth having.
+constexpr std::size_t kHandOverLeast = 16;
+/// A stretch that takes longer is divided where moves end, so that the shown line is right.
+constexpr double kLineLag = 0.01;  // s
+constexpr double kRounding = 1.0 - 1e-7;
+
+}  // namespace
+
+void Planner::commit_if_due(bool more_items, std::int64_t now_ns) noexcept {
+  if (moves_.empty()) {
+    if (!events_.empty()) commit(0, false);
+    return;
+  }
+  if (due_) {
+    // Up to the last place where the path has to stand; what is behind may still grow.
+    std::size_t n = moves_.size();
+    while (n > 0 && !moves_[n - 1].stop_at_end) --n;
+    if (n > 0) return commit(n, false);
+    due_ = false;
+  }
+  // Many outputs on the path fill the events before the moves.
+  const bool events_full = events_.full() && moves_.size() >= kHandOverLeast;
+  if (moves_.full() || events_full) return commit(hand_over_at() + 1, true);
+  if (more_items) return;
+  wake_ns_ = last_item_ns_ + kSettle;
+  if (now_ns < wake_ns_) return;
+  if (seconds_ahead() > kLeastAhead) {
+    wake_ns_ = now_ns + kSettle;
+    return;
+  }
+  moves_.back().stop_at_end = true;
+  commit(moves_.size(), false);
+}
+
+double Planner::seconds_ahead() const noexcept {
+  double seconds = 0;
+  for (std::uint64_t n = next_number_; n-- > 0 && next_number_ - n <= kSpans;) {
+    const Sent& s = sent_[n % kSpans];
+    if (s.place < spans_.popped()) break;
+    const double x = wanted_x(s.speed, scale_);
+    if (!(x > 0)) return path::kNoLimit;
+    seconds += s.length / std::sqrt(x);
+    if (seconds > kLeastAhead || s.begins) break;
+  }
+  return seconds;
+}
+
+/// The longest of the later pending moves: half of it is driven straight, whatever follows.
+std::size_t Planner::hand_over_at() const noexcept {
+  const std::size_t n = moves_.size();
+  std::size_t best = n / 2;
+  for (std::size_t i = static_cast<std::size_t>(static_cast<double>(n) * kHandOverFrom); i + 2 < n;
+       ++i)
+    if (moves_[i].piece.length > moves_[best].piece.length) best = i;
+  return best;
+}
+
+/// Makes pieces of the first `moves` pending moves; with hand_over only of the first half of the last of them.
+void Planner::commit(std::size_t moves, bool hand_over) noexcept {
+  pieces_.clear();
+  handed_over_ = hand_over;
+  sending_ = moves;
+  path::Move whole;
+  if (moves > 0) {
+    whole = moves_[moves - 1];
+    if (hand_over) {
+      moves_[moves - 1].piece = path::part_of(whole.piece, 0, whole.piece.length / 2);
+      meta_[moves - 1].part = true;
+    }
+    double sigma = 0;
+    for (std::size_t i = 0; i < moves; ++i) meta_[i].sigma_end = sigma += moves_[i].piece.length;
+    program_path_.make(moves_.begin(), moves, pieces_);
+    if (hand_over) {
+      moves_[moves - 1].piece =
+          path::part_of(whole.piece, whole.piece.length / 2, whole.piece.length);
+    }
+  }
+  const std::size_t last = hand_over ? moves - 1 : moves;
+  events_sending_ = 0;
+  while (events_sending_ < events_.size() && events_[events_sending_].after <= last)
+    ++events_sending_;
+  events_sent_ = piece_ = stretch_ = move_ = done_ = 0;
+  sigma_ = piece_sigma_ = 0;
+  first_new_ = next_number_;
+}
+
+/// False: no room in the ring.
+bool Planner::send() noexcept {
+  bool all = true;
+  while (true) {
+    if (!send_events(sigma_)) {
+      all = false;
+      break;
+    }
+    if (piece_ >= pieces_.size()) break;
+    if (spans_.size() >= kSpans) {
+      all = false;
+      break;
+    }
+    const path::Piece& piece = pieces_[piece_];
+    const bool whole = meta_[std::min(move_, sending_ - 1)].even_acc > 0;
+    const int n = whole ? 1 : path::divisions(piece);
+    const double from = sigma_ - piece_sigma_;
+    double to = piece.length * static_cast<double>(stretch_ + 1) / n;
+    const bool last = static_cast<int>(stretch_) + 1 == n;
+    if (last) to = piece.length;
+    // An event divides it; so does the end of a move where the shown line would lag too far behind.
+    bool divided = false;
+    const auto divide = [&](double at) {
+      if (at >= piece_sigma_ + to - kSamePlace || at <= sigma_ + kSamePlace) return;
+      to = at - piece_sigma_;
+      divided = true;
+    };
+    if (events_sent_ < events_sending_ && events_[events_sent_].after > 0)
+      divide(meta_[events_[events_sent_].after - 1].sigma_end);
+    if (piece.straight() || to - from > kLineLag * piece.feed.speed) {
+      std::size_t m = move_;
+      while (m + 1 < sending_ && meta_[m].sigma_end <= sigma_ + kSamePlace) ++m;
+      divide(meta_[m].sigma_end);
+    }
+    if (to - from > 0 && !send_stretch(piece, from, to)) {
+      all = false;
+      break;
+    }
+    sigma_ = piece_sigma_ + to;
+    if (divided) continue;
+    ++stretch_;
+    if (!last) continue;
+    piece_sigma_ += piece.length;
+    sigma_ = piece_sigma_;
+    stretch_ = 0;
+    ++piece_;
+  }
+  if (next_number_ != first_new_) plan(false);
+  if (all) finish_sending();
+  return all;
+}
+
+bool Planner::send_events(double sigma) noexcept {
+  while (events_sent_ < events_sending_) {
+    const Event& e = events_[events_sent_];
+    const bool at_end = piece_ >= pieces_.size();
+    if (!at_end && e.after > 0 && meta_[e.after - 1].sigma_end > sigma + kSamePlace) return true;
+    if (!spans_.push(e.span)) return false;
+    ++events_sent_;
+  }
+  return true;
+}
+
+bool Planner::send_stretch(const path::Piece& piece, double from, double to) noexcept {
+  const double begin = piece_sigma_ + from, end = piece_sigma_ + to, middle = (begin + end) / 2;
+  while (move_ + 1 < sending_ && meta_[move_].sigma_end <= middle) ++move_;
+  const Meta& meta = meta_[move_];
+  Span span;
+  span.epoch = epoch_;
+  span.seq = meta.seq;
+  span.tag = meta.tag;
+  PathSpan body;
+  body.piece = piece;
+  body.from = from;
+  body.length = to - from;
+  body.kind = meta.kind;
+  body.end = meta.end;
+  body.number = next_number_;
+  body.probe = meta.probe;
+  body.probe_until_open = meta.probe_until_open;
+  body.probe_fail_is_error = meta.probe_fail_is_error;
+  body.to_move_end = std::max(0.0, meta.sigma_end - end);
+  std::size_t done = done_;
+  while (done < sending_ && meta_[done].sigma_end <= end + kSamePlace) {
+    if (!meta_[done].part) body.done_seq = meta_[done].seq;
+    ++done;
+  }
+  const bool at_piece_end = to >= piece.length;
+  body.stop_at_end = piece.stop_at_end && at_piece_end;
+  body.at_end_exactly = body.stop_at_end && body.done_seq == meta.seq;
+
+  Sent sent;
+  sent.begins = begins_;
+  sent.length = body.length;
+  sent.stop_at_end = body.stop_at_end;
+  sent.block_end = body.done_seq != 0;
+  SpeedBounds& speed = body.speed;
+  speed.rapid = piece.feed.rapid;
+  speed.feed_cap = path::feed_cap(piece, from, to);
+  if (meta.even_acc > 0) {
+    speed.cap = meta.cap;
+    body.even_acc = meta.even_acc;
+  } else {
+    speed.cap = path::axis_cap(piece, from, to, limits_);
+    if (piece.straight())
+      body.even_acc = path::straight_acc(piece, limits_);
+    else
+      path::rows_of(piece, from, to, limits_, sent.rows);
+  }
+  if (piece.feed.metric != 3 && piece.feed.metric >= 0)
+    speed.slope = path::slope_of(piece, from, to);
+  body.requested = piece.feed.speed < path::kNoLimit
+                       ? piece.feed.speed
+                       : std::sqrt(speed.cap) * path::slope_of(piece, from, to);
+  sent.speed = speed;
+  sent.even_acc = body.even_acc;
+  sent.place = spans_.pushed();
+  span.body = body;
+  // Until the pass from the end has been made it ends in a stop.
+  slots_.hard[next_number_ % kSpans].set(0);
+  slots_.soft[next_number_ % kSpans].set(0);
+  if (!spans_.push(span)) return false;
+  if (sent_.size() < kSpans)
+    sent_.push_back(sent);
+  else
+    sent_[next_number_ % kSpans] = sent;
+  ++next_number_;
+  done_ = done;
+  begins_ = false;
+  return true;
+}
+
+void Planner::finish_sending() noexcept {
+  const std::size_t gone = handed_over_ ? sending_ - 1 : sending_;
+  if (handed_over_) meta_[sending_ - 1].part = false;
+  moves_.drop_front(gone);
+  meta_.drop_front(gone);
+  events_.drop_front(events_sending_);
+  for (Event& e : events_) e.after -= static_cast<std::uint32_t>(gone);
+  due_ =
+      std::any_of(moves_.begin(), moves_.end(), [](const path::Move& m) { return m.stop_at_end; });
+  sending_ = events_sending_ = events_sent_ = 0;
+  pieces_.clear();
+  if (moves_.empty() && events_.empty()) slots_.pending.publish(0);
+}
+
+/// From the last span to the first that the servo has not begun; `all`: all of them, else only where more has become possible.
+void Planner::plan(bool all) noexcept {
+  double hard = 0, soft = 0;
+  for (std::uint64_t n = next_number_; n-- > 0 && next_number_ - n <= kSpans;) {
+    const Sent& s = sent_[n % kSpans];
+    if (s.place < spans_.popped()) break;
+    const double cap = s.speed.cap, wanted = wanted_x(s.speed, scale_);
+    const double hard_end = s.stop_at_end ? 0.0 : std::min(hard, cap);
+    const bool stands = s.stop_at_end || (single_step_ && s.block_end);
+    const double soft_end = stands ? 0.0 : std::min({soft, wanted, hard_end});
+    rtapi::Word<double>&hard_slot = slots_.hard[n % kSpans], &soft_slot = slots_.soft[n % kSpans];
+    if (!all && n < first_new_ && hard_slot.get() == hard_end && soft_slot.get() == soft_end) break;
+    soft_slot.set(soft_end);
+    // Release, last span first: see PlanSlots.
+    hard_slot.publish(hard_end);
+    if (s.even_acc > 0) {
+      const double gain = 2.0 * s.length * s.even_acc * kRounding;
+      hard = std::min(cap, hard_end + gain);
+      soft = std::min(wanted, soft_end + gain);
+    } else {
+      hard = std::min(cap, path::largest_x0(s.rows.all(), hard_end));
+      soft = std::min(wanted, path::largest_x0(s.rows.all(), soft_end));
+    }
+    if (s.begins) {
+      hard = soft = 0;
+      break;
+    }
+  }
+  first_new_ = next_number_;
+}
+
+}  // namespace kerf::motion

@@ -1,0 +1,229 @@
+#include "bench/motion/families.hpp"
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <utility>
+
+namespace kerf::bench {
+namespace {
+
+using motion::Pose;
+constexpr double kPi = std::numbers::pi;
+
+double rounded(double x) { return std::round(x * 1e4) / 1e4; }
+
+Pose xyz(double x, double y, double z, double a = 0) { return {.x = x, .y = y, .z = z, .a = a}; }
+
+std::string titled(const char* name, double p) {
+  char text[80];
+  std::snprintf(text, sizeof text, "%s, P%g", name, p);
+  return text;
+}
+
+/// The same numbers with every standard library (std::uniform_real_distribution is not).
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double between(double low, double high) {
+    return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
+  }
+  int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+}  // namespace
+
+ProgramWriter::ProgramWriter(std::string name, double p_mm, double feed) : feed_(feed) {
+  program_.name = std::move(name);
+  program_.p_mm = p_mm;
+  motion::PathControl control;
+  control.tolerance_mm = p_mm;
+  if (p_mm <= 0) control.mode = motion::PathControl::Mode::exact_stop;
+  program_.items.push_back(control);
+}
+
+void ProgramWriter::line(const Pose& to) {
+  motion::LinearMove m;
+  m.end = at_ = to;
+  m.vel_mm_s = feed_;
+  program_.items.push_back(m);
+}
+
+void ProgramWriter::rapid(const Pose& to) {
+  motion::LinearMove m;
+  m.end = at_ = to;
+  m.kind = motion::MotionKind::traverse;
+  program_.items.push_back(m);
+}
+
+void ProgramWriter::arc(double cx, double cy, double sweep, double dz, double da) {
+  motion::ArcMove m;
+  const double rx = at_.x - cx, ry = at_.y - cy;
+  m.centre[0] = cx;
+  m.centre[1] = cy;
+  m.centre[2] = at_.z;
+  m.normal[2] = sweep < 0 ? -1 : 1;
+  m.vel_mm_s = feed_;
+  at_.x = cx + rx * std::cos(sweep) - ry * std::sin(sweep);
+  at_.y = cy + rx * std::sin(sweep) + ry * std::cos(sweep);
+  at_.z += dz;
+  at_.a += da;
+  m.end = at_;
+  program_.items.push_back(m);
+}
+
+void reference_machine(motion::MachineConfig& config) {
+  for (auto& j : config.joint) {
+    j.max_vel = 200;
+    j.max_acc = 1750;
+    j.min_limit = -1e5;
+    j.max_limit = 1e5;
+  }
+  for (auto& a : config.axis) {
+    a.max_vel = 200;
+    a.max_acc = 1750;
+    a.min_limit = -1e5;
+    a.max_limit = 1e5;
+  }
+  config.joint[2].max_vel = config.axis[2].max_vel = 150;
+  config.joint[3].max_vel = config.axis[3].max_vel = 90;
+  config.joint[3].max_acc = config.axis[3].max_acc = 1200;
+}
+
+Program freeform(int segments, double p_mm, double feed, std::uint64_t seed) {
+  ProgramWriter w(titled("freeform", p_mm), p_mm, feed);
+  Random r(seed);
+  // A smooth curve (sums of sines of the arc) cut into chords of 0.05 to 0.2 mm and rounded as CAM output is.
+  const double f1 = r.between(0.02, 0.04), f2 = r.between(0.07, 0.12), f3 = r.between(0.2, 0.3);
+  double heading = 0, x = 0, y = 0, s = 0;
+  for (int i = 0; i < segments; ++i) {
+    const double step = r.between(0.05, 0.2);
+    s += step;
+    heading +=
+        step * (0.12 * std::sin(f1 * s) + 0.1 * std::sin(f2 * s + 1) + 0.06 * std::sin(f3 * s));
+    x += step * std::cos(heading);
+    y += step * std::sin(heading);
+    const double z = 3 * std::sin(x * 0.15) * std::cos(y * 0.12);
+    w.line(xyz(rounded(x), rounded(y), rounded(z)));
+  }
+  return w.done();
+}
+
+Program arc_spiral(double p_mm, double feed) {
+  ProgramWriter w(titled("spiral of R4 arcs", p_mm), p_mm, feed);
+  Random r(7);
+  for (int i = 0; i < 150; ++i) {
+    // Waves of quarter arcs: tangent from one to the next but for a small kink, as a spiral post-processor makes them.
+    const double radius = r.between(3.5, 4.5), sweep = (i % 2 != 0 ? -1 : 1) * r.between(1.2, 2.2);
+    const double heading = i * 0.21;
+    const Pose at = w.at();
+    w.arc(at.x + radius * std::cos(heading), at.y + radius * std::sin(heading), sweep);
+  }
+  return w.done();
+}
+
+Program helical_arcs(double p_mm, double feed) {
+  ProgramWriter w(titled("helical arcs", p_mm), p_mm, feed);
+  for (int i = 0; i < 150; ++i) {
+    const double radius = 3 + (i % 5) * 0.5;
+    const Pose at = w.at();
+    w.arc(at.x + radius * std::cos(i * 0.3), at.y + radius * std::sin(i * 0.3), kPi / 2, 0.3);
+  }
+  return w.done();
+}
+
+Program zigzag(double p_mm, double feed) {
+  ProgramWriter w(titled("zigzag", p_mm), p_mm, feed);
+  for (int i = 1; i <= 100; ++i) w.line(xyz(i * 5.0, i % 2 != 0 ? 12 : 0, 0));
+  return w.done();
+}
+
+Program corner(double degrees, double leg, double p_mm, double feed) {
+  ProgramWriter w("corner " + std::to_string(static_cast<int>(degrees)), p_mm, feed);
+  const double turn = degrees * kPi / 180;
+  w.line(xyz(leg, 0, 0));
+  w.line(xyz(leg + leg * std::cos(turn), leg * std::sin(turn), 0));
+  return w.done();
+}
+
+Program fractal(int order, double step, double p_mm, double feed) {
+  ProgramWriter w(titled("fractal", p_mm), p_mm, feed);
+  // Hilbert curve.
+  double x = 0, y = 0;
+  int heading = 0;
+  const auto forward = [&] {
+    const int dx[] = {1, 0, -1, 0}, dy[] = {0, 1, 0, -1};
+    x += step * dx[heading & 3];
+    y += step * dy[heading & 3];
+    w.line(xyz(x, y, 0));
+  };
+  const std::function<void(int, int)> draw = [&](int level, int turn) {
+    if (level == 0) return;
+    heading += turn;
+    draw(level - 1, -turn);
+    forward();
+    heading -= turn;
+    draw(level - 1, turn);
+    forward();
+    draw(level - 1, turn);
+    heading -= turn;
+    forward();
+    draw(level - 1, -turn);
+    heading += turn;
+  };
+  draw(order, 1);
+  return w.done();
+}
+
+Program four_axis(int moves, double p_mm, double feed, bool reversing, std::uint64_t seed) {
+  ProgramWriter w(titled(reversing ? "XYZA, A reversing" : "XYZA mixed", p_mm), p_mm, feed);
+  Random r(seed);
+  double a = 0;
+  for (int i = 0; i < moves; ++i) {
+    const Pose at = w.at();
+    a += reversing ? (i % 2 != 0 ? -1 : 1) * r.between(1, 8) : r.between(0, 5);
+    switch (reversing ? 0 : r.below(3)) {
+      case 0:
+        w.line(xyz(at.x + r.between(-4, 6), at.y + r.between(-5, 5), at.z + r.between(-1, 1), a));
+        break;
+      case 1: w.line(xyz(at.x + r.between(-4, 6), at.y + r.between(-5, 5), at.z, at.a)); break;
+      default: w.line(xyz(at.x, at.y, at.z, a)); break;
+    }
+  }
+  return w.done();
+}
+
+Program mixture(int moves, std::uint64_t seed) {
+  Random r(seed);
+  const double p = std::exp(r.between(std::log(0.005), std::log(0.2)));
+  ProgramWriter w("mixture " + std::to_string(seed), p, 100);
+  for (int i = 0; i < moves; ++i) {
+    if (r.below(8) == 0) w.feed(r.between(20, 180));
+    const Pose at = w.at();
+    const double size = std::exp(r.between(std::log(0.003), std::log(16.0)));
+    const double angle = r.between(0, 2 * kPi);
+    switch (r.below(6)) {
+      case 0: {
+        const double radius = std::exp(r.between(std::log(0.2), std::log(30.0)));
+        w.arc(at.x + radius * std::cos(angle), at.y + radius * std::sin(angle),
+              r.between(0.05, 5) * (r.below(2) != 0 ? 1 : -1),
+              r.below(3) == 0 ? r.between(-2, 2) : 0);
+        break;
+      }
+      case 1: w.line(xyz(at.x, at.y, at.z + r.between(-3, 3))); break;
+      case 2:  // nearly back where it came from
+        w.line(xyz(at.x + size, at.y, at.z));
+        w.line(xyz(at.x + 0.01, at.y + 0.003, at.z));
+        break;
+      case 3: w.rapid(xyz(at.x + size, at.y - size, at.z)); break;
+      default: w.line(xyz(at.x + size * std::cos(angle), at.y + size * std::sin(angle), at.z));
+    }
+  }
+  return w.done();
+}
+
+}  // namespace kerf::bench

@@ -1,0 +1,213 @@
+#!/usr/bin/python3
+"""Several Python clients at once: each gets its own outcomes, each sees every message once, and a jog ends with its client."""
+import os
+import random
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+import machine
+
+import linuxcnc
+
+CLIENTS = 8
+COMMANDS = 1000
+BAD = 100
+SEED = 20260
+
+
+class Outcomes(unittest.TestCase):
+    def test_eight_clients_get_their_own_outcomes_and_every_error_once(self):
+        """Bad commands name their client and number in the message that they bring."""
+        dice = random.Random(SEED)
+        bad = set(dice.sample(range(COMMANDS), BAD))
+        plan = [[n for n in range(COMMANDS) if n % CLIENTS == k] for k in range(CLIENTS)]
+        wrong, seen = [], [[] for _ in range(CLIENTS)]
+        ready = threading.Barrier(CLIENTS)
+        over = threading.Barrier(CLIENTS)
+
+        def client(k):
+            c, e, s = linuxcnc.command(), linuxcnc.error_channel(), linuxcnc.stat()
+            mine = random.Random(SEED + k)
+            ready.wait()
+            for n in plan[k]:
+                if n in bad:
+                    # No such output: refused, and the number is in the message.
+                    c.set_digital_output(1000 + n, 1)
+                    expected = linuxcnc.RCS_ERROR
+                else:
+                    mine.choice([lambda: c.set_digital_output(mine.randrange(4), mine.randrange(2)),
+                                 lambda: c.set_analog_output(mine.randrange(4), mine.random()),
+                                 lambda: c.feedrate(0.5 + mine.random() / 2),
+                                 lambda: c.debug(n),
+                                 lambda: c.set_feed_hold(1),
+                                 lambda: c.maxvel(50 + mine.random())])()
+                    expected = linuxcnc.RCS_DONE
+                got = c.wait_complete(30)
+                if got != expected:
+                    wrong.append((k, n, got, expected))
+                if mine.random() < 0.1:
+                    s.poll()
+                self.read(e, seen[k])
+            over.wait()
+            self.read(e, seen[k])
+
+        threads = [threading.Thread(target=client, args=(k,)) for k in range(CLIENTS)]
+        for t in threads:
+            t.start()
+        for t in threads:
+            t.join()
+        self.assertEqual(wrong, [])
+        expected = sorted("motion.digital-out-%d" % (1000 + n) for n in bad)
+        for k in range(CLIENTS):
+            self.assertEqual(sorted(text.split(" ")[0] for kind, text in seen[k] if kind == 11), expected, k)
+
+    @staticmethod
+    def read(channel, into):
+        while True:
+            message = channel.poll()
+            if message is None:
+                return
+            into.append(message)
+
+    def test_serials_grow_and_are_nobody_elses(self):
+        a, b = linuxcnc.command(), linuxcnc.command()
+        seen = []
+        for _ in range(5):
+            a.debug(0)
+            b.debug(0)
+            seen += [a.serial, b.serial]
+        self.assertEqual(sorted(set(seen)), seen)
+        s = linuxcnc.stat()
+        a.wait_complete()
+        s.poll()
+        self.assertGreaterEqual(s.echo_serial_number, seen[-1])
+
+
+class Waits(unittest.TestCase):
+    def setUp(self):
+        self.c, self.s = linuxcnc.command(), linuxcnc.stat()
+        self.c.mode(linuxcnc.MODE_MDI)
+        self.assertEqual(self.c.wait_complete(), linuxcnc.RCS_DONE)
+
+    def test_wait_complete_tells_time_out_done_and_error(self):
+        self.c.mdi("G4 P0.5")
+        began = time.time()
+        self.assertEqual(self.c.wait_complete(0.05), -1)
+        self.assertEqual(self.c.wait_complete(0), -1)
+        self.assertLess(time.time() - began, 0.45)
+        self.assertEqual(self.c.wait_complete(20), linuxcnc.RCS_DONE)
+        self.assertEqual(self.c.wait_complete(0), linuxcnc.RCS_DONE)
+        self.c.mdi("G0 G1 X1")
+        self.assertEqual(self.c.wait_complete(20), linuxcnc.RCS_ERROR)
+        with self.assertRaises(linuxcnc.error):
+            self.c.wait_complete(-1)
+
+    def test_one_clients_wait_is_not_anothers(self):
+        other = linuxcnc.command()
+        self.c.mdi("G4 P1")
+        other.debug(0)
+        self.assertEqual(other.wait_complete(0.5), linuxcnc.RCS_DONE)
+        self.assertEqual(self.c.wait_complete(0.05), -1)
+        self.c.abort()
+        self.assertEqual(self.c.wait_complete(20), linuxcnc.RCS_DONE)
+
+    def test_a_thread_waits_while_another_works(self):
+        done = []
+        self.c.mdi("G4 P0.4")
+        t = threading.Thread(target=lambda: done.append(self.c.wait_complete(20)))
+        t.start()
+        polls = 0
+        while t.is_alive():
+            self.s.poll()
+            polls += 1
+            time.sleep(0.001)
+        t.join()
+        self.assertEqual(done, [linuxcnc.RCS_DONE])
+        self.assertGreater(polls, 5)
+
+
+class Jogs(unittest.TestCase):
+    SCRIPT = """
+import linuxcnc, os, sys, time
+c, s = linuxcnc.command(), linuxcnc.stat()
+c.mode(linuxcnc.MODE_MANUAL); c.wait_complete()
+c.teleop_enable(1); c.wait_complete()
+c.jog(linuxcnc.JOG_CONTINUOUS, 0, 1, 5.0)
+while s.axis[1]["velocity"] < 4.9:
+    s.poll()
+print("moves", flush=True)
+time.sleep(60)
+"""
+
+    def test_a_continuous_jog_ends_with_its_process(self):
+        jogger = subprocess.Popen([sys.executable, "-c", self.SCRIPT], stdout=subprocess.PIPE, text=True,
+                                  env=dict(os.environ, PYTHONPATH=os.path.join(machine.BUILD, "python")))
+        s = linuxcnc.stat()
+        self.assertEqual(jogger.stdout.readline().strip(), "moves")
+        s.poll()
+        self.assertGreater(s.axis[1]["velocity"], 4)
+        jogger.kill()
+        jogger.wait()
+        jogger.stdout.close()
+        for _ in range(2000):
+            s.poll()
+            if s.axis[1]["velocity"] == 0 and s.inpos:
+                break
+            time.sleep(0.005)
+        self.assertEqual(s.axis[1]["velocity"], 0)
+        self.assertLess(s.position[1], 90)
+
+    def test_a_continuous_jog_ends_with_its_object(self):
+        c, s = linuxcnc.command(), linuxcnc.stat()
+        c.mode(linuxcnc.MODE_MANUAL)
+        c.wait_complete()
+        c.teleop_enable(1)
+        c.wait_complete()
+        c.jog(linuxcnc.JOG_CONTINUOUS, 0, 0, 5.0)
+        while s.axis[0]["velocity"] < 4.9:
+            s.poll()
+        del c
+        while s.axis[0]["velocity"] != 0:
+            s.poll()
+
+
+class Logger(unittest.TestCase):
+    def test_it_remembers_the_path(self):
+        c, s = linuxcnc.command(), linuxcnc.stat()
+        white = (255, 255, 255, 255)
+        log = linuxcnc.positionlogger(s, white, white, white, white, white, white, "XYZ")
+        self.assertEqual(log.npts, 0)
+        self.assertIsNone(log.last())
+        t = threading.Thread(target=log.start, args=(0.002,))
+        t.start()
+        c.mode(linuxcnc.MODE_MDI)
+        c.mdi("G21 G90 G0 X0 Y0 Z0")
+        c.wait_complete(20)
+        c.mdi("G1 X25.4 F3000")
+        self.assertEqual(c.wait_complete(20), linuxcnc.RCS_DONE)
+        time.sleep(0.1)
+        log.stop()
+        t.join()
+        self.assertGreater(log.npts, 3)
+        self.assertAlmostEqual(log.last()[0], 1.0, places=4)
+        log.clear()
+        self.assertEqual(log.npts, 0)
+        self.assertEqual(log.get_colors(), (white,) * 6)
+
+
+if __name__ == "__main__":
+    with machine.Machine() as m:
+        m.power_on_and_home(linuxcnc, linuxcnc.command())
+        program = unittest.main(exit=False)
+    # The machine is gone: what scripts see then.
+    s = linuxcnc.stat()
+    for call in (s.poll, linuxcnc.command().abort, linuxcnc.error_channel().poll):
+        try:
+            call()
+            sys.exit("%s did not notice that no machine runs" % call)
+        except linuxcnc.error as problem:
+            assert str(problem), call
+    sys.exit(not program.result.wasSuccessful())

@@ -1,0 +1,122 @@
+// The smooth path on a whole machine: corners that are rounded, steps that end where blocks end, outputs in their places.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "harness/machine.hpp"
+
+namespace kerf::harness {
+namespace {
+
+std::unique_ptr<Machine> homed_machine() {
+  auto m = Machine::start();
+  EXPECT_TRUE(m->ready()) << m->errors();
+  EXPECT_TRUE(m->power_on_and_home()) << m->errors();
+  return m;
+}
+
+std::string zigzag(const std::string& mode) {
+  std::string text = "G21 G90 " + mode + "\nG0 X0 Y0\nF1200\n";
+  for (int i = 1; i <= 10; ++i)
+    text += "G1 X" + std::to_string(4 * i) + " Y" + (i % 2 != 0 ? "3" : "0") + "\n";
+  return text + "M2\n";
+}
+
+TEST(SmoothPath, CornersArePassedAtSpeedWithinTheTolerance) {
+  double seconds[2]{}, slowest[2]{1e9, 1e9}, nearest[2]{1e9, 1e9};
+  for (int k = 0; k < 2; ++k) {
+    auto m = homed_machine();
+    const auto path = m->write_program(zigzag(k == 0 ? "G64 P0.05" : "G61.1"));
+    const auto run = m->start_program(path);
+    const auto begin = m->now();
+    m->on_cycle([&](const motion::MotionStatus& s) {
+      // Between the first corner and the last one.
+      if (s.pos_cmd.x > 3 && s.pos_cmd.x < 37) slowest[k] = std::min(slowest[k], s.vel_mm_s);
+      nearest[k] = std::min(nearest[k], std::hypot(s.pos_cmd.x - 20, s.pos_cmd.y - 3));
+    });
+    EXPECT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }));
+    m->on_cycle({});
+    EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->outcome(run).text;
+    seconds[k] = static_cast<double>(m->now() - begin) * 1e-9;
+    EXPECT_NEAR(m->joint(0), 40, 1e-9);
+  }
+  EXPECT_GT(slowest[0], 2.0) << "no stop at a corner";
+  EXPECT_LT(slowest[1], 1.0) << "G61.1 stops at each";
+  EXPECT_LE(nearest[0], 0.05 + 1e-6) << "from the programmed corner";
+  EXPECT_LT(nearest[1], 1e-9);
+  EXPECT_LT(seconds[0], seconds[1]);
+}
+
+TEST(SmoothPath, AStepAfterAPauseEndsAtTheEndOfItsBlock) {
+  auto m = homed_machine();
+  const auto path = m->write_program(zigzag("G64 P0.05"));
+  const auto run = m->start_program(path);
+  ASSERT_TRUE(m->run_until([&] { return m->motion().pos_cmd.x > 5; }));
+  EXPECT_TRUE(m->does({"pause"}));
+  m->run_for(0.5);
+  const double held = m->joint(0);
+  for (double end : {8.0, 12.0, 16.0}) {
+    if (end < held) continue;
+    EXPECT_TRUE(m->does({"step"}));
+    m->run_for(2);
+    // In a blend the path is kept, so the end of a block is the middle of its corner.
+    EXPECT_NEAR(m->joint(0), end, 0.05);
+    EXPECT_EQ(m->motion().vel_mm_s, 0);
+    EXPECT_EQ(m->task().interp_state, task::InterpState::paused);
+  }
+  EXPECT_TRUE(m->does({"resume"}));
+  EXPECT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }));
+  EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
+  EXPECT_NEAR(m->joint(0), 40, 1e-9);
+}
+
+TEST(SmoothPath, SynchronisedOutputsSwitchAtTheirVertexWithoutAStop) {
+  auto m = homed_machine();
+  std::string text = "G21 G90 G64 P0.01\nG0 X0 Y0\nF1800\n";
+  for (int i = 1; i <= 200; ++i) {
+    text += i % 2 != 0 ? "M62 P0\n" : "M63 P0\n";
+    text += "G1 X" + std::to_string(0.2 * i) + "\n";
+  }
+  const auto path = m->write_program(text + "M63 P0\nG1 X41\nM2\n");
+  const auto run = m->start_program(path);
+  bool before = false;
+  int edges = 0;
+  double worst = 0, slowest = 1e9;
+  m->on_cycle([&](const motion::MotionStatus& s) {
+    const bool on = (s.digital_out & 1U) != 0;
+    if (on != before) {
+      // Edge n stands at X 0.2 n; the cycle in which it is seen is the first behind it.
+      const double over = s.pos_cmd.x - 0.2 * edges;
+      worst = std::max({worst, over / std::max(s.vel_mm_s * 0.001, 1e-3), -over / 1e-6});
+      ++edges;
+    }
+    before = on;
+    if (s.pos_cmd.x > 2 && s.pos_cmd.x < 38) slowest = std::min(slowest, s.vel_mm_s);
+  });
+  EXPECT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }));
+  m->on_cycle({});
+  EXPECT_EQ(edges, 200);
+  EXPECT_LE(worst, 1.001) << "in servo cycles of travel";
+  EXPECT_GT(slowest, 29.9) << "full feed throughout";
+}
+
+TEST(SmoothPath, AnUnchangedSpeedWordStopsNothing) {
+  auto m = homed_machine();
+  std::string text = "G21 G90 G64 P0.01\nG0 X0 Y0\nF1800 S1000 M3\nG1 X0.5\n";
+  for (int i = 1; i <= 50; ++i) text += "G1 S1000 F1800 X" + std::to_string(0.5 + 0.5 * i) + "\n";
+  const auto path = m->write_program(text + "M2\n");
+  const auto run = m->start_program(path);
+  double slowest = 1e9;
+  m->on_cycle([&](const motion::MotionStatus& s) {
+    if (s.pos_cmd.x > 2 && s.pos_cmd.x < 24) slowest = std::min(slowest, s.vel_mm_s);
+  });
+  EXPECT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }));
+  m->on_cycle({});
+  EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
+  EXPECT_GT(slowest, 29.9);
+}
+
+}  // namespace
+}  // namespace kerf::harness

@@ -1,0 +1,65 @@
+// The programs of the planner's benchmark while an operator turns the override and holds: no cycle passes a limit of a joint.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "bench/motion/families.hpp"
+#include "property/motion/random_program.hpp"
+
+namespace kerf {
+namespace {
+
+using motion::test::Rig;
+
+void run(const bench::Program& program, std::uint64_t seed) {
+  SCOPED_TRACE(program.name + ", seed " + std::to_string(seed));
+  Rig rig({0, 1, 2, 3});
+  bench::reference_machine(rig.config);
+  rig.config.max_feed_override = 2;
+  rig.apply_config();
+  rig.ready();
+  motion::test::Oracle oracle;
+  std::mt19937_64 random(seed);
+  std::size_t next = 0;
+  for (int cycle = 0; cycle < 400000; ++cycle) {
+    while (next < program.items.size() && rig.push(program.items[next])) ++next;
+    if (random() % 150 == 0)
+      rig.intent.feed_override = 0.03 + static_cast<double>(random() % 1000) / 512.0;
+    if (random() % 200 == 0)
+      rig.intent.rapid_override = 0.05 + static_cast<double>(random() % 900) / 1000.0;
+    if (random() % (rig.orders.hold ? 60 : 700) == 0) rig.orders.hold = !rig.orders.hold;
+    rig.cycle();
+    oracle.watch(rig);
+    ASSERT_TRUE(rig.faults.empty())
+        << "fault " << static_cast<int>(rig.faults[0].fault) << " joint " << rig.faults[0].index
+        << " value " << rig.faults[0].value << " limit " << rig.faults[0].limit;
+    if (next == program.items.size() && rig.status().executed_seq == rig.seq &&
+        rig.status().path_empty)
+      break;
+  }
+  EXPECT_EQ(rig.status().executed_seq, rig.seq) << "the end was not reached";
+  EXPECT_LE(oracle.vel, 1.0001);
+  EXPECT_LE(oracle.acc, 1.001);
+}
+
+TEST(Families, KeepTheLimitsUnderChangingOverrides) {
+  const int count = motion::test::property_count(6);
+  for (int i = 1; i <= count && !testing::Test::HasFailure(); ++i) {
+    const auto seed = static_cast<std::uint64_t>(i);
+    run(bench::mixture(120, seed), seed);
+    run(bench::freeform(800, 0.01, 100, seed), seed);
+    run(bench::arc_spiral(0.1, 80), seed);
+    run(bench::four_axis(60, 0.02, 100, i % 2 == 0, seed), seed);
+  }
+}
+
+/// An arc at its largest centripetal acceleration and a rapid met at a fraction of its override: both once passed a limit.
+TEST(Families, SeedsThatFailedOnce) {
+  run(bench::arc_spiral(0.1, 80), 40);
+  run(bench::mixture(400, 5), 1);
+}
+
+}  // namespace
+}  // namespace kerf
