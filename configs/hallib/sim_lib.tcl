@@ -59,9 +59,8 @@ proc setup_kins {{axes {}}} {
   sim_do loadrt {*}$words
 }
 
-# Motion control, and for each joint a motor that follows at once while the machine is on and stays where it is while it is off.
-proc core_sim {{joints {}}} {
-  if {[llength $joints] == 0} { set joints [sim_joints] }
+# The motion controller as the INI file wants it, in servo-thread.
+proc load_motmod {} {
   set servo_ns [sim_ini EMCMOT SERVO_PERIOD 1000000]
   set base_ns [sim_ini EMCMOT BASE_PERIOD 0]
   set more {}
@@ -69,6 +68,12 @@ proc core_sim {{joints {}}} {
   sim_do loadrt {*}[sim_ini_words EMCMOT EMCMOT motmod] base_period_nsec=$base_ns servo_period_nsec=$servo_ns \
     num_joints=[sim_ini KINS JOINTS] {*}$more
   sim_addf {motion-command-handler motion-controller}
+}
+
+# Motion control, and for each joint a motor that follows at once while the machine is on and stays where it is while it is off.
+proc core_sim {{joints {}}} {
+  if {[llength $joints] == 0} { set joints [sim_joints] }
+  load_motmod
   sim_do loadrt pid names=[join [lmap j $joints { string cat J${j}_pid }] ,]
   sim_do loadrt mux2 names=[join [lmap j $joints { string cat J${j}_mux }] ,]
   sim_addf [lmap j $joints { string cat J${j}_pid.do-pid-calcs }]

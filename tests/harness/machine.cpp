@@ -185,7 +185,9 @@ std::unique_ptr<Machine> Machine::start(const MachineOptions& options) {
   text += options.append;
   const fs::path ini_path = p.folder / original.filename();
   std::ofstream(ini_path) << text;
-  for (const char* old : {"mill.var", "mill.var.bak"}) fs::remove(p.folder / old);
+  for (const auto& file : fs::directory_iterator(p.folder))
+    if (const auto kind = file.path().extension(); kind == ".var" || kind == ".bak")
+      fs::remove(file.path());
 
   auto loaded = ini::IniFile::load(ini_path.string());
   for (const auto& d : loaded.diagnostics) complain(d.message());
@@ -210,7 +212,8 @@ std::unique_ptr<Machine> Machine::start(const MachineOptions& options) {
     complain(prepared.error().message());
     return machine;
   }
-  const auto plan = launcher::make_plan(p.ini, {});
+  const auto plan =
+      launcher::make_plan(p.ini, {.first = {}, .library = {KERF_SOURCE_DIR "/configs/hallib"}});
   for (const auto& d : plan.diagnostics) complain(d.message());
   auto steps = plan.hal;
   for (const auto& line : options.hal) steps.push_back({false, line, {}});

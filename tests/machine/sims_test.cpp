@@ -1,0 +1,216 @@
+// The machines of configs/sim: each starts from its INI file, homes to its switches and runs its demo program, with every joint
+// inside its limits in every cycle.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "harness/machine.hpp"
+#include "ini/ini_file.hpp"
+
+namespace kerf::harness {
+namespace {
+
+constexpr double kDtS = 0.001;
+
+struct Sim {
+  std::string folder, ini, program;
+  std::vector<double> home;  ///< joints after homing
+  rtapi::Pose end;           ///< where the program ends, machine coordinates
+};
+
+void PrintTo(const Sim& sim, std::ostream* out) { *out << sim.folder; }
+
+std::string config(const std::string& folder, const std::string& file) {
+  return std::string(KERF_SOURCE_DIR "/configs/sim/") + folder + "/" + file;
+}
+
+Sim sim(const std::string& folder, std::vector<double> home, const rtapi::Pose& end) {
+  return {folder, config(folder, folder + ".ini"), config(folder, "demo.ngc"), std::move(home),
+          end};
+}
+
+/// One number of the INI file.
+double number(const ini::IniFile& file, const std::string& section, const std::string& key) {
+  const ini::Entry* entry = file.find(section, key);
+  if (entry == nullptr) {
+    ADD_FAILURE() << "no [" << section << "]" << key;
+    return 0;
+  }
+  return std::stod(entry->value);
+}
+
+/// What the joints did, against the INI file.
+class JointWatch {
+ public:
+  JointWatch(const std::string& path, std::size_t joints) {
+    const auto loaded = ini::IniFile::load(path);
+    EXPECT_TRUE(loaded.ok);
+    for (std::size_t j = 0; j < joints; ++j) {
+      const std::string section = "JOINT_" + std::to_string(j);
+      Joint joint;
+      joint.max_vel = number(loaded.file, section, "MAX_VELOCITY");
+      joint.max_acc = number(loaded.file, section, "MAX_ACCELERATION");
+      joint.low = number(loaded.file, section, "MIN_LIMIT");
+      joint.high = number(loaded.file, section, "MAX_LIMIT");
+      joints_.push_back(joint);
+    }
+  }
+  void look(const motion::MotionStatus& s) {
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      Joint& joint = joints_[j];
+      const double now = s.joint[j].pos_cmd, vel = (now - joint.at) / kDtS;
+      if (cycles_ == 0) joint.first = now;
+      if (cycles_ > 1) {
+        joint.peak_vel = std::max(joint.peak_vel, std::abs(vel));
+        joint.peak_acc = std::max(joint.peak_acc, std::abs(vel - joint.vel) / kDtS);
+        joint.least = std::min(joint.least, now);
+        joint.most = std::max(joint.most, now);
+      }
+      joint.at = now;
+      joint.vel = vel;
+    }
+    ++cycles_;
+  }
+  void check() const {
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      const Joint& joint = joints_[j];
+      EXPECT_LE(joint.peak_vel, joint.max_vel * 1.0001) << "joint " << j;
+      EXPECT_LE(joint.peak_acc, joint.max_acc * 1.001) << "joint " << j;
+      EXPECT_GE(joint.least, joint.low) << "joint " << j;
+      EXPECT_LE(joint.most, joint.high) << "joint " << j;
+      EXPECT_GT(joint.most - joint.least, 1.0) << "joint " << j << " hardly moved";
+    }
+  }
+  [[nodiscard]] std::uint64_t cycles() const { return cycles_; }
+
+ private:
+  struct Joint {
+    double max_vel{0}, max_acc{0}, low{0}, high{0};
+    double first{0}, at{0}, vel{0}, peak_vel{0}, peak_acc{0}, least{1e9}, most{-1e9};
+  };
+  std::vector<Joint> joints_;
+  std::uint64_t cycles_{0};
+};
+
+class Sims : public testing::TestWithParam<Sim> {};
+
+TEST_P(Sims, StartsHomesAndRunsItsDemo) {
+  const Sim& sim = GetParam();
+  MachineOptions options;
+  options.ini = sim.ini;
+  auto m = Machine::start(options);
+  ASSERT_TRUE(m->ready()) << m->errors();
+  EXPECT_EQ(m->errors(), "");
+  ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+  EXPECT_TRUE(m->motion().all_homed);
+  ASSERT_EQ(static_cast<std::size_t>(m->motion().joints), sim.home.size());
+  for (std::size_t j = 0; j < sim.home.size(); ++j)
+    EXPECT_NEAR(m->joint(j), sim.home[j], 1e-6) << "joint " << j;
+
+  JointWatch watch(sim.ini, sim.home.size());
+  m->on_cycle([&](const motion::MotionStatus& s) { watch.look(s); });
+  const auto reply = m->run_program(sim.program);
+  EXPECT_EQ(reply.state, task::CommandState::done) << reply.text << "\n" << m->errors();
+  watch.check();
+  EXPECT_EQ(m->motion().faults, 0U) << m->errors();
+  EXPECT_GT(watch.cycles(), 10000U);
+  EXPECT_FALSE(m->motion().spindle[0].on);
+  const rtapi::Pose at = m->motion().pos_cmd;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    EXPECT_NEAR(at[i], sim.end[i], 1e-4) << "axis "
+                                         << "XYZABCUVW"[i];
+}
+
+// At the home of the delta's carriages.
+const double kDeltaZ = 500 - std::sqrt(269.0 * 269.0 - 130.25 * 130.25);
+
+INSTANTIATE_TEST_SUITE_P(
+    Configs, Sims,
+    testing::Values(Sim{"mill",
+                        config("mill", "mill.ini"),
+                        KERF_SOURCE_DIR "/nc_files/examples/first_part.ngc",
+                        {0, 0, 0},
+                        {}},
+                    sim("mill-4axis", {0, 0, 115, 0}, {.x = 0, .y = 0, .z = 80}),
+                    sim("lathe", {70, 40}, {.x = 70, .z = 40}), sim("gantry", {0, 0, 0, 0}, {}),
+                    sim("corexy", {0, 0, 0}, {.z = 12}), sim("delta", {500, 500, 500}, {.z = 220}),
+                    sim("scara", {0, 90, 0, 0}, {.x = 330, .y = 300, .z = 470, .c = 0}),
+                    sim("puma", {0, -60, 0, 45, 45, -45},
+                        {.x = 600, .y = 150, .z = 120, .a = -150, .b = -30, .c = 10})),
+    [](const testing::TestParamInfo<Sim>& tested) {
+      std::string name = tested.param.folder;
+      std::replace(name.begin(), name.end(), '-', '_');
+      return name;
+    });
+
+std::unique_ptr<Machine> homed(const std::string& folder) {
+  MachineOptions options;
+  options.ini = config(folder, folder + ".ini");
+  auto m = Machine::start(options);
+  if (!m->ready() || !m->power_on_and_home()) {
+    ADD_FAILURE() << m->errors();
+    return nullptr;
+  }
+  return m;
+}
+
+TEST(SimDetails, TheGantrysSidesGoTogether) {
+  MachineOptions options;
+  options.ini = config("gantry", "gantry.ini");
+  auto m = Machine::start(options);
+  ASSERT_TRUE(m->ready()) << m->errors();
+  ASSERT_TRUE(m->power_on());
+  // Out of square at power-on by the 0.6 mm by which the switches differ; square once homed.
+  double worst_skew_mm = 0;
+  m->on_cycle([&](const motion::MotionStatus&) {
+    worst_skew_mm =
+        std::max(worst_skew_mm, std::abs(m->get("motor-1.true-pos") - m->get("motor-2.true-pos")));
+  });
+  ASSERT_TRUE(m->does({"home", "-1"})) << m->errors();
+  EXPECT_NEAR(m->get("motor-1.true-pos") - m->get("motor-2.true-pos"), 0.0, 0.01);
+  EXPECT_LT(worst_skew_mm, 3.0);
+  std::uint64_t apart = 0, cycles = 0;
+  m->on_cycle([&](const motion::MotionStatus& s) {
+    if (s.joint[1].pos_cmd != s.joint[2].pos_cmd) ++apart;
+    ++cycles;
+  });
+  ASSERT_TRUE(m->mdi("G0 Y500"));
+  EXPECT_GT(cycles, 1000U);
+  EXPECT_EQ(apart, 0U);
+}
+
+TEST(SimDetails, TheLatheKeepsItsSurfaceSpeed) {
+  auto m = homed("lathe");
+  ASSERT_NE(m, nullptr);
+  std::uint64_t cutting = 0, bounded = 0;
+  double worst = 0;
+  m->on_cycle([&](const motion::MotionStatus& s) {
+    if (s.kind != motion::MotionKind::feed || !s.spindle[0].on) return;
+    const double radius_mm = s.pos_cmd.x, rpm = m->get("spindle.0.speed-out");
+    const double wanted = 150e3 / (2 * std::numbers::pi * std::abs(radius_mm));
+    if (wanted >= 2500) {
+      if (std::abs(rpm - 2500) < 1e-6) ++bounded;
+      return;
+    }
+    worst = std::max(worst, std::abs(rpm / wanted - 1));
+    ++cutting;
+  });
+  // Facing from 40 mm to the middle.
+  const auto reply =
+      m->run_text("G21 G18 G90 G7 G96 D2500 S150 M3\nG0 X44 Z0\nG1 X-1 F300\nG0 Z5\nM5\nM2\n");
+  EXPECT_EQ(reply.state, task::CommandState::done) << reply.text << m->errors();
+  EXPECT_GT(cutting, 1000U);
+  EXPECT_GT(bounded, 1000U);
+  // The speed is that of the cycle before.
+  EXPECT_LT(worst, 0.002);
+}
+
+}  // namespace
+}  // namespace kerf::harness
