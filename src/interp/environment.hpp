@@ -53,9 +53,11 @@ struct Settings {
   int smooth_planner{1};       ///< [TRAJ]SMOOTH_PLANNER: what G64 R chooses; 0 refuses R
   double g73_clearance_mm{0};  ///< 0 = the documented default (1 mm, .050 in)
   double g83_clearance_mm{0};
-  bool ini_vars{true};                    ///< INI_VARS: #<_ini[section]key> may be read
-  bool hal_pin_vars{true};                ///< HAL_PIN_VARS: #<_hal[name]> may be read
-  bool oword_nargs{false};                ///< OWORD_NARGS: a called sub has #<n_args>
+  int compensation_look_ahead{
+      0};                   ///< moves that cutter compensation looks at for gouges; 0: neighbours
+  bool ini_vars{true};      ///< INI_VARS: #<_ini[section]key> may be read
+  bool hal_pin_vars{true};  ///< HAL_PIN_VARS: #<_hal[name]> may be read
+  bool oword_nargs{false};  ///< OWORD_NARGS: a called sub has #<n_args>
   bool no_downcase_oword{false};          ///< NO_DOWNCASE_OWORD: names in comments keep their case
   bool oword_warnonly{false};             ///< OWORD_WARNONLY: errors around O-words only warn
   bool disable_fanuc_style_sub{false};    ///< DISABLE_FANUC_STYLE_SUB: no M98, M99 and O-numbers

@@ -28,7 +28,10 @@ std::string InterpError::caret() const {
 }
 
 Interpreter::Interpreter(Environment& environment, Canon& canon, const Settings& settings)
-    : core_(std::make_unique<Core>(environment, canon, settings, dialect_of(settings.dialect))) {}
+    : Interpreter(environment, canon, settings, dialect_of(settings.dialect)) {}
+Interpreter::Interpreter(Environment& environment, Canon& canon, const Settings& settings,
+                         const Dialect& dialect)
+    : core_(std::make_unique<Core>(environment, canon, settings, dialect)) {}
 Interpreter::~Interpreter() = default;
 
 void Interpreter::init() { core_->init(); }

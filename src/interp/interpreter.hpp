@@ -31,6 +31,7 @@ namespace kerf::interp {
 
 class Core;
 class ParameterTable;
+struct Dialect;
 
 enum class Outcome : std::uint8_t {
   ok,  ///< a block was executed (or skipped); call again
@@ -85,6 +86,9 @@ class Interpreter {
  public:
   /// Both references must outlive the interpreter.
   Interpreter(Environment& environment, Canon& canon, const Settings& settings = {});
+  /// With a dialect that has no name in the INI; it must outlive the interpreter too.
+  Interpreter(Environment& environment, Canon& canon, const Settings& settings,
+              const Dialect& dialect);
   ~Interpreter();
   Interpreter(const Interpreter&) = delete;
   Interpreter& operator=(const Interpreter&) = delete;

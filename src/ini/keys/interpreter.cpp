@@ -34,6 +34,13 @@ constexpr Key kRows[] = {
         .unit(kUnits)
         .from(0)
         .otherwise_as("1 mm, .050 inch"),
+    integer("COMPENSATION_LOOK_AHEAD",
+            "moves that cutter compensation holds against each other for gouges before the first "
+            "of them begins; 0: neighbours only, as LinuxCNC")
+        .from(0)
+        .to(1000)
+        .otherwise("0")
+        .own(),
     boolean("INI_VARS", "programs may read #<_ini[section]key>").otherwise("1"),
     boolean("HAL_PIN_VARS", "programs may read #<_hal[name]>").otherwise("1"),
     boolean("RETAIN_G43", "G43 stays over tool changes, until no tool is loaded").otherwise("0"),

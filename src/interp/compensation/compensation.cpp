@@ -52,6 +52,7 @@ void Compensation::turn_on(bool left_side, double diameter_mm, int orientation) 
   s.e1 = xz ? 2 : 0;
   s.e2 = xz ? 0 : 1;
   s.tip = {};
+  s.moves = 0;
   if (xz) s.tip = {kTip[orientation][1] * radius, kTip[orientation][0] * radius};
 }
 
@@ -60,6 +61,7 @@ double Compensation::slack() const { return core_.state.units == Units::inch ? 0
 
 bool Compensation::end_open() {
   edit().path.set_slack(slack());
+  release_all_ = true;
   return take(current().path.last(), {}, {});
 }
 
@@ -82,24 +84,17 @@ bool Compensation::end_program(bool off) {
   }
   State& s = edit();
   s.path = CompPath(s.side, s.radius_mm);
+  s.moves = 0;
   s.leaving = false;
   if (off) s.bends = false;
   return true;
 }
 
 bool Compensation::take(const CompStep& step, const Pose& corner_end, Flat corner) {
-  if (step.problem != nullptr) {
-    char help[160];
-    const int line = used_ == 0 ? 0 : waiting_.front().source.line;
-    if (line > 0 && line != core_.state.line)
-      std::snprintf(help, sizeof help,
-                    "The tool does not fit between this move, that of line %d and the one before "
-                    "it; use a smaller tool or longer moves",
-                    line);
-    else
-      std::snprintf(help, sizeof help, "Make the move longer, or use a smaller tool");
-    return core_.fail(0, help, "%s", step.problem);
-  }
+  if (step.problem != nullptr) return too_narrow(step.problem);
+  if (!release_all_ && core_.settings.compensation_look_ahead > 0 && current().path.started() &&
+      !close(step))
+    return false;
   release_ = true;
   release_at_ = core_.out.size();
   open_ = step;
@@ -121,12 +116,72 @@ bool Compensation::take(const CompStep& step, const Pose& corner_end, Flat corne
   return true;
 }
 
+bool Compensation::too_narrow(const char* problem) {
+  char help[160];
+  const auto open =
+      std::find_if(waiting_.begin(), waiting_.end(), [](const Waiting& w) { return !w.closed; });
+  const int line = open == waiting_.end() ? 0 : open->source.line;
+  if (line > 0 && line != core_.state.line)
+    std::snprintf(help, sizeof help,
+                  "The tool does not fit between this move, that of line %d and the one before it; "
+                  "use a smaller tool or longer moves",
+                  line);
+  else
+    std::snprintf(help, sizeof help, "Make the move longer, or use a smaller tool");
+  return core_.fail(0, help, "%s", problem);
+}
+
 /// The way around the corner takes the other axes along, but not the one across the plane.
 Pose Compensation::corner_pose(const Pose& end) const {
   const std::size_t across = 3 - current().e1 - current().e2;
   Pose p = end;
   p[across] = core_.state.position[across];
   return p;
+}
+
+// --- look-ahead ---
+
+bool Compensation::close(const CompStep& step) {
+  // The way in and what leads from it to the contour are in the air; so is the last move, which never gets here.
+  if (current().moves <= 2) return true;
+  GuardedMove m = current().open;
+  m.tool.end = step.open_end;
+  m.tool.sweep = m.tool.sweep < 0 ? -step.open_sweep : step.open_sweep;
+  closing_ = m;
+  const double radius = current().radius_mm;
+  const auto gouge = look_ahead_.gouge(m, radius);
+  if (!gouge) return true;
+  const double unit = core_.state.unit_mm();
+  const char* const name = core_.state.units == Units::inch ? "inch" : "mm";
+  char help[200];
+  std::snprintf(help, sizeof help,
+                "Its centre comes within %.4g %s of that contour, its radius is %.4g %s; use a "
+                "smaller tool, or make the place wider",
+                gouge->distance / unit, name, radius / unit, name);
+  return core_.fail(0, help, "The tool gouges the contour of line %d on its way along line %d",
+                    gouge->wall_line, gouge->tool_line);
+}
+
+void Compensation::guard(const CompStep& step, Flat from, Flat to, Flat corner, double across_end) {
+  if (core_.settings.compensation_look_ahead <= 0) return;
+  State& s = edit();
+  s.moves = std::min(s.moves + 1, 3);
+  const CompMove& m = step.move;
+  const double across = core_.state.position[3 - s.e1 - s.e2];
+  GuardedMove& g = s.open;
+  g.programmed = {from, to, m.is_arc, m.center, m.turn_sign * m.programmed_sweep};
+  g.tool = {m.start, m.end, m.is_arc, m.center, m.turn_sign * m.sweep};
+  g.corner.reset();
+  if (step.corner_end) {
+    const Flat begin = step.open_end - corner, end = *step.corner_end - corner;
+    double turn = std::atan2(begin.a * end.b - begin.b * end.a, begin.a * end.a + begin.b * end.b);
+    if (turn * s.side > 0) turn -= s.side * kTwoPi;
+    g.corner = FlatPiece{step.open_end, *step.corner_end, m.is_arc || !m.traverse, corner, turn};
+  }
+  g.line = core_.state.line;
+  g.wall = m.is_arc || !m.traverse;
+  g.low = std::min(across, across_end);
+  g.high = std::max(across, across_end);
 }
 
 void Compensation::stage_move(const Move& move) {
@@ -147,6 +202,7 @@ bool Compensation::straight(const Pose& end, bool traverse) {
     const CompStep step = current().path.line(from, to, traverse);
     if (!take(step, corner_pose(end), from)) return false;
     edit().path.take(step.move);
+    guard(step, from, to, from, end[3 - current().e1 - current().e2]);
   } else {
     edit();
   }
@@ -162,6 +218,7 @@ bool Compensation::arc(const Arc& arc) {
   const CompStep step = current().path.arc(from, to, {center, arc.turns}, from - current().tip);
   if (!take(step, corner_pose(arc.end), from)) return false;
   edit().path.take(step.move);
+  guard(step, from, to, from, arc.end[3 - current().e1 - current().e2]);
   opens_ = true;
   Move move;
   move.is_arc = true;
@@ -212,75 +269,115 @@ void Compensation::deliver(Waiting& w) {
   if (w.sync != SyncReason::none) sync_ = w.sync;
 }
 
-void Compensation::wait(const SourceLine& source) {
-  if (used_ == waiting_.size()) waiting_.emplace_back();
-  Waiting& w = waiting_[used_++];
+void Compensation::wait(const SourceLine& source, std::size_t from, bool overtaken) {
+  if (spare_.empty()) spare_.emplace_back();
+  waiting_.splice(waiting_.end(), spare_, spare_.begin());
+  Waiting& w = waiting_.back();
   w.source = source;
   w.file.assign(source.file);
   w.text.assign(source.text);
   w.modal = core_.state;
-  w.from = has_move_ && opens_ ? split_ : 0;
+  w.from = from;
   w.split = has_move_ ? split_ : core_.out.size();
   w.has_move = has_move_;
   w.move = move_;
-  w.overtaken = !(has_move_ && opens_);
+  w.overtaken = overtaken;
+  w.opens = has_move_ && opens_;
+  w.closed = false;
   w.sync = core_.sync;
   core_.sync = SyncReason::none;
   w.calls.swap(core_.out);
   core_.out.clear();  // what an earlier block left there
 }
 
+/// The open move ends where it is known now, and so do moves across the plane behind it.
+void Compensation::settle() {
+  for (auto w = waiting_.rbegin(); w != waiting_.rend() && !w->closed; ++w) {
+    w->closed = true;
+    if (w->opens) ++closed_;
+    if (!w->has_move) continue;
+    Pose& end = w->move.is_arc ? w->move.arc.end : w->move.end;
+    place(state_, end, open_.open_end);  // the plane and tool of that time
+    if (w->move.is_arc) {
+      CompMove turned;
+      turned.turn_sign = w->move.arc.turns > 0 ? 1 : -1;
+      w->move.arc.turns = turns_of(turned, open_.open_sweep);
+    }
+  }
+}
+
+void Compensation::release() {
+  const auto depth =
+      release_all_ ? 0U
+                   : static_cast<std::size_t>(std::max(0, core_.settings.compensation_look_ahead));
+  const auto stops = [](const Waiting& w) { return w.sync != SyncReason::none; };
+  auto barrier = std::find_if(waiting_.rbegin(), waiting_.rend(), stops).base();
+  bool held = barrier != waiting_.begin();
+  while (!waiting_.empty()) {
+    const auto w = waiting_.begin();
+    if (w == barrier) held = false;
+    if (!held && w->opens && closed_ <= depth) return;
+    if (w->opens) --closed_;
+    deliver(*w);
+    spare_.splice(spare_.end(), waiting_, w);
+  }
+}
+
 void Compensation::finish(const SourceLine& source) {
   sync_ = SyncReason::none;
+  const bool in_order = core_.settings.compensation_look_ahead > 0;
   bool announced = false;
-  const std::size_t overtaken = release_ ? release_at_ : 0;
-  core_.out.play(core_.canon, source, 0, overtaken, CanonBuffer::Which::overtaking, announced);
+  const std::size_t before = release_ ? release_at_ : 0;
+  if (!in_order)
+    core_.out.play(core_.canon, source, 0, before, CanonBuffer::Which::overtaking, announced);
   if (release_) {
-    for (std::size_t i = 0; i < used_; ++i) {
-      Waiting& w = waiting_[i];
-      if (w.has_move) {
-        Pose& end = w.move.is_arc ? w.move.arc.end : w.move.end;
-        place(state_, end, open_.open_end);  // the plane and tool of that time
-        if (w.move.is_arc) {
-          CompMove turned;
-          turned.turn_sign = w.move.arc.turns > 0 ? 1 : -1;
-          w.move.arc.turns = turns_of(turned, open_.open_sweep);
-        }
-      }
-      deliver(w);
-    }
-    used_ = 0;
+    settle();
+    release();
+    announced = false;
   }
-  if (release_) announced = false;
-  core_.out.play(core_.canon, source, 0, overtaken, CanonBuffer::Which::waiting, announced);
-  if (has_move_ && opens_) {
-    // The calls before the move, its corner among them, need not wait for its end.
-    core_.out.play(core_.canon, source, overtaken, split_, CanonBuffer::Which::all, announced);
-    wait(source);
-  } else if (has_move_ || used_ > 0) {
-    core_.out.play(core_.canon, source, 0, core_.out.size(), CanonBuffer::Which::overtaking,
-                   announced);
-    if (has_move_ || !core_.out.empty()) wait(source);
+  if (in_order && waits()) {
+    if (has_move_ || !core_.out.empty()) wait(source, 0, false);
   } else {
-    core_.out.play(core_.canon, source, overtaken, core_.out.size(), CanonBuffer::Which::all,
-                   announced);
-    core_.out.clear();
+    const auto rest = in_order ? CanonBuffer::Which::all : CanonBuffer::Which::waiting;
+    core_.out.play(core_.canon, source, 0, before, rest, announced);
+    const std::size_t size = core_.out.size();
+    if (has_move_ && opens_) {
+      // The calls before the move, its corner among them, need not wait for its end.
+      core_.out.play(core_.canon, source, before, split_, CanonBuffer::Which::all, announced);
+      wait(source, split_, false);
+    } else if (has_move_ || waits()) {
+      core_.out.play(core_.canon, source, 0, size, CanonBuffer::Which::overtaking, announced);
+      if (has_move_ || !core_.out.empty()) wait(source, 0, true);
+    } else {
+      core_.out.play(core_.canon, source, before, size, CanonBuffer::Which::all, announced);
+      core_.out.clear();
+    }
   }
+  if (closing_)
+    look_ahead_.take(*closing_, static_cast<std::size_t>(core_.settings.compensation_look_ahead));
+  if (release_all_) look_ahead_.clear();
   if (staged_) state_ = next_;
   undo();
   if (core_.sync == SyncReason::none) core_.sync = sync_;
 }
 
+void Compensation::forget() {
+  spare_.splice(spare_.end(), waiting_);
+  closed_ = 0;
+  look_ahead_.clear();
+}
+
 void Compensation::drop() {
   undo();
   state_ = State{};
-  used_ = 0;
+  forget();
 }
 
 void Compensation::start_again() {
   undo();
-  used_ = 0;
+  forget();
   state_.leaving = false;
+  state_.moves = 0;
   if (state_.bends) state_.path = CompPath(state_.side, state_.radius_mm);
 }
 

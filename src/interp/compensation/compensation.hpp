@@ -5,14 +5,20 @@
 // each block with its own source line and modal state; they are delivered in the order of the program. Texts for the operator
 // and calls that concern no motion overtake them (kOvertakes).
 //
+// With [RS274NGC]COMPENSATION_LOOK_AHEAD = N a move waits until N more have their ends, so that a gouge between moves that are no
+// neighbours (LookAhead) is an error before the first of them begins. Nothing overtakes then, and a block that the machine must be
+// waited for (M0, M100-M199) lets all before it go.
+//
 // Like everything of a block, what a handler asks for is staged: finish() does it, undo() forgets it.
 #pragma once
 
 #include <cstddef>
-#include <deque>
+#include <list>
+#include <optional>
 #include <string>
 
 #include "interp/canon_buffer.hpp"
+#include "interp/compensation/look_ahead.hpp"
 #include "interp/compensation/path.hpp"
 #include "interp/interpreter.hpp"
 
@@ -46,12 +52,15 @@ class Compensation {
   // --- for Core ---
   /// The machine stands beside the programmed position.
   [[nodiscard]] bool beside() const noexcept { return state_.bends || state_.leaving; }
-  [[nodiscard]] bool waits() const noexcept { return used_ > 0; }
+  [[nodiscard]] bool waits() const noexcept { return !waiting_.empty(); }
   /// This block must end by finish() instead of delivering its calls.
-  [[nodiscard]] bool busy() const noexcept { return staged_ || used_ > 0; }
+  [[nodiscard]] bool busy() const noexcept { return staged_ || waits(); }
   /// Delivers what no longer waits, of blocks before and of this one.
   void finish(const SourceLine& source);
-  void undo() noexcept { staged_ = release_ = has_move_ = false; }
+  void undo() noexcept {
+    staged_ = release_ = release_all_ = has_move_ = false;
+    closing_.reset();
+  }
   /// Compensation ends, nothing waits any more and nothing is delivered (abort).
   void drop();
   /// Something else moved the machine: the next move leads to the path again.
@@ -65,6 +74,8 @@ class Compensation {
     double side{1}, radius_mm{0};
     std::size_t e1{0}, e2{1};  ///< axes of the plane
     Flat tip;                  ///< of a lathe tool: from its centre to where the axes are set
+    GuardedMove open;          ///< the open move, without the end of the tool's way
+    int moves{0};              ///< since the compensation began, as far as the first ones count
   };
   /// The one motion call of a block that waits.
   struct Move {
@@ -82,6 +93,8 @@ class Compensation {
     std::size_t split{0};  ///< the move comes before this call
     bool has_move{false};
     bool overtaken{false};  ///< its overtaking calls are made
+    bool opens{false};      ///< its move has an end of its own, not that of the move before
+    bool closed{false};     ///< the end of its move is known
     Move move;
     SyncReason sync{SyncReason::none};
   };
@@ -91,18 +104,27 @@ class Compensation {
   [[nodiscard]] Flat flat(const Pose& p) const { return {p[current().e1], p[current().e2]}; }
   static void place(const State& s, Pose& p, Flat at);
   bool take(const CompStep& step, const Pose& corner_end, Flat corner);
+  [[nodiscard]] bool too_narrow(const char* problem);
+  /// The open move ends as `step` says: does it gouge one of those before, or the other way round?
+  [[nodiscard]] bool close(const CompStep& step);
+  void guard(const CompStep& step, Flat from, Flat to, Flat corner, double across_end);
   [[nodiscard]] Pose corner_pose(const Pose& end) const;
   [[nodiscard]] double slack() const;
   [[nodiscard]] bool end_open();
   void stage_move(const Move& move);
   void deliver(Waiting& w);
   void make(const Move& move);
-  void wait(const SourceLine& source);
+  void wait(const SourceLine& source, std::size_t from, bool overtaken);
+  void settle();
+  /// Delivers what need not wait any longer.
+  void release();
+  void forget();
 
   Core& core_;
   State state_, next_;
   bool staged_{false};
   bool release_{false};        ///< what waits is delivered with this block
+  bool release_all_{false};    ///< compensation ends with it
   std::size_t release_at_{0};  ///< before this call of the block
   CompStep open_;              ///< how the open move ends then
   bool has_move_{false};
@@ -110,9 +132,11 @@ class Compensation {
   Move move_;
   std::size_t split_{0};
 
-  std::deque<Waiting>
-      waiting_;  ///< the first `used_`; the others keep their memory. Never moved: calls point into them
-  std::size_t used_{0};
+  std::list<Waiting> waiting_,
+      spare_;              ///< spare ones keep their memory. Never moved: calls point into them
+  std::size_t closed_{0};  ///< moves that wait though their ends are known
+  LookAhead look_ahead_;
+  std::optional<GuardedMove> closing_;  ///< the open move with its end
   SyncReason sync_{SyncReason::none};
 };
 

@@ -73,6 +73,7 @@ void read_lengths(Reader& r, Settings& s, double unit_mm) {
     s.*row.field = scale * r.real(kSection, row.key, s.*row.field / scale);
   }
   s.orient_offset_deg = r.real(kSection, "ORIENT_OFFSET");
+  s.compensation_look_ahead = static_cast<int>(r.integer(kSection, "COMPENSATION_LOOK_AHEAD"));
 }
 
 std::vector<std::string> path_list(Reader& r, const std::string& ini_dir, const char* key) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -64,15 +65,17 @@ double turn_between(const Piece& p, const Piece& q) {
   return std::remainder(q.heading(0) - p.heading(1), 2 * kPi);
 }
 
-/// A star of lines and arcs around the origin; the first piece is a line.
-std::vector<Piece> contour(std::mt19937& random) {
+/// A star of lines and arcs around the origin; the first piece is a line. `swirl` turns its points like blades, so that walls overhang.
+std::vector<Piece> contour(std::mt19937& random, int most_corners = 9, double swirl = 0) {
   const auto in = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(random);
   };
-  const int n = std::uniform_int_distribution<int>(3, 9)(random);
+  const int n = std::uniform_int_distribution<int>(3, most_corners)(random);
   std::vector<Point> corners;
   for (int i = 0; i < n; ++i) {
-    const double angle = 2 * kPi * (i + in(-0.3, 0.3)) / n, r = in(10, 30);
+    double angle = 2 * kPi * (i + in(-0.3, 0.3)) / n;
+    const double r = in(10, 30);
+    angle += swirl * (r - 20) / 10;
     corners.push_back({r * std::cos(angle), r * std::sin(angle)});
   }
   if (in(0, 1) < 0.5) std::reverse(corners.begin(), corners.end());
@@ -132,15 +135,16 @@ bool inside(const std::vector<Piece>& shape, Point p) {
   return odd;
 }
 
-/// The contour crosses itself (arcs may), or a corner is none (the peer's path is inexact there).
-bool unsuitable(const std::vector<Piece>& shape) {
+/// The contour crosses itself (arcs may) or comes nearer to itself than `room`, or a corner is none (the peer's path is inexact
+/// there).
+bool unsuitable(const std::vector<Piece>& shape, double room = 2.5) {
   for (std::size_t i = 0; i < shape.size(); ++i) {
     const double turn = std::fabs(turn_between(shape[i], shape[(i + 1) % shape.size()]));
     if (turn < 0.06 || turn > kPi - 0.2) return true;
     for (std::size_t k = 0; k < shape.size(); ++k) {
       const bool next = k == i || k == (i + 1) % shape.size() || i == (k + 1) % shape.size();
       for (int s = 1; s < 20 && !next; ++s)
-        if (shape[k].distance(shape[i].at(s / 20.0)) < 2.5) return true;
+        if (shape[k].distance(shape[i].at(s / 20.0)) < room) return true;
     }
   }
   return false;
@@ -202,6 +206,67 @@ TEST(CompensationProperty, the_tool_keeps_its_radius_from_random_contours) {
   }
   EXPECT_GT(kept, 120);
   EXPECT_LT(refused, kept / 4);
+}
+
+/// The tool's path along the program; nullopt: an error, whose text is in `error`.
+std::optional<Path> path_of(const std::string& program, int look_ahead, std::string& error) {
+  BenchEnvironment world;
+  Path path;
+  Settings settings;
+  settings.compensation_look_ahead = look_ahead;
+  Interpreter interp(world, path, settings);
+  interp.init();
+  EXPECT_TRUE(interp.open_text("t.ngc", program).ok());
+  Outcome o = Outcome::ok;
+  while (o == Outcome::ok) o = interp.execute_next();
+  error = o == Outcome::error ? interp.error().text : "";
+  if (o != Outcome::program_end) return std::nullopt;
+  return path;
+}
+
+TEST(CompensationProperty, look_ahead_refuses_what_gouges_and_nothing_else) {
+  int legal = 0, gouges = 0;
+  for (unsigned seed = 0; seed < 1500; ++seed) {
+    std::mt19937 random(seed);
+    const std::vector<Piece> shape = contour(random, 12, seed % 2 == 0 ? 1.5 : -1.5);
+    const bool left = random() % 2 == 0;
+    const double radius = std::uniform_real_distribution<double>(0.5, 8.0)(random);
+    if (unsuitable(shape, 0.3)) continue;
+    const Point middle = shape[0].at(0.5);
+    std::string program = "G21 F100\nG0" + word("XY", shape[0].at(0.1)) + "\n";
+    char on[40];
+    std::snprintf(on, sizeof on, "%s D%.12f\n", left ? "G41.1" : "G42.1", 2 * radius);
+    program += on + ("G1" + word("XY", middle)) + "\n";
+    for (int round = 0; round < 2; ++round)
+      for (const Piece& p : shape) program += move(p);
+    program += "G1" + word("XY", middle) + "\nG40\nM2\n";
+    std::string error;
+    const auto plain = path_of(program, 0, error);
+    if (!plain) continue;
+    double nearest = 1e9;
+    for (std::size_t i = 2; i < plain->pieces.size(); ++i) {
+      const Piece& p = plain->pieces[i];
+      const int steps = std::max(2, static_cast<int>(p.size() / 0.05));
+      for (int s = 0; s <= steps; ++s)
+        for (const Piece& c : shape)
+          nearest = std::min(nearest, c.distance(p.at(static_cast<double>(s) / steps)));
+    }
+    if (nearest > 0.99 * radius - 0.01 && nearest < 0.9999 * radius) continue;  // either will do
+    const int depth = static_cast<int>(shape.size()) + 2;
+    const auto guarded = path_of(program, depth, error);
+    if (nearest >= 0.9999 * radius) {
+      ++legal;
+      ASSERT_TRUE(guarded) << "seed " << seed << " " << error << "\n" << program;
+      ASSERT_EQ(guarded->pieces.size(), plain->pieces.size()) << seed;
+    } else {
+      ++gouges;
+      ASSERT_FALSE(guarded) << "seed " << seed << ": " << nearest << " of " << radius << "\n"
+                            << program;
+      ASSERT_EQ(error.substr(0, 16), "The tool gouges ") << seed;
+    }
+  }
+  EXPECT_GT(legal, 100);
+  EXPECT_GT(gouges, 20);
 }
 
 }  // namespace

@@ -1,73 +1,18 @@
-// A dialect is rows of data: this one has statements without O-words, bare names, a function of its own, numbers that hold texts and
-// codes that take a text. Nothing of it is in the interpreter.
+// A dialect is rows of data (shop_dialect.hpp).
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "interp/codes/families.hpp"
 #include "interp/null_canon.hpp"
 #include "interp/source.hpp"
 #include "rig.hpp"
+#include "shop_dialect.hpp"
 
 namespace kerf::interp {
 namespace {
 
-constexpr StatementRow kStatements[] = {
-    {"while", Flow::while_loop, true, "do"},
-    {"while", Flow::while_loop, true, "", Joins::nesting},
-    {"endwhile", Flow::endwhile, false, "", Joins::nesting},
-    {"if", Flow::go_to, true, "thengoto", Joins::line},
-    {"if", Flow::go_to, true, "goto", Joins::line},
-    {"if", Flow::none, true, "then", Joins::rest, "else"},
-    {"if", Flow::if_block, true, "", Joins::nesting},
-    {"elseif", Flow::elseif, true, "", Joins::nesting},
-    {"else", Flow::else_block, false, "", Joins::nesting},
-    {"endif", Flow::endif, false, "", Joins::nesting},
-    {"end", Flow::endwhile, false, ""},
-    {"goto", Flow::go_to, false, "", Joins::line},
-};
-constexpr ExternalFunction kFunctions[] = {
-    {"prm",
-     [](Core& core, double& value) {
-       if (value < 0) return core.fail(0, "", "No such setting");
-       value = value * 10;
-       return true;
-     }},
-};
-constexpr std::int16_t kTextCodes[] = {130};
-constexpr CodeRow kOwn[] = {
-    {'m', 130, 130, 10, kOrderUser,
-     [](Core& core, const Block& b, int) {
-       core.out.call<&Canon::message>(core.out.keep(b.quoted));
-       return true;
-     },
-     letters("l"), AxisUse::none},
-};
-
 class ShopDialect : public ::testing::Test {
  protected:
-  static const Dialect& shop() {
-    static const std::vector<std::span<const CodeRow>> families = [] {
-      const auto base = linuxcnc_dialect().families;
-      std::vector<std::span<const CodeRow>> all(base.begin(), base.end());
-      all.emplace_back(kOwn);
-      return all;
-    }();
-    static const Dialect dialect = [] {
-      Dialect d = linuxcnc_dialect();
-      d.name = "shop";
-      d.families = families;
-      d.statements = kStatements;
-      d.functions = kFunctions;
-      d.bare_names = d.quotes = true;
-      d.first_text = 300;
-      d.last_text = 399;
-      d.text_codes = kTextCodes;
-      return d;
-    }();
-    return dialect;
-  }
-
   /// The calls, and "error: TEXT" at the end.
   static std::string run(const std::string& program) {
     char* text = nullptr;
@@ -77,7 +22,7 @@ class ShopDialect : public ::testing::Test {
     {
       TextCanon canon(out);
       Environment world;
-      Core core(world, canon, {}, shop());
+      Core core(world, canon, {}, shop_dialect());
       core.init();
       std::fflush(out);
       const std::size_t before = size;
@@ -160,7 +105,7 @@ TEST_F(ShopDialect, AJumpBackCostsNoSearchEachTime) {
   program += "N10 #1=[#1+1]\nIF [#1 LT 20000] GOTO 10\n(abort,%d#1)\n";
   Environment world;
   NullCanon canon;
-  Core core(world, canon, {}, shop());
+  Core core(world, canon, {}, shop_dialect());
   core.init();
   core.open_main("p.ngc", make_text_source(program));
   int steps = 0;

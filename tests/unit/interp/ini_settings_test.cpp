@@ -124,6 +124,13 @@ TEST_F(IniSettings, LengthsAreInMachineUnits) {
   EXPECT_EQ(complaints_, "");
 }
 
+TEST_F(IniSettings, CompensationLooksAheadOnlyWhenAsked) {
+  EXPECT_EQ(read("").settings.compensation_look_ahead, 0);
+  EXPECT_EQ(read("COMPENSATION_LOOK_AHEAD = 12\n").settings.compensation_look_ahead, 12);
+  (void)read("COMPENSATION_LOOK_AHEAD = -1\n");
+  EXPECT_THAT(complaints_, HasSubstr("COMPENSATION_LOOK_AHEAD"));
+}
+
 TEST_F(IniSettings, UnknownNamesAreErrorsThatListTheKnown) {
   EXPECT_EQ(read("COMPAT = 2.7\n").settings.compat, Compat::v2_7);
   EXPECT_EQ(read("COMPAT = 2.8\n").settings.compat, Compat::v2_8);
