@@ -47,6 +47,9 @@ struct ModalState {
   std::int32_t motion{800};            ///< group 1: 0 10 20 30 ... 890; 800 = none; -1: after G5.3
   std::int32_t plane_code{170};        ///< 170 180 190; 171 181 191: G17.1 ...
   std::int32_t cutter_comp{400};       ///< 400, 410 left, 420 right; G41.1 and G42.1 too
+  bool comp_own_tool{false};  ///< compensation has a D; else it is of the tool in the spindle
+  std::int32_t comp_orientation{0};
+  double comp_diameter_mm{0};
   std::int32_t tool_offset_code{490};  ///< 430 431 432 490
   std::int32_t last_stop{-1};          ///< 0 1 2 30 60, -1: none
   std::int32_t tool_change{-1};        ///< 6 or 61 after a tool change, -1: none

@@ -248,6 +248,7 @@ class SetupReader {
     read.settings.is_task = true;
     s.interp = std::move(read.settings);
     s.motion.adaptive_only_slows = s.interp.compat != interp::Compat::newest;
+    s.motion.adaptive_reverses = s.interp.compat != interp::Compat::v2_7;
     s.paths = std::move(read.paths);
     s.python = std::move(read.python);
     const std::string positions = r_.string("TRAJ", "POSITION_FILE");

@@ -171,6 +171,19 @@ TEST_F(MCodeCompat, AdaptiveFeedOfOlderManualsOnlySlows) {
   }
 }
 
+TEST_F(MCodeCompat, NegativeAdaptiveFeedReversesSince28) {
+  for (const char* compat : {"2.7", "2.8", "2.10"}) {
+    start(compat);
+    m->start_program(m->write_program("M52\nG1 X250 F1200\nM2\n"));
+    EXPECT_TRUE(m->run_until([&] { return m->joint(0) > 60; }, 20));
+    m->hal("setp motion.adaptive-feed -1.5");
+    m->run_for(1);
+    const double mm_s = std::string(compat) == "2.7" ? 0 : std::string(compat) == "2.8" ? 20 : 30;
+    EXPECT_NEAR(m->motion().vel_mm_s, mm_s, 1e-6) << compat;
+    EXPECT_EQ(m->joint(0) < 55, mm_s > 0) << compat;
+  }
+}
+
 TEST_F(MCodeCompat, ExitStatusOfAUserCodeCountsSince28) {
   for (const char* compat : {"2.7", "2.8", "2.10"}) {
     MachineOptions o;

@@ -141,6 +141,61 @@ TEST_F(MCode, AdaptiveFeedOverrideAndFeedHoldPinsScaleAndStopTheFeed) {
   EXPECT_NEAR(m->motion().vel_mm_s, 20, 1e-6);
 }
 
+TEST_F(MCode, NegativeAdaptiveFeedRunsThePathBackwards) {
+  start();
+  m->hal("setp motion.adaptive-feed 1");
+  const auto run = m->start_program(m->write_program(
+      "M52 P1\nG64 P0.1\nF1200\nG1 X20\nY10\nG2 X30 Y20 I10\nG1 X60\nM62 P0\nX100\nM2\n"));
+  EXPECT_TRUE(m->run_until([&] { return m->joint(0) > 70; }, 20));
+  EXPECT_EQ(m->task().current_line, 9);
+  EXPECT_TRUE(m->bit("motion.digital-out-00"));
+  m->hal("setp motion.adaptive-feed -9");
+  m->run_for(0.3);
+  EXPECT_NEAR(m->motion().vel_mm_s, 30, 1e-6) << "MAX_FEED_OVERRIDE 1.5 bounds it";
+  EXPECT_TRUE(m->bit("motion.tp-reverse"));
+  EXPECT_TRUE(m->run_until([&] { return m->joint(0) < 15; }, 20));
+  EXPECT_NEAR(m->joint(1), 0, 1e-9);
+  EXPECT_EQ(m->task().current_line, 4) << "the line that is driven is shown";
+  EXPECT_TRUE(m->bit("motion.digital-out-00")) << "outputs stay as they are";
+  m->run_for(5);
+  EXPECT_NEAR(m->joint(0), 0, 1e-9);
+  EXPECT_EQ(m->motion().vel_mm_s, 0);
+  EXPECT_FALSE(task::is_terminal(m->outcome(run).state));
+  // M52 P0: an adaptive feed that is off is 1.
+  EXPECT_TRUE(m->does({"adaptive-feed", "off"}));
+  EXPECT_TRUE(ends(run, 30));
+  EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
+  EXPECT_NEAR(m->joint(0), 100, 1e-9);
+  EXPECT_FALSE(m->bit("motion.tp-reverse"));
+  // The program has ended: there is nothing to go back to.
+  EXPECT_TRUE(m->does({"adaptive-feed", "on"}));
+  m->run_for(1);
+  EXPECT_NEAR(m->joint(0), 100, 1e-9);
+}
+
+TEST_F(MCode, EstopAndAbortEndAReverseRun) {
+  start();
+  m->start_program(m->write_program("M52\nF1200\nG1 X20\nG1 X60 Y20\nX200\nM2\n"));
+  EXPECT_TRUE(m->run_until([&] { return m->joint(0) > 70; }, 20));
+  m->hal("setp motion.adaptive-feed -1");
+  m->run_for(1.7);
+  for (const char* stop : {"abort", "state estop"}) {
+    EXPECT_EQ(m->branch([&] {
+      EXPECT_GT(m->motion().vel_mm_s, 15);
+      const double x = m->joint(0);
+      m->does(stop == std::string("abort") ? std::vector<std::string>{"abort"}
+                                           : std::vector<std::string>{"state", "estop"});
+      m->run_for(1);
+      EXPECT_NEAR(m->joint(0), x, 1) << stop;
+      const double stands = m->joint(0);
+      m->hal("setp motion.adaptive-feed 1");
+      m->run_for(1);
+      EXPECT_EQ(m->joint(0), stands) << stop;
+    }),
+              0);
+  }
+}
+
 TEST_F(MCode, SavedStateComesBackAndTheProgramStartsAgainFromItsFirstLine) {
   start();
   const std::string program =

@@ -47,8 +47,11 @@ bool dynamic(Core& c, const Block& b, int code, double& diameter_mm, int& orient
 }
 
 /// A negative diameter changes the side; what status shows is the side that the tool is on.
-void start(Core& c, bool left, double diameter_mm, int orientation) {
+void start(Core& c, bool left, double diameter_mm, int orientation, bool own_tool) {
   if (diameter_mm < 0) left = !left;
+  c.state.comp_diameter_mm = std::fabs(diameter_mm);
+  c.state.comp_orientation = orientation;
+  c.state.comp_own_tool = own_tool;
   c.compensation.turn_on(left, std::fabs(diameter_mm), orientation);
   c.state.cutter_comp = left ? 410 : 420;
   c.comment(left ? "interpreter: cutter radius compensation on left"
@@ -76,7 +79,8 @@ bool on(Core& c, const Block& b, int code) {
       return c.fail(0, "Write G18 before, or set Q of the tool to 0",
                     "G%d with lathe tool, but plane is not G18", code / 10);
   }
-  start(c, code == 410 || code == 411, diameter_mm, orientation);
+  start(c, code == 410 || code == 411, diameter_mm, orientation,
+        b.has('d') && (code % 10 == 1 || b['d'] != 0 || c.settings.random_toolchanger));
   return true;
 }
 
@@ -137,12 +141,19 @@ bool refused_by_compensation(Core& c, const Block& b, char letter, int code) {
   return false;
 }
 
-bool restore_compensation(Core& c, int code) {
-  if (code == 400) return off(c, {}, 400);
-  const bool xz = c.state.plane_code == 180;
-  start(c, code == 410, std::fabs(c.spindle_tool.diameter_mm), xz ? c.spindle_tool.orientation : 0);
+bool restore_compensation(Core& c, const ModalState& was) {
+  const bool left = was.cutter_comp == 410;
+  if (was.comp_own_tool) {
+    start(c, left, was.comp_diameter_mm, was.comp_orientation, true);
+  } else {
+    const bool xz = c.state.plane_code == 180;
+    start(c, left, std::fabs(c.spindle_tool.diameter_mm), xz ? c.spindle_tool.orientation : 0,
+          false);
+  }
   return true;
 }
+
+bool stop_compensation(Core& c) { return off(c, {}, 400); }
 
 std::span<const CodeRow> comp_codes() { return kRows; }
 

@@ -27,8 +27,9 @@ mode_codes();  ///< planes, units, distance, feed mode, path, retract
 
 /// True after core.fail(): the code must not be used with compensation on.
 [[nodiscard]] bool refused_by_compensation(Core& c, const Block& b, char letter, int code);
-/// M72: compensation as it was; the radius is that of the tool in the spindle.
-[[nodiscard]] bool restore_compensation(Core& c, int code);
+/// M72: compensation as it was, with its D; without one, the radius is that of the tool in the spindle.
+[[nodiscard]] bool restore_compensation(Core& c, const ModalState& was);
+[[nodiscard]] bool stop_compensation(Core& c);
 /// Centre of an arc in the ZX plane from its I and K (G90.1, G91.1) or R word; s is Z, h is X.
 [[nodiscard]] bool arc_center_xz(Core& c, const Block& b, std::array<double, 2> from,
                                  std::array<double, 2> to, bool ccw, double& center_z,

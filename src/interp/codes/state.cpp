@@ -62,10 +62,17 @@ bool run(Core& c, int g_code) {
   return r != nullptr && r->run(c, b, g_code);
 }
 
+bool same_compensation(const ModalState& a, const ModalState& b) {
+  if (a.cutter_comp != b.cutter_comp || a.cutter_comp == 400) return a.cutter_comp == b.cutter_comp;
+  if (a.comp_own_tool != b.comp_own_tool) return false;
+  return !a.comp_own_tool ||
+         (a.comp_diameter_mm == b.comp_diameter_mm && a.comp_orientation == b.comp_orientation);
+}
+
 bool restore_geometry(Core& c, const ModalState& was, int tool_then) {
   ModalState& s = c.state;
-  const bool comp_changes = s.cutter_comp != was.cutter_comp;
-  if (comp_changes && s.cutter_comp != 400 && !restore_compensation(c, 400)) return false;
+  const bool comp_changes = !same_compensation(s, was);
+  if (comp_changes && s.cutter_comp != 400 && !stop_compensation(c)) return false;
   if (s.plane_code != was.plane_code && !run(c, was.plane_code)) return false;
   if (s.lathe_diameter != was.lathe_diameter && !run(c, was.lathe_diameter ? 70 : 80)) return false;
   // G43 without H is the length of the tool in the spindle, which may be another one now.
@@ -81,7 +88,7 @@ bool restore_geometry(Core& c, const ModalState& was, int tool_then) {
   constexpr int kSystemCodes[10] = {540, 540, 550, 560, 570, 580, 590, 591, 592, 593};
   if (s.coord_system != was.coord_system && !run(c, kSystemCodes[was.coord_system])) return false;
   // Last: while it is on the others must not change.
-  return !comp_changes || was.cutter_comp == 400 || restore_compensation(c, was.cutter_comp);
+  return !comp_changes || was.cutter_comp == 400 || restore_compensation(c, was);
 }
 
 void restore_path(Core& c, const ModalState& was) {

@@ -69,7 +69,8 @@ struct MachineConfig {
   bool no_force_homing{false};
   bool probe_error_inhibit_jog{false}, probe_error_inhibit_home{false};
   bool adaptive_only_slows{false};  ///< adaptive feed is bounded by 1, as older manuals say
-  bool reserved2[4]{};
+  bool adaptive_reverses{true};     ///< below 0 it runs the path backwards
+  bool reserved2[3]{};
   JointConfig joint[kMaxJoints];
   AxisConfig axis[rtapi::kAxes];
   SpindleConfig spindle[kMaxSpindles];

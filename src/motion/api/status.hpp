@@ -103,7 +103,8 @@ struct MotionStatus {
   bool all_homed{false}, homing_active{false}, jogging{false}, soft_limit{false};
   bool probe_tripped{false}, probing{false}, input_timeout{false}, amp_ready{false};
   bool probe_input{false};  ///< motion.probe-input
-  bool reserved[3]{};
+  bool reverse{false};      ///< a negative adaptive feed runs the path backwards
+  bool reserved[2]{};
   Pose pos_cmd, pos_fb;  ///< machine coordinates, mm and degrees
   Pose tool_offset;
   Pose probed;  ///< where the probe tripped

@@ -29,7 +29,7 @@ void Controller::configure(const MachineConfig& config) noexcept {
   start_due_ = !start_taken_;
   configured_ = true;
   executor_.configure(config.max_feed_override, config.adaptive_only_slows,
-                      path_limits_of(kinematics_, config).axes);
+                      config.adaptive_reverses, path_limits_of(kinematics_, config).axes);
   spindles_.configure(config, static_cast<std::int32_t>(spindle_count_));
   for (std::size_t j = 0; j < joints_; ++j)
     joint_[j].mover.set_acc(std::max(config.joint[j].max_acc, 1e-6));

@@ -147,7 +147,7 @@ class Controller {
   std::uint64_t fault_number_{0};
   MotionStatus status_;
   struct Digest {
-    std::uint64_t executed{0}, faults{0};
+    std::uint64_t executed{0}, retraced{0}, faults{0};
     std::uint32_t acked{0}, flags{0}, homed{0};
     friend bool operator==(const Digest&, const Digest&) = default;
   } digest_;

@@ -80,6 +80,7 @@ void Controller::note_changes() noexcept {
   now.executed = s.executed_seq;
   now.faults = s.faults;
   now.acked = s.acked_epoch;
+  if (executor_.retraces()) now.retraced = s.current.id;
   const bool flag[] = {s.enabled, s.path_empty,    s.held,       s.homing_active,
                        s.jogging, s.probe_tripped, s.in_position};
   for (std::size_t i = 0; i < std::size(flag); ++i) now.flags |= flag[i] ? 1U << i : 0U;

@@ -46,6 +46,7 @@ void Executor::place(const Pose& pose) noexcept {
   distance_ = 0;
   started_ = ending_ = failing_ = arriving_ = false;
   kind_ = MotionKind::none;
+  forget_track();
   ++place_number_;
 }
 
@@ -72,7 +73,10 @@ const Span* Executor::next() noexcept {
 void Executor::drop_before(std::uint32_t epoch) noexcept {
   min_epoch_ = epoch;
   const Span* span = spans_.front();
-  if (started_ && span != nullptr && before(span->epoch, epoch)) place(pose_);
+  if (span != nullptr && before(span->epoch, epoch)) {
+    if (started_ || track_.on) place(pose_);
+    forget_track();
+  }
   (void)next();
   sync_digital_mask_ = sync_analog_mask_ = 0;
   dwell_left_ = 0;
@@ -117,6 +121,11 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
   }
   double rest = dt;
   for (int n = 0; n < kSpansPerCycle && rest > 0; ++n) {
+    if (!track_.on && may_turn_back(in)) turn_back();
+    if (track_.on) {
+      rest -= run_track(in, rest, faults);
+      continue;
+    }
     if (!started_) {
       // Held: nothing new begins at rest, but what is queued stays.
       if (in.stand && at_rest()) {
@@ -182,6 +191,7 @@ Executor::Outcome Executor::begin(const Span& span, const PathInputs& in,
       Overloaded{
           [&](const PathSpan& m) { return begin_move(span, m, in, faults); },
           [&](const Dwell& m) {
+            history_.clear();
             current_ = span.tag;
             current_seq_ = span.seq;
             dwell_left_ = m.seconds;
@@ -192,6 +202,7 @@ Executor::Outcome Executor::begin(const Span& span, const PathInputs& in,
           [&](const SpindleChange& m) {
             current_ = span.tag;
             current_seq_ = span.seq;
+            if (m.action != SpindleChange::Action::set_speed) history_.clear();
             const Outcome o = begin_spindle(m);
             if (o == Outcome::done) finish(span, span.seq);
             return o;
@@ -200,6 +211,7 @@ Executor::Outcome Executor::begin(const Span& span, const PathInputs& in,
           [&](const OverrideEnable& m) { return instant([&] { enables_ = m; }); },
           [&](const ToolOffset& m) { return instant([&] { tool_offset_ = m.offset; }); },
           [&](const Marker& m) {
+            history_.clear();
             return instant([&] {
               if (m.drop_outputs) sync_digital_mask_ = sync_analog_mask_ = 0;
             });
@@ -294,16 +306,21 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
 }
 
 void Executor::set_scale(const PathInputs& in) noexcept {
-  const double adaptive = enables_.adaptive ? factor(in.adaptive_feed, max_adaptive_) : 1.0;
   const double feed = enables_.feed ? factor(in.feed_override, max_override_) : 1.0;
-  scale_.feed = std::min(feed * adaptive, max_override_);
-  scale_.rapid = std::min(factor(in.rapid_override, 1.0) * adaptive, 1.0);
-  scale_.max_vel = in.max_vel_mm_s;
+  const double rapid = factor(in.rapid_override, 1.0);
+  const auto scale_of = [&](double adaptive) {
+    return FeedScale{std::min(feed * adaptive, max_override_), std::min(rapid * adaptive, 1.0),
+                     in.max_vel_mm_s};
+  };
+  scale_ = scale_of(enables_.adaptive ? factor(in.adaptive_feed, max_adaptive_) : 1.0);
+  const bool reverses = enables_.adaptive && adaptive_reverses_;
+  back_scale_ = scale_of(reverses ? factor(-in.adaptive_feed, max_adaptive_) : 0.0);
 }
 
-double Executor::wanted(const PathSpan& move, const PathInputs& in) noexcept {
+double Executor::wanted(const PathSpan& move, const PathInputs& in,
+                        const FeedScale& scale) noexcept {
   requested_ = move.requested;
-  double x = wanted_x(move.speed, scale_);
+  double x = wanted_x(move.speed, scale);
   if (!(x > 0)) {
     x = 0;
     blocked(PathWait::zero_override);
@@ -315,7 +332,23 @@ double Executor::wanted(const PathSpan& move, const PathInputs& in) noexcept {
     x = 0;
     blocked(PathWait::feed_hold_pin);
   }
-  commanded_feed_ = move.speed.rapid || x <= 0 ? 0.0 : move.requested * scale_.feed;
+  commanded_feed_ = move.speed.rapid || x <= 0 ? 0.0 : move.requested * scale.feed;
+  return x;
+}
+
+double Executor::wanted_under_way(const PathSpan& move, const PathInputs& in,
+                                  const FeedScale& scale) noexcept {
+  double x = wanted(move, in, scale);
+  if (in.stand || ending_ || failing_) x = 0;
+  if (in.stand) blocked(PathWait::hold);
+  // It turned out slower than it should: the path waits for the spindle where that can still be done.
+  if (x > 0 && !at_rest() && !move.speed.rapid) {
+    const std::int32_t waiting = spindles_.not_at_speed();
+    if (waiting >= 0) {
+      x = 0;
+      blocked(PathWait::spindle_at_speed, waiting);
+    }
+  }
   return x;
 }
 
@@ -333,10 +366,16 @@ void Executor::watch_probe(const Span& span, const PathSpan& move, const PathInp
   }
 }
 
-/// The bound of x is the same all along. The end is met at what is wanted there as far as braking can; that is never more than `hard`.
-double Executor::run_even(const PathSpan& move, double x_wanted, double dt) noexcept {
+Executor::Ends Executor::ends_of(const PathSpan& move) const noexcept {
   const std::size_t slot = move.number % kSpans;
-  const double end = std::min(slots_.hard[slot].observe(), slots_.soft[slot].get());
+  const double hard = slots_.hard[slot].observe();  // acquire, before `soft`
+  return {hard, slots_.soft[slot].get()};
+}
+
+/// The bound of x is the same all along. The end is met at what is wanted there as far as braking can; that is never more than `hard`.
+double Executor::run_even(const PathSpan& move, const Ends& ends, double x_wanted,
+                          double dt) noexcept {
+  const double end = std::min(ends.hard, ends.soft);
   ProfileState state{left_, sigma_speed_};
   const double used = advance(
       state, {std::sqrt(std::min(x_wanted, move.speed.cap)), move.even_acc, std::sqrt(end)}, dt);
@@ -346,10 +385,10 @@ double Executor::run_even(const PathSpan& move, double x_wanted, double dt) noex
 }
 
 /// x is linear to the end of the stretch; what it is there is decided anew every cycle, by the rows of what is left.
-double Executor::run_curved(const PathSpan& move, double x_wanted, double dt) noexcept {
-  const std::size_t slot = move.number % kSpans;
-  const double hard = slots_.hard[slot].observe();
-  const double soft = x_wanted > 0 ? std::min(slots_.soft[slot].get(), x_wanted) : 0.0;
+double Executor::run_curved(const PathSpan& move, const Ends& ends, double x_wanted,
+                            double dt) noexcept {
+  const double hard = ends.hard;
+  const double soft = x_wanted > 0 ? std::min(ends.soft, x_wanted) : 0.0;
   const double end = move.from + move.length;
   double x = sigma_speed_ * sigma_speed_;
   double stretch = left_ - half_way_;
@@ -423,21 +462,11 @@ double Executor::stop_within(const PathSpan& move, double low, double dt) noexce
   return dt;
 }
 
-double Executor::run_move(const Span& span, const PathSpan& move, const PathInputs& in, double dt,
-                          FaultList& faults) noexcept {
-  watch_probe(span, move, in, faults);
-  double x = wanted(move, in);
-  if (in.stand || ending_ || failing_) x = 0;
-  if (in.stand) blocked(PathWait::hold);
-  // It turned out slower than it should: the path waits for the spindle where that can still be done.
-  if (x > 0 && !at_rest() && !move.speed.rapid) {
-    const std::int32_t waiting = spindles_.not_at_speed();
-    if (waiting >= 0) {
-      x = 0;
-      blocked(PathWait::spindle_at_speed, waiting);
-    }
-  }
-  const double used = move.even_acc > 0 ? run_even(move, x, dt) : run_curved(move, x, dt);
+/// One step along the stretch; gives the time used.
+double Executor::drive(const PathSpan& move, const Ends& ends, double x_wanted,
+                       double dt) noexcept {
+  const double used =
+      move.even_acc > 0 ? run_even(move, ends, x_wanted, dt) : run_curved(move, ends, x_wanted, dt);
   const double at = move.from + move.length - left_;
   const path::Vec slope = move.piece.first(at);
   pose_ = left_ <= 0 && move.at_end_exactly ? move.end : to_pose(move.piece.point(at));
@@ -445,6 +474,14 @@ double Executor::run_move(const Span& span, const PathSpan& move, const PathInpu
       sigma_speed_ * (move.piece.feed.metric >= 0
                           ? path::norm3(slope, static_cast<std::size_t>(move.piece.feed.metric))
                           : 1.0);
+  return used;
+}
+
+double Executor::run_move(const Span& span, const PathSpan& move, const PathInputs& in, double dt,
+                          FaultList& faults) noexcept {
+  watch_probe(span, move, in, faults);
+  const double x = wanted_under_way(move, in, scale_);
+  const double used = drive(move, ends_of(move), x, dt);
   distance_ = left_ + move.to_move_end;
   if (left_ <= 0) {
     end_span(span, move, faults);
@@ -455,6 +492,7 @@ double Executor::run_move(const Span& span, const PathSpan& move, const PathInpu
     return dt;
   }
   if (at_rest() && ending_) {
+    history_.clear();
     finish(span, span.seq);
     ++place_number_;
     return dt;
@@ -465,6 +503,10 @@ double Executor::run_move(const Span& span, const PathSpan& move, const PathInpu
 /// Nothing of the span may be read after finish() or fail_path(): its place in the ring is free then.
 void Executor::end_span(const Span& span, const PathSpan& move, FaultList& faults) noexcept {
   if (move.stop_at_end) sigma_speed_ = 0;
+  if (move.probe || ending_)
+    history_.clear();
+  else
+    history_.add(span, move, ends_of(move).hard, limits_);
   const bool probe = move.probe, missed = probe && !ending_ && move.probe_fail_is_error;
   if (missed) raise(faults, Fault::probe_no_contact, -1, 0, 0, span.tag);
   if ((failing_ && at_rest()) || missed)
@@ -510,6 +552,7 @@ void Executor::fill(MotionStatus& status) const noexcept {
   status.waiting_index = waiting_index_;
   status.pos_cmd = pose_;
   status.tool_offset = tool_offset_;
+  status.reverse = track_.on && track_.back;
   status.probed = probed_;
   status.probe_tripped = probe_tripped_;
   status.distance_to_go = distance_;

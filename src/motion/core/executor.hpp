@@ -3,11 +3,16 @@
 // The planner says how fast each span may be left (PlanSlots); within that the servo decides anew in every cycle, so overrides and stops
 // act at once: x at the end of the span is what is wanted, but not less than the hardest braking on the path and not more
 // than the hardest speeding up (path/reach.hpp).
+//
+// A negative adaptive feed runs the path backwards (retrace.cpp): the machine comes to rest, and then the stretch it stands on and those
+// of path::PathHistory are driven like any other, each turned round. Back to the last dwell, spindle change, probe move or wait of the
+// program at most. Forwards again, nothing of what the program did there is done twice.
 #pragma once
 
 #include <cstdint>
 
 #include "motion/core/io.hpp"
+#include "motion/core/path/history.hpp"
 #include "motion/core/path/limits.hpp"
 #include "motion/core/span.hpp"
 #include "motion/core/spindles.hpp"
@@ -32,12 +37,14 @@ class Executor {
       : spans_(spans), slots_(slots), spindles_(spindles), outputs_(outputs) {}
 
   /// Overrides are bounded by max_feed_override ([DISPLAY]MAX_FEED_OVERRIDE, never below 1); limits as the planner's.
-  /// Adaptive feed is bounded by it too, or by 1 when it may only slow.
-  void configure(double max_feed_override, bool adaptive_only_slows,
+  /// Adaptive feed is bounded by it too, or by 1 when it may only slow; below 0 it counts when it may reverse.
+  void configure(double max_feed_override, bool adaptive_only_slows, bool adaptive_reverses,
                  const path::AxisLimits& limits) noexcept {
     max_override_ = max_feed_override > 1 ? max_feed_override : 1;
     max_adaptive_ = adaptive_only_slows ? 1 : max_override_;
+    adaptive_reverses_ = adaptive_reverses;
     limits_ = limits;
+    if (!track_.on) history_.clear();
   }
   /// Puts the machine at `pose`, at rest, outside any span.
   void place(const Pose& pose) noexcept;
@@ -59,6 +66,8 @@ class Executor {
   /// Single stepping stands at the end of a block until hold is given and released again.
   [[nodiscard]] bool step_done() const noexcept { return waiting_ == PathWait::hold && !started_; }
   [[nodiscard]] bool moving_item() const noexcept { return started_ && kind_ != MotionKind::none; }
+  /// Drives what lies behind the newest move: backwards, or forwards again.
+  [[nodiscard]] bool retraces() const noexcept { return track_.on; }
   [[nodiscard]] std::uint64_t executed_seq() const noexcept { return executed_seq_; }
   [[nodiscard]] std::uint32_t voided() const noexcept { return void_epoch_; }
   [[nodiscard]] std::uint64_t place_number() const noexcept { return place_number_; }
@@ -87,15 +96,42 @@ class Executor {
   void fire_synchronised() noexcept;
   void set_scale(const PathInputs& in) noexcept;
   /// x that is wanted on the stretch now; 0 and the reason when it has to stand.
-  [[nodiscard]] double wanted(const PathSpan& move, const PathInputs& in) noexcept;
+  [[nodiscard]] double wanted(const PathSpan& move, const PathInputs& in) noexcept {
+    return wanted(move, in, scale_);
+  }
+  [[nodiscard]] double wanted(const PathSpan& move, const PathInputs& in,
+                              const FeedScale& scale) noexcept;
+  /// The same for a stretch in execution, which the spindle may hold up.
+  [[nodiscard]] double wanted_under_way(const PathSpan& move, const PathInputs& in,
+                                        const FeedScale& scale) noexcept;
   void watch_probe(const Span& span, const PathSpan& move, const PathInputs& in,
                    FaultList& faults) noexcept;
   /// Gives the time used.
   double run_move(const Span& span, const PathSpan& move, const PathInputs& in, double dt,
                   FaultList& faults) noexcept;
-  [[nodiscard]] double run_even(const PathSpan& move, double x_wanted, double dt) noexcept;
-  [[nodiscard]] double run_curved(const PathSpan& move, double x_wanted, double dt) noexcept;
+  /// x at the end of a stretch: what can be met there at most, and what is wanted.
+  struct Ends {
+    double hard{0}, soft{0};
+  };
+  [[nodiscard]] Ends ends_of(const PathSpan& move) const noexcept;
+  [[nodiscard]] double run_even(const PathSpan& move, const Ends& ends, double x_wanted,
+                                double dt) noexcept;
+  [[nodiscard]] double run_curved(const PathSpan& move, const Ends& ends, double x_wanted,
+                                  double dt) noexcept;
+  double drive(const PathSpan& move, const Ends& ends, double x_wanted, double dt) noexcept;
   [[nodiscard]] double stop_within(const PathSpan& move, double low, double dt) noexcept;
+
+  // retrace.cpp
+  [[nodiscard]] bool may_turn_back(const PathInputs& in) noexcept;
+  void turn_back() noexcept;
+  [[nodiscard]] double run_track(const PathInputs& in, double dt, FaultList& faults) noexcept;
+  [[nodiscard]] Ends track_ends() noexcept;
+  void show_track() noexcept;
+  void turn_track() noexcept;
+  void end_of_track() noexcept;
+  void leave_track() noexcept;
+  void forget_track() noexcept;
+
   void end_span(const Span& span, const PathSpan& move, FaultList& faults) noexcept;
   void finish(const Span& span, std::uint64_t done_seq) noexcept;
   void fail_path(const Span& span) noexcept;
@@ -109,7 +145,19 @@ class Executor {
   OutputBank& outputs_;
   path::AxisLimits limits_;
   double max_override_{1}, max_adaptive_{1};
+  bool adaptive_reverses_{true};
   FeedScale scale_;
+  FeedScale
+      back_scale_;  ///< the same for driving backwards; all 0 while the factor is not negative
+
+  /// Off the front of the ring: driving what lies behind.
+  struct Track {
+    PathSpan move;          ///< as it is driven now
+    std::size_t behind{0};  ///< which: 0 the front of the ring, n: history_.last(n)
+    bool on{false}, back{false};
+  };
+  path::PathHistory history_;
+  Track track_;
 
   Pose pose_;
   double sigma_speed_{0};  ///< dsigma/dt, never negative; kept from span to span

@@ -150,6 +150,7 @@ void Motmod::write_motion(const hal::Period& period) noexcept {
   pins_.coord_mode = s.mode == MotionMode::coordinated;
   pins_.teleop_mode = s.mode == MotionMode::teleop;
   pins_.in_position = s.in_position;
+  pins_.tp_reverse = s.reverse;
   pins_.is_all_homed = s.all_homed;
   pins_.jog_is_active = s.jogging;
   pins_.motion_enabled = s.enabled;

@@ -37,9 +37,13 @@ void InterpreterParticipant::show() {
   fill_waiting(view);
   view.file = rtapi::FixedString<255>(file_);
   view.command = rtapi::FixedString<127>(command_);
-  view.source = rtapi::FixedString<255>(interp_.file_name(static_cast<std::uint32_t>(at.tag.file)));
-  view.current_line = at.tag.line;
-  view.call_level = at.tag.call_level;
+  // While a negative adaptive feed runs the path backwards, motion is before the block that it had come to.
+  const bool backwards =
+      run_.active && status_.kind != motion::MotionKind::none && status_.current.id < at.tag.id;
+  const motion::SourceTag& line = backwards ? status_.current : at.tag;
+  view.source = rtapi::FixedString<255>(interp_.file_name(static_cast<std::uint32_t>(line.file)));
+  view.current_line = line.line;
+  view.call_level = line.call_level;
   view.read_line = interp_.next_line();
   view.program_lines = program_lines_;
   if (run_.active && !run_.mdi && at.tag.call_level == 0 && program_lines_ > 0)

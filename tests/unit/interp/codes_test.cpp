@@ -326,6 +326,33 @@ TEST(SavedState, M72BringsCutterCompensationBack) {
   }
 }
 
+TEST(SavedState, M72KeepsTheDiameterOfD) {
+  for (const char* before : {"G41.1 D2", "G42.1 D5.5", "G41.1 D-2", "G42 D7", "G41", "G42 D0"}) {
+    for (const char* inside : {"G40\n", "G40\nG42.1 D4\n", "G40\nG41 D9\n", "G40\nG41\n"}) {
+      Rig rig, straight;
+      for (const auto& [number, diameter] : {std::pair{7, 3.0}, {9, 8.0}}) {
+        Tool tool;
+        tool.number = tool.pocket = number;
+        tool.diameter_mm = diameter;
+        rig.world.files.set_tool(tool);
+        straight.world.files.set_tool(tool);
+      }
+      const std::string out = rig.run(std::string("G21 F100\n") + before + "\nM70\n" + inside +
+                                      "M72\nG1 X10\nG1 Y-10\nX-20\nM70\nG40\n(abort,x)\n");
+      const std::string expected = straight.run(std::string("G21 F100\n") + before +
+                                                "\nG1 X10\nG1 Y-10\nX-20\nM70\nG40\n(abort,x)\n");
+      const auto moves = [](const std::string& text) {
+        std::string found;
+        for (std::size_t at = 0; (at = text.find("STRAIGHT_FEED", at)) != std::string::npos; ++at)
+          found += text.substr(at, text.find('\n', at) - at) + "\n";
+        return found;
+      };
+      EXPECT_EQ(moves(out), moves(expected)) << before << inside << out;
+      EXPECT_NE(moves(out).find("STRAIGHT_FEED"), std::string::npos) << out;
+    }
+  }
+}
+
 // The example of the manual.
 TEST(SavedState, NamedParametersShowTheModesAroundACall) {
   Rig rig;

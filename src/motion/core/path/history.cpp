@@ -1,0 +1,78 @@
+#include "motion/core/path/history.hpp"
+
+#include <algorithm>
+
+#include "motion/core/path/reach.hpp"
+
+namespace kerf::motion::path {
+namespace {
+
+constexpr double kRounding = 1.0 - 1e-7;
+
+}  // namespace
+
+PathSpan reversed(const PathSpan& span) noexcept {
+  PathSpan r = span;
+  const Piece& p = span.piece;
+  const double end = span.from + span.length;
+  if (p.shape == Piece::Shape::arc) {
+    r.piece.phi0 = p.phi0 + p.rate * end;
+    r.piece.rate = -p.rate;
+  } else {
+    r.piece.a = p.point(end);
+    r.piece.b = p.first(end) * -1.0;
+    r.piece.c = p.second(end);
+    r.piece.d = p.d * -1.0;
+  }
+  r.piece.length = span.length;
+  r.piece.stop_at_end = false;
+  r.from = 0;
+  r.end = to_pose(r.piece.point(span.length));
+  r.to_move_end = 0;
+  r.stop_at_end = r.at_end_exactly = false;
+  return r;
+}
+
+void PathHistory::add(const Span& item, const PathSpan& span, double hard,
+                      const AxisLimits& limits) noexcept {
+  if (size_ == entry_.size()) {
+    first_ = (first_ + kGeneration) % entry_.size();
+    size_ -= kGeneration;
+  }
+  if (in_generation_ == kGeneration) in_generation_ = 0;
+  Entry& e = entry_[(first_ + size_) % entry_.size()];
+  e.span = span;
+  e.tag = item.tag;
+  e.seq = item.seq;
+  e.hard = span.stop_at_end ? 0 : hard;
+  e.back_own = e.back_before = 0;
+  if (!span.stop_at_end) {
+    const double cap = span.speed.cap;
+    const double own = in_generation_ == 0 ? 0 : last(1).back_own;
+    double before = 0;
+    if (size_ > 0) before = in_generation_ == 0 ? last(1).back_own : last(1).back_before;
+    if (span.even_acc > 0) {
+      const double gain = 2.0 * span.length * span.even_acc * kRounding;
+      e.back_own = std::min(cap, std::min(own, cap) + gain);
+      e.back_before = std::min(cap, std::min(before, cap) + gain);
+    } else {
+      Rows rows;
+      const PathSpan r = reversed(span);
+      rows_of(r.piece, 0, r.length, limits, rows);
+      e.back_own = std::min(cap, largest_x0(rows.all(), std::min(own, cap)));
+      e.back_before = std::min(cap, largest_x0(rows.all(), std::min(before, cap)));
+    }
+  }
+  ++size_;
+  ++in_generation_;
+}
+
+double PathHistory::back(std::size_t n) const noexcept {
+  if (n > size_) return 0;
+  const Entry& e = last(n);
+  // The older generation has none before it.
+  const bool newer = n <= in_generation_, alone = size_ <= in_generation_;
+  return newer && !alone ? e.back_before : e.back_own;
+}
+
+}  // namespace kerf::motion::path
