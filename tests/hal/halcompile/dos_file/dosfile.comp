@@ -1,0 +1,7 @@
+component dosfile "DOS";
+pin in s32 in;
+pin out s32 out;
+function _;
+license "GPL";
+;;
+out = in * 2;

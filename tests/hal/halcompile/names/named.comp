@@ -1,0 +1,6 @@
+component named;
+pin in bit a;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

@@ -1,0 +1,6 @@
+component named3;
+pin in bit a;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

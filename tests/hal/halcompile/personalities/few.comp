@@ -1,0 +1,6 @@
+component few;
+pin in bit in-#[4 : personality];
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

@@ -1,0 +1,1 @@
+typedef struct less struct_less;

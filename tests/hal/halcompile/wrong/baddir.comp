@@ -1,0 +1,6 @@
+component baddir;
+pin inn float a;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

@@ -1,0 +1,7 @@
+component badoption;
+pin in float a;
+option singelton yes;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

@@ -1,0 +1,6 @@
+component badtype;
+pin in flaot a;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

@@ -1,0 +1,6 @@
+component badword;
+pin in float a;
+functoin _;
+license "GPL";
+;;
+FUNCTION(_) { }

@@ -1,0 +1,6 @@
+component condition;
+pin in float a if ;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

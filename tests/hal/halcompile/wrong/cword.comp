@@ -1,0 +1,6 @@
+component cword;
+pin in float double;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

@@ -1,0 +1,4 @@
+component other;
+pin in bit a;
+license "GPL";
+;;

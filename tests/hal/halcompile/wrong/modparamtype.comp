@@ -1,0 +1,7 @@
+component modparamtype;
+pin in bit a;
+modparam string x;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

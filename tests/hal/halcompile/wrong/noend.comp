@@ -1,0 +1,4 @@
+component noend;
+pin in float a;
+function _;
+license "GPL";

@@ -1,0 +1,5 @@
+component nolicense;
+pin in bit a;
+function _;
+;;
+FUNCTION(_) { }

@@ -1,0 +1,6 @@
+component portstart;
+pin in port a = 1;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

@@ -1,0 +1,5 @@
+component sameline;
+pin in bit a;
+function _;
+license "GPL";
+;; FUNCTION(_) { }

@@ -1,0 +1,7 @@
+component semicolon;
+pin in float a
+pin in float b;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

@@ -1,0 +1,7 @@
+component star;
+pin in float a;
+variable int* x;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

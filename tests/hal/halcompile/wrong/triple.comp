@@ -1,0 +1,7 @@
+component triple;
+pin in float a """no end;
+pin in float b;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

@@ -1,0 +1,7 @@
+component twice;
+pin in bit a;
+pin out bit a;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

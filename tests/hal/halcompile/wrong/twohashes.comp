@@ -1,0 +1,6 @@
+component twohashes;
+pin in bit a-#-b# [4];
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }

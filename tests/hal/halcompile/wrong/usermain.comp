@@ -1,0 +1,5 @@
+component usermain;
+pin in float a;
+option userspace;
+license "GPL";
+;;

@@ -1,0 +1,6 @@
+component value;
+pin in bit a = ;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }
