@@ -79,6 +79,10 @@ class JointMap {
   }
   [[nodiscard]] std::int32_t joints() const noexcept { return joints_; }
   [[nodiscard]] std::uint32_t mask() const noexcept { return mask_; }
+  /// -1: no such joint.
+  [[nodiscard]] std::int32_t axis_of(std::int32_t joint) const noexcept {
+    return joint >= 0 && joint < joints_ ? axis_[joint] : -1;
+  }
   [[nodiscard]] bool has(std::string_view letters) const noexcept {
     for (const char c : letters)
       if ((mask_ & (1U << static_cast<unsigned>(rtapi::axis_index(c)))) == 0) return false;
@@ -134,6 +138,8 @@ class KinematicsModule : public hal::Component<Derived>, public motion::Kinemati
       if (joint[static_cast<std::size_t>(j)] != 0.0) return;
     if (JointVector last; stands_.version() > 0 && stands_.read(last, 4)) joint = last;
   }
+  /// Millimetres in one machine unit.
+  [[nodiscard]] double unit() const noexcept { return unit_mm_; }
   /// A pin's length in mm.
   template <class Pin>
   [[nodiscard]] double mm(const Pin& pin) const noexcept {

@@ -7,11 +7,14 @@ using namespace kerf::kinematics;  // NOLINT(google-build-using-namespace): one 
 
 class Puma final : public SerialModule<Puma> {
  public:
-  static constexpr kerf::hal::Info kInfo{.name = "pumakins",
-                                         .summary = "Kinematics of Puma robots",
-                                         .notes = "Joints 0 to 5 turn; U V W are joints 6 to 8.",
-                                         .singleton = true};
-  explicit Puma(kerf::hal::Builder& b) noexcept : SerialModule(b, "xyzabcuvw") {}
+  static constexpr kerf::hal::Info kInfo{
+      .name = "pumakins",
+      .summary = "Kinematics of Puma robots",
+      .notes =
+          "Joints 0 to 5 turn; U V W are joints 6 to 8. Kind 1 of "
+          "motion.switchkins-type is identity.",
+      .singleton = true};
+  explicit Puma(kerf::hal::Builder& b) noexcept : SerialModule(b) {}
 
   [[nodiscard]] SerialArm arm() const noexcept {
     constexpr double kQuarter = std::numbers::pi / 2;
@@ -21,7 +24,7 @@ class Puma final : public SerialModule<Puma> {
   }
 
  private:
-  using Length = kerf::hal::Io<double>;
+  using Length = kerf::hal::In<double>;
   Length a2_{pin<Length>("A2", "Length of the upper arm", 300.0)};
   Length a3_{pin<Length>("A3", "Offset of the elbow", 50.0)};
   Length d3_{pin<Length>("D3", "Offset of the upper arm from the shoulder", 70.0)};

@@ -1,22 +1,23 @@
 // scarakins: two arms that turn in the plane, a quill, a wrist (manual: kins(9), "scarakins").
-#include "kinematics_module.hpp"
+#include "switchable.hpp"
 
 namespace {
 
 using namespace kerf::kinematics;  // NOLINT(google-build-using-namespace): one file, one module
 
-class Scara final : public KinematicsModule<Scara> {
+class Scara final : public SwitchableModule<Scara> {
  public:
   static constexpr kerf::hal::Info kInfo{
       .name = "scarakins",
       .summary = "Kinematics of SCARA robots",
       .notes =
           "Joints 0, 1 and 3 are angles of inner arm, outer arm and wrist, joint 2 lowers the "
-          "quill; joints 4 and 5 are A and B.",
+          "quill; joints 4 and 5 are A and B. Kind 1 of motion.switchkins-type is identity.",
       .singleton = true};
-  explicit Scara(kerf::hal::Builder& b) noexcept : KinematicsModule(b, "xyzcab", "xyzc", false) {}
+  explicit Scara(kerf::hal::Builder& b) noexcept
+      : SwitchableModule(b, {.own = "xyzcab", .needed = "xyzc", .identity = "xyzabc"}) {}
 
-  [[nodiscard]] bool forward(const JointVector& joint, Pose& world) const noexcept override {
+  [[nodiscard]] bool own_forward(const JointVector& joint, Pose& world) const noexcept {
     remember(joint);
     map().to_pose(joint, world);
     const double inner = joint[0], outer = inner + joint[1], wrist = outer + joint[3];
@@ -26,9 +27,9 @@ class Scara final : public KinematicsModule<Scara> {
     world.c = wrist;
     return true;
   }
-  [[nodiscard]] bool inverse(const Pose& world, JointVector& joint) const noexcept override {
+  [[nodiscard]] bool own_inverse(const Pose& world, JointVector& joint) const noexcept {
     begin_at(joint);
-    const double before = joint[1];
+    const double base_before = joint[0], before = joint[1];
     map().to_joints(world, joint);
     const double x = world.x - mm(d6_) * cosine(world.c), y = world.y - mm(d6_) * sine(world.c);
     const double inner = mm(d2_), outer = mm(d4_);
@@ -38,8 +39,11 @@ class Scara final : public KinematicsModule<Scara> {
     double elbow = degrees_of(std::acos(bend > 1 ? 1 : bend < -1 ? -1 : bend));
     // The elbow stays on its side.
     if (before < 0) elbow = -elbow;
-    joint[0] = degrees_of(std::atan2(y, x) -
-                          std::atan2(outer * sine(elbow), inner + outer * cosine(elbow)));
+    // ... and the arm in its turn: past half a turn it does not go round the other way.
+    joint[0] =
+        nearest_turn(degrees_of(std::atan2(y, x) -
+                                std::atan2(outer * sine(elbow), inner + outer * cosine(elbow))),
+                     base_before);
     joint[1] = elbow;
     joint[2] = mm(d1_) + mm(d3_) - mm(d5_) - world.z;
     joint[3] = world.c - joint[0] - joint[1];
@@ -47,7 +51,7 @@ class Scara final : public KinematicsModule<Scara> {
   }
 
  private:
-  using Length = kerf::hal::Io<double>;
+  using Length = kerf::hal::In<double>;
   Length d1_{pin<Length>("D1", "Height of the inner arm", 490.0)};
   Length d2_{pin<Length>("D2", "Length of the inner arm", 340.0)};
   Length d3_{pin<Length>("D3", "Height of the outer arm above the inner arm", 50.0)};

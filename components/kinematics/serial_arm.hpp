@@ -4,8 +4,8 @@
 // Jacobian; near singular poses it is damped (Levenberg).
 #pragma once
 
-#include "kinematics_module.hpp"
 #include "spheres.hpp"
+#include "switchable.hpp"
 
 namespace kerf::kinematics {
 
@@ -48,6 +48,7 @@ struct SerialArm {
     // A radian counts as much as the arm is long.
     double reach = 1e-9;
     for (int i = 0; i < kLinks; ++i) reach += std::fabs(a[i]) + std::fabs(d[i]);
+    bool close = false;
     for (steps = 0; steps < limit; ++steps) {
       Frame link[kLinks];
       frames(joint, link);
@@ -59,7 +60,9 @@ struct SerialArm {
         if (!std::isfinite(e)) return false;
         worst = std::fmax(worst, std::fabs(e));
       }
-      if (worst < 1e-10 * reach) return true;
+      // One step more than is needed: it takes the rest of the error to the last digits.
+      if (close) return worst < 1e-9 * reach;
+      close = worst < 1e-10 * reach;
       double jacobian[6][6];
       for (int i = 0; i < kLinks; ++i) {
         const Point axis{link[i].r.m[0][2], link[i].r.m[1][2], link[i].r.m[2][2]};
@@ -69,13 +72,13 @@ struct SerialArm {
         for (int row = 0; row < 6; ++row) jacobian[row][i] = column[row];
       }
       double step[6];
-      if (!damped_step(jacobian, error, reach, worst, step)) return false;
+      if (!damped_step(jacobian, error, reach, worst, step)) return close;
       double largest = 0;
       for (const double s : step) largest = std::fmax(largest, std::fabs(s));
       const double part = largest > 0.5 ? 0.5 / largest : 1.0;
       for (int i = 0; i < kLinks; ++i) joint[i] += degrees_of(step[i] * part);
     }
-    return false;
+    return close;
   }
 
  private:
@@ -133,13 +136,14 @@ struct SerialArm {
 
 /// The parts that modules with six turning joints share; Derived gives `arm()`.
 template <class Derived>
-class SerialModule : public KinematicsModule<Derived> {
+class SerialModule : public SwitchableModule<Derived> {
  public:
-  [[nodiscard]] bool forward(const JointVector& joint, Pose& world) const noexcept override {
+  [[nodiscard]] bool own_forward(const JointVector& joint, Pose& world) const noexcept {
     this->remember(joint);
     this->map().to_pose(joint, world);
     double turned[SerialArm::kLinks];
     for (int i = 0; i < SerialArm::kLinks; ++i) turned[i] = joint[static_cast<std::size_t>(i)];
+    self().to_joints(turned);
     SerialArm::Frame link[SerialArm::kLinks];
     self().arm().frames(turned, link);
     const SerialArm::Frame& end = link[SerialArm::kLinks - 1];
@@ -149,23 +153,32 @@ class SerialModule : public KinematicsModule<Derived> {
     end.r.to_abc(world.a, world.b, world.c);
     return true;
   }
-  [[nodiscard]] bool inverse(const Pose& world, JointVector& joint) const noexcept override {
+  [[nodiscard]] bool own_inverse(const Pose& world, JointVector& joint) const noexcept {
     this->begin_at(joint);
     double turned[SerialArm::kLinks];
     for (int i = 0; i < SerialArm::kLinks; ++i) turned[i] = joint[static_cast<std::size_t>(i)];
+    self().to_joints(turned);
     const SerialArm::Frame wanted{Rotation::of_abc(world.a, world.b, world.c),
                                   {world.x, world.y, world.z}};
     int steps = 0;
     const bool found = self().arm().solve(wanted, turned, self().most_steps(), steps);
     this->map().to_joints(world, joint);
+    self().took(steps);
     if (!found) return false;
+    self().to_motors(turned);
     for (int i = 0; i < SerialArm::kLinks; ++i) joint[static_cast<std::size_t>(i)] = turned[i];
     return true;
   }
+  // What modules may have otherwise: motors that sit before the joint, steps shown.
   [[nodiscard]] int most_steps() const noexcept { return 100; }
+  void to_joints(double (&)[SerialArm::kLinks]) const noexcept {}
+  void to_motors(double (&)[SerialArm::kLinks]) const noexcept {}
+  void took(int) const noexcept {}
 
  protected:
-  using KinematicsModule<Derived>::KinematicsModule;
+  explicit SerialModule(hal::Builder& b) noexcept
+      : SwitchableModule<Derived>(
+            b, {.own = "xyzabcuvw", .needed = "xyzabc", .identity = "xyzabcuvw"}) {}
 
  private:
   [[nodiscard]] const Derived& self() const noexcept { return static_cast<const Derived&>(*this); }

@@ -20,8 +20,8 @@ enum class KinematicsType : std::int32_t {
   both = 4
 };
 
-/// Native kinematics: functions of their arguments, of constants fixed at load and of the module's own HAL pins, which are not
-/// to change while the machine moves. Callable from any thread (@rt).
+/// Native kinematics: functions of their arguments, of constants fixed at load, of the module's own HAL pins, which are not
+/// to change while the machine moves, and of the kind of equations in force. Callable from any thread (@rt).
 class Kinematics {
  public:
   [[nodiscard]] virtual KinematicsType type() const noexcept = 0;
@@ -31,6 +31,13 @@ class Kinematics {
   [[nodiscard]] virtual bool forward(const JointVector& joint, Pose& world) const noexcept = 0;
   /// Axis positions to joint positions. Joints without an axis keep what `joint` held. False: no solution.
   [[nodiscard]] virtual bool inverse(const Pose& world, JointVector& joint) const noexcept = 0;
+  /// How many kinds of equations there are to switch between (manual: "Switchable Kinematics"); 1: not switchable.
+  [[nodiscard]] virtual std::int32_t kinds() const noexcept { return 1; }
+  /// The kind in force, from 0.
+  [[nodiscard]] virtual std::int32_t kind() const noexcept { return 0; }
+  /// Puts another kind in force; it may change axis_of_joint() and axis_mask() too. Only while nothing moves and nobody else
+  /// calls. False: there is no such kind, and all is as before.
+  virtual bool switch_to(std::int32_t kind) noexcept { return kind == 0; }
   /// Told before the first cycle: mm in one machine unit, for modules whose HAL pins are lengths.
   virtual void use_unit(double /*unit_mm*/) noexcept {}
   /// The axis that joint j moves alone (index in XYZABCUVW), or -1 when it moves several.
