@@ -88,6 +88,11 @@ void Interpreter::set_tool_in_spindle(int number, int pocket) {
   core_->synchronize({.tool_in_spindle = number, .pocket_in_spindle = pocket});
 }
 
+bool Interpreter::at_line_start() const {
+  return core_->repeats.left == 0 && core_->flows.resume == nullptr && !core_->flows.skip.active &&
+         core_->flows.profile == nullptr;
+}
+
 int Interpreter::call_level() const {
   const auto n = core_->flows.frames.size();
   return n == 0 ? 0 : static_cast<int>(n) - 1;

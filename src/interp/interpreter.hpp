@@ -143,10 +143,14 @@ class Interpreter {
 
   /// Lines that begin with / are skipped while on.
   void set_block_delete(bool on);
+  /// Each goes on where the other was. Both need the same environment, canon and settings.
+  void swap(Interpreter& other) noexcept { core_.swap(other.core_); }
   /// Tool number and pocket in the spindle (as synchronize(), for start-up).
   void set_tool_in_spindle(int number, int pocket);
 
   [[nodiscard]] int call_level() const;
+  /// The next call of execute_next() reads a line: no repeat (L), no remapped code and no search for a branch is under way.
+  [[nodiscard]] bool at_line_start() const;
   /// Line that execute_next() will read next in the current file, and that file's id.
   [[nodiscard]] int next_line() const;
   [[nodiscard]] std::uint32_t current_file() const;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "interp/names.hpp"
@@ -52,8 +53,11 @@ class ParameterTable {
   // --- numbered ---
   /// index 1 .. kParameterCount-1; others read 0 and ignore writes.
   [[nodiscard]] double get(int index) const noexcept {
+    input_read_ = input_read_ || index == kInputValue;
     return index > 0 && index < kParameterCount ? numbers_[static_cast<std::size_t>(index)] : 0.0;
   }
+  /// Whether #5399, the result of M66, was read since the last call.
+  [[nodiscard]] bool take_input_read() noexcept { return std::exchange(input_read_, false); }
   void set(int index, double value);
   /// A text (dialects with such numbers); the number reads 0 then.
   void set_text(int index, std::shared_ptr<const std::string> text);
@@ -130,6 +134,7 @@ class ParameterTable {
   void change_text(int index, std::shared_ptr<const std::string> text);
 
   std::vector<double> numbers_;
+  mutable bool input_read_{false};
   std::vector<std::int32_t> extra_persistent_;  ///< user numbers that the file had
   NameTable texts_;
   std::vector<Name> names_;

@@ -20,6 +20,13 @@ namespace kerf::task {
 /// Identifies a client command in progress; unique in a task's life, 0: none.
 using Ticket = std::uint64_t;
 
+/// What a run that begins at a line does when the line is found.
+enum class SeekEnd : std::uint8_t {
+  run,    ///< bring the machine there and go on
+  hold,   ///< bring the machine there and wait for resume
+  check,  ///< only tell what differs
+};
+
 /// Command thread -> interpreter thread. Orders of an epoch older than the present one are answered `aborted`.
 struct Order {
   enum class Kind : std::uint8_t {
@@ -37,8 +44,10 @@ struct Order {
   bool by_hand{false};  ///< of mdi: it moves nothing, so motion may be in any mode
   std::uint32_t epoch{0};
   Ticket ticket{0};
-  std::string text;    ///< file or MDI line
-  io::ToolEntry tool;  ///< of put_tool
+  std::string text;      ///< file or MDI line
+  io::ToolEntry tool;    ///< of put_tool
+  std::int32_t line{0};  ///< of run: where to begin; 0: at the top
+  SeekEnd seek_end{SeekEnd::run};
 };
 
 /// Argument of [RS274NGC]ON_ABORT_COMMAND; the numbers are documented.

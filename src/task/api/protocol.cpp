@@ -36,7 +36,12 @@ constexpr ArgumentInfo kTeleopArgs[]{
 constexpr ArgumentInfo kFileArgs[]{
     {"file", text, true, nullptr,
      "G-code file; a relative name is searched in [DISPLAY]PROGRAM_PREFIX"}};
-constexpr ArgumentInfo kRunArgs[]{{"line", integer, false, "", "0 (default): from the start"}};
+constexpr ArgumentInfo kRunArgs[]{
+    {"line", integer, false, "",
+     "0 (default): from the start; else the program is read to this line without moving, and the "
+     "machine brought to the state that the line needs"},
+    {"then", text, false, "run|hold|check",
+     "at the line: go on (default); wait for resume; or only tell what differs"}};
 constexpr ArgumentInfo kMdiArgs[]{{"text", text, true, nullptr, "one line of G-code"},
                                   {"in-mode", flag, false, kOnOff,
                                    "on: only in MDI mode; off (default): goes there from manual"}};

@@ -137,10 +137,11 @@ void CommandParticipant::do_program(Ticket ticket, const Request& request) {
     case CommandId::run: {
       if (refuse_unless_on(ticket, "command (EMC_TASK_PLAN_RUN)")) return;
       if (refuse_unless_homed(ticket, "Can't run a program when not homed")) return;
-      if (request.integer("line") != 0)
-        return reply(ticket, CommandState::error,
-                     "run: line " + std::to_string(request.integer("line")) +
-                         ": only 0 (from the start) is possible yet");
+      const int line = request.integer("line");
+      if (line < 0)
+        return reply(
+            ticket, CommandState::error,
+            "run: line " + std::to_string(line) + ": expected 0 (from the start) or a line");
       // An open that was asked for just before is fine: orders keep their order.
       const bool only_opens =
           std::all_of(pending_.begin(), pending_.end(), [ticket](const auto& p) {
@@ -150,7 +151,16 @@ void CommandParticipant::do_program(Ticket ticket, const Request& request) {
         return reply(ticket, CommandState::error, "can't run a program while something runs");
       set_mode(TaskMode::automatic);
       p_.exchange.stepping.set(0);
-      return post(Order::Kind::run, ticket, {});
+      Order order;
+      order.kind = Order::Kind::run;
+      order.line = line;
+      const std::string& then = request.text("then");
+      order.seek_end = then == "check"  ? SeekEnd::check
+                       : then == "hold" ? SeekEnd::hold
+                                        : SeekEnd::run;
+      // A question about the start of the program is one about its first line.
+      if (order.seek_end != SeekEnd::run && line == 0) order.line = 1;
+      return post(std::move(order), ticket);
     }
     case CommandId::pause:
       if (view_.idle && !order_runs())

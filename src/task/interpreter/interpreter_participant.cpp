@@ -107,7 +107,10 @@ void InterpreterParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   (void)p_.motion.status.read(status_);
   follow_abort();
   if (aborting_) resynchronise();
-  if (!aborting_) work(next);
+  if (!aborting_ && seek_)
+    search(next);
+  else if (!aborting_)
+    work(next);
   if (user_.running()) user_.add_to(next, p_.segment);
   if (pushed_) p_.motion.path_cell.notify();
   show();
@@ -120,6 +123,7 @@ void InterpreterParticipant::follow_abort() {
   const std::uint32_t epoch = p_.motion.intent.abort_epoch.observe();
   if (epoch == epoch_) return;
   epoch_ = epoch;
+  seek_.reset();
   list_.clear();
   asides_.clear();
   barrier_ = {};
@@ -169,6 +173,10 @@ void InterpreterParticipant::work(rtapi::WaitSpec& next) {
   interp_.set_block_delete(p_.exchange.block_delete.get() != 0);
   for (int i = 0; i < kWorkPerStep; ++i) {
     if (p_.motion.intent.abort_epoch.observe() != epoch_) break;
+    if (seek_) {
+      next.wake_at(now_);
+      return;
+    }
     bool moved = run_asides();
     moved = pump(next) || moved;
     history_.advance(status_.executed_seq, status_.current_seq);
@@ -583,6 +591,7 @@ void InterpreterParticipant::begin_run(const Order& order) {
   report.kind = Report::Kind::begun;
   report.ticket = order.ticket;
   reports_.push_back(std::move(report));
+  if (order.line > 0) begin_seek(order);
 }
 
 }  // namespace kerf::task

@@ -7,6 +7,7 @@
 
 #include <cstdio>
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -19,6 +20,7 @@
 #include "task/exchange.hpp"
 #include "task/interpreter/block_history.hpp"
 #include "task/interpreter/canon_to_path.hpp"
+#include "task/interpreter/program_seek.hpp"
 #include "task/interpreter/task_environment.hpp"
 #include "task/interpreter/user_program.hpp"
 
@@ -128,6 +130,14 @@ class InterpreterParticipant final : public rtapi::Participant {
   void fail_here(const std::string& text);
   void fail_at(const motion::SourceTag& tag, const std::string& text);
 
+  // run_from_line.cpp
+  void begin_seek(const Order& order);
+  void refuse_seek(const std::string& what);
+  void search(rtapi::WaitSpec& next);
+  void end_seek(const std::string& what);
+  void approach();
+  [[nodiscard]] int retract_axis() const;
+
   // on_abort.cpp
   void run_on_abort(std::uint32_t reason);
 
@@ -155,6 +165,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   CanonToPath canon_;
   interp::Interpreter interp_;
   interp::ParameterFile parameter_file_;
+  std::unique_ptr<ProgramSeek> seek_;  ///< while the line to begin at is searched
   BlockHistory history_;
   motion::MotionStatus status_;
   rtapi::Nanos now_{0};

@@ -103,6 +103,7 @@ void TaskEnvironment::warning(std::string_view text) {
 }
 
 std::optional<double> TaskEnvironment::hal_value(std::string_view name) {
+  if (hal_read_ != nullptr) *hal_read_ = true;
   return hal_ ? hal_(name) : std::nullopt;
 }
 

@@ -23,6 +23,8 @@ class TaskEnvironment final : public interp::Environment {
       : setup_(setup), ini_(ini), tools_(tools), hal_(std::move(hal)), log_(setup.interp) {}
 
   void set_scripts(interp::ScriptHost* scripts) { scripts_ = scripts; }
+  /// Sets *seen at each read of a HAL value from now on; null: no more.
+  void note_hal_reads(bool* seen) { hal_read_ = seen; }
   interp::ScriptHost* scripts() override { return scripts_; }
   std::optional<interp::Tool> find_tool(int number) override;
   std::optional<interp::Tool> find_pocket(int pocket) override;
@@ -43,6 +45,7 @@ class TaskEnvironment final : public interp::Environment {
   HalReader hal_;
   interp::ProgramLog log_;
   interp::ScriptHost* scripts_{nullptr};
+  bool* hal_read_{nullptr};
 };
 
 /// User M-codes, as run by task: P and Q are their two arguments ("%f", -1.000000 when absent). Their environment has besides
