@@ -185,6 +185,12 @@ void StandIn::execute(const PathItem& item) {
                    move_to(p.end);
                  },
                  [](const Marker&) {},
+                 [this](const SyncMove& m) {
+                   status_.kind = MotionKind::feed;
+                   move_to(m.end);
+                 },
+                 [this](const TapMove&) { status_.kind = MotionKind::feed; },
+                 [](const FeedPerRev&) {},
              },
              item.body);
 }

@@ -40,6 +40,10 @@ inline constexpr Fault kFaults[] = {Fault::internal,
                                     Fault::probe_unexpected,
                                     Fault::orient_fault,
                                     Fault::spindle_fault,
+                                    Fault::sync_too_fast,
+                                    Fault::sync_too_short,
+                                    Fault::sync_no_index,
+                                    Fault::sync_behind,
                                     Fault::path_starved_internal};
 
 /// The name of the fault's page, docs/troubleshooting/NAME.md; a fault missing here does not compile.
@@ -74,6 +78,10 @@ inline const char* fault_name(Fault fault) {
     case Fault::probe_unexpected: return "probe-unexpected";
     case Fault::orient_fault: return "orient-fault";
     case Fault::spindle_fault: return "spindle-fault";
+    case Fault::sync_too_fast: return "sync-too-fast";
+    case Fault::sync_too_short: return "sync-too-short";
+    case Fault::sync_no_index: return "sync-no-index";
+    case Fault::sync_behind: return "sync-behind";
     case Fault::path_starved_internal: return "path-starved-internal";
   }
   return "unknown";
@@ -246,6 +254,27 @@ inline std::string fault_text(const FaultRecord& r, const MachineConfig& config)
     case Fault::spindle_fault:
       return "Spindle " + std::to_string(r.index) + " drive fault (spindle." +
              std::to_string(r.index) + ".amp-fault-in). Clear it at the drive";
+    case Fault::sync_too_fast:
+      return "Thread or tap" + line_of(r.tag) + " not begun: at this speed of spindle " +
+             std::to_string(r.index) + " its pitch needs " + shown(r.value, false, config) +
+             " per second, the axes can do " + shown(r.limit, false, config) +
+             ". Lower the spindle speed";
+    case Fault::sync_too_short:
+      return "Thread or tap" + line_of(r.tag) + " not begun: it is " +
+             shown(r.limit, false, config) + " long, but coming into step with spindle " +
+             std::to_string(r.index) + " and stopping need " + shown(r.value, false, config) +
+             ". Lower the spindle speed or begin further away";
+    case Fault::sync_no_index:
+      return "Spindle " + std::to_string(r.index) + " turned " + number(r.value) +
+             " revolutions without an index pulse, so the thread" + line_of(r.tag) +
+             " was not begun. Connect spindle." + std::to_string(r.index) +
+             ".index-enable to the encoder and check its index";
+    case Fault::sync_behind:
+      return "The axes fell " + shown(r.value, false, config) + " behind spindle " +
+             std::to_string(r.index) + line_of(r.tag) + " (allowed are " +
+             shown(r.limit, false, config) +
+             "); the thread is not true there. Lower the spindle speed or let it change speed "
+             "more slowly";
     case Fault::path_starved_internal:
       return "Internal fault: a move" + line_of(r.tag) +
              " does not begin where the machine stands; the path was dropped. Please report it";

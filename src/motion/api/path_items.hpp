@@ -202,6 +202,53 @@ struct ProbeMove {
   }
 };
 
+/// G33, G76: a straight move whose place follows the turns of a spindle. Moves that follow each other without anything but outputs
+/// between them are one thread: only the first waits for at-speed and index, and the rest never lose step.
+struct SyncMove {
+  static constexpr const char* kName = "sync-move";
+  Pose end;
+  double per_rev_mm{0};  ///< way in one revolution, along the feed metric of the move
+  std::int32_t spindle{0};
+  std::int32_t reserved{0};
+  template <class V>
+  static constexpr void fields(V&& v) {
+    v("end", &SyncMove::end, "mm|deg");
+    v("per-rev", &SyncMove::per_rev_mm, "mm");
+    v("spindle", &SyncMove::spindle, "");
+  }
+};
+
+/// G33.1: to `end` in step with the spindle, back in step with the reversed spindle, and to rest where it began.
+struct TapMove {
+  static constexpr const char* kName = "tap-move";
+  Pose end;
+  double per_rev_mm{0};
+  double return_factor{1};  ///< on the spindle's speed on the way back
+  std::int32_t spindle{0};
+  std::int32_t reserved{0};
+  template <class V>
+  static constexpr void fields(V&& v) {
+    v("end", &TapMove::end, "mm|deg");
+    v("per-rev", &TapMove::per_rev_mm, "mm");
+    v("return-factor", &TapMove::return_factor, "");
+    v("spindle", &TapMove::spindle, "");
+  }
+};
+
+/// G95, G94: how the speeds of the moves behind it are meant. In G95 `vel_mm_s` counts at the spindle speed `rps`; in proportion to
+/// spindle.N.speed-in the machine is faster or slower.
+struct FeedPerRev {
+  static constexpr const char* kName = "feed-per-rev";
+  std::int32_t spindle{-1};  ///< -1: none, speeds are as they are
+  std::int32_t reserved{0};
+  double rps{0};
+  template <class V>
+  static constexpr void fields(V&& v) {
+    v("spindle", &FeedPerRev::spindle, "");
+    v("rps", &FeedPerRev::rps, "rev/s");
+  }
+};
+
 /// Nothing but its tag: task learns from the executed sequence number that all before it is done.
 struct Marker {
   static constexpr const char* kName = "marker";
@@ -247,8 +294,9 @@ struct MessageSet {
   }
 };
 
-using PathItems = MessageSet<LinearMove, ArcMove, Dwell, OutputChange, SpindleChange, PathControl,
-                             OverrideEnable, ToolOffset, ProbeMove, Marker>;
+using PathItems =
+    MessageSet<LinearMove, ArcMove, Dwell, OutputChange, SpindleChange, PathControl, OverrideEnable,
+               ToolOffset, ProbeMove, Marker, SyncMove, TapMove, FeedPerRev>;
 
 /// One place of the path ring. `epoch`: the abort epoch in force when it was queued; consumers drop items of older epochs.
 struct PathItem {

@@ -41,6 +41,10 @@ enum class Fault : std::int32_t {
   probe_unexpected = 42,
   orient_fault = 50,
   spindle_fault = 51,
+  sync_too_fast = 52,   ///< pitch times spindle speed is more than the axes can do (mm/s, limit)
+  sync_too_short = 53,  ///< run-in and run-out need more than the move (mm, its length)
+  sync_no_index = 54,   ///< the spindle turns, but index-enable stays true (value: revolutions)
+  sync_behind = 55,     ///< the axes fell behind the spindle (mm, limit); the move goes on
   path_starved_internal = 60,
 };
 
@@ -82,7 +86,9 @@ enum class PathWait : std::int32_t {
   hold = 4,
   feed_hold_pin = 5,
   feed_inhibit = 6,
-  zero_override = 7
+  zero_override = 7,
+  spindle_index = 8,    ///< spindle.N.index-enable
+  spindle_turning = 9,  ///< a move that follows the spindle stands with it
 };
 
 /// Written every servo cycle.
@@ -102,9 +108,10 @@ struct MotionStatus {
   bool enabled{false}, in_position{true}, path_empty{true}, held{false};
   bool all_homed{false}, homing_active{false}, jogging{false}, soft_limit{false};
   bool probe_tripped{false}, probing{false}, input_timeout{false}, amp_ready{false};
-  bool probe_input{false};  ///< motion.probe-input
-  bool reverse{false};      ///< a negative adaptive feed runs the path backwards
-  bool reserved[2]{};
+  bool probe_input{false};   ///< motion.probe-input
+  bool reverse{false};       ///< a negative adaptive feed runs the path backwards
+  bool sync_in_step{false};  ///< G33, G33.1, G76: the path is where the spindle wants it
+  bool reserved[1]{};
   Pose pos_cmd, pos_fb;  ///< machine coordinates, mm and degrees
   Pose tool_offset;
   Pose probed;  ///< where the probe tripped
@@ -114,6 +121,8 @@ struct MotionStatus {
   double distance_to_go{0};
   double feed_override{1}, rapid_override{1};
   double dwell_left_s{0};
+  double sync_lag_mm{0};           ///< of the path behind the spindle, in G33, G33.1, G76
+  double sync_run_in_mm{0};        ///< what the last such move needed to come into step
   std::uint64_t planned_items{0};  ///< items taken by the planner and not yet executed
   std::uint64_t digital_in{0}, digital_out{0};
   std::uint64_t faults{0};  ///< number of the newest FaultRecord; 0: none ever

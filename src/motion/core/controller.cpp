@@ -77,6 +77,7 @@ bool Controller::at_rest() const noexcept {
 void Controller::step(const Inputs& in, const Orders& orders, double dt,
                       std::int64_t now_ns) noexcept {
   faults_.clear();
+  spindles_.begin_cycle();
   while (const FaultRecord* record = planner_faults_.front()) {
     if (!faults_.push_back(*record)) break;
     planner_faults_.pop();

@@ -272,7 +272,8 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   }
   homing_.step(joints_, joint_, config_, faults_);
   PathInputs path;
-  path.stand = orders.hold || closing_down_ || orders.abort_epoch != acked_epoch_;
+  path.stop = closing_down_ || orders.abort_epoch != acked_epoch_;
+  path.stand = orders.hold || path.stop;
   path.single_step = single_step_ = want.single_step;
   path.may_move = mode_ == MotionMode::coordinated;
   path.probe = in.probe;
@@ -283,6 +284,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   path.adaptive_feed = in.adaptive_feed;
   path.max_vel_mm_s = want.max_vel_mm_s;
   path.pose_fb = pose_fb_;
+  path.spindle = in.spindle;
   executor_.step(path, dt, faults_);
   if (mode_ == MotionMode::free) {
     JointVector q{};

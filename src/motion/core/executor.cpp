@@ -47,6 +47,7 @@ void Executor::place(const Pose& pose) noexcept {
   started_ = ending_ = failing_ = arriving_ = false;
   kind_ = MotionKind::none;
   forget_track();
+  sync_.end();
   ++place_number_;
 }
 
@@ -77,6 +78,7 @@ void Executor::drop_before(std::uint32_t epoch) noexcept {
     if (started_ || track_.on) place(pose_);
     forget_track();
   }
+  sync_.end();
   (void)next();
   sync_digital_mask_ = sync_analog_mask_ = 0;
   dwell_left_ = 0;
@@ -111,6 +113,7 @@ void Executor::finish(const Span& span, std::uint64_t done_seq) noexcept {
 void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept {
   waiting_ = PathWait::none;
   waiting_index_ = -1;
+  if (in.spindle != nullptr) sync_.observe(in.spindle, dt);
   set_scale(in);
   if (in.stand || !in.single_step) {
     step_begun_ = false;
@@ -137,6 +140,7 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
         // The planner's plan ends in a stop; nothing behind it is a fault of ours, and standing is all that is left.
         if (!at_rest()) raise(faults, Fault::path_starved_internal, -1, speed_, 0, current_);
         sigma_speed_ = speed_ = 0;
+        sync_.end();
         break;
       }
       if (!step_allows(*span, in.single_step)) {
@@ -152,6 +156,10 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
     if (const auto* move = std::get_if<PathSpan>(&span->body)) {
       rest -= run_move(*span, *move, in, rest, faults);
       continue;
+    }
+    if (const auto* tap = std::get_if<TapSpan>(&span->body)) {
+      run_tap(*span, *tap, in, rest, faults);
+      break;
     }
     if (const auto* change = std::get_if<SpindleChange>(&span->body)) {
       if (!run_orient(*span, *change, in, rest, faults)) break;
@@ -171,6 +179,9 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
 
 bool Executor::step_allows(const Span& span, bool single_step) noexcept {
   if (!single_step || !at_rest()) return true;
+  // A thread is one step.
+  const auto* move = std::get_if<PathSpan>(&span.body);
+  if (move != nullptr && move->sync.per_rev > 0 && !move->sync.first) return true;
   if (!step_begun_) {
     step_begun_ = true;
     step_id_ = span.tag.id;
@@ -190,6 +201,7 @@ Executor::Outcome Executor::begin(const Span& span, const PathInputs& in,
   return std::visit(
       Overloaded{
           [&](const PathSpan& m) { return begin_move(span, m, in, faults); },
+          [&](const TapSpan& m) { return begin_tap(span, m, in, faults); },
           [&](const Dwell& m) {
             history_.clear();
             current_ = span.tag;
@@ -268,7 +280,8 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
       fail_path(span);
       return Outcome::done;
     }
-    if (move.kind != MotionKind::traverse && move.kind != MotionKind::tool_change) {
+    if (move.kind != MotionKind::traverse && move.kind != MotionKind::tool_change &&
+        move.sync.per_rev <= 0) {
       if (after_traverse_) spindles_.wait_after_traverse();
       after_traverse_ = false;
       const std::int32_t waiting = spindles_.not_at_speed();
@@ -277,8 +290,14 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
         return Outcome::blocked;
       }
     }
-    // Stands; the outputs wait for the move itself.
-    if (!move.point && wanted(move, in) <= 0) return Outcome::blocked;
+    if (move.sync.per_rev > 0) {
+      const Outcome joined = join_thread(span, move, in, faults);
+      if (joined != Outcome::busy) return joined;
+    } else {
+      sync_.end();
+      // Stands; the outputs wait for the move itself.
+      if (!move.point && wanted(move, in, scale_) <= 0) return Outcome::blocked;
+    }
   }
   current_ = span.tag;
   current_seq_ = span.seq;
@@ -309,12 +328,16 @@ void Executor::set_scale(const PathInputs& in) noexcept {
   const double feed = enables_.feed ? factor(in.feed_override, max_override_) : 1.0;
   const double rapid = factor(in.rapid_override, 1.0);
   const auto scale_of = [&](double adaptive) {
-    return FeedScale{std::min(feed * adaptive, max_override_), std::min(rapid * adaptive, 1.0),
-                     in.max_vel_mm_s};
+    return FeedScale{std::min(feed * adaptive, max_override_),
+                     std::min(rapid * adaptive, 1.0),
+                     in.max_vel_mm_s,
+                     {}};
   };
   scale_ = scale_of(enables_.adaptive ? factor(in.adaptive_feed, max_adaptive_) : 1.0);
   const bool reverses = enables_.adaptive && adaptive_reverses_;
   back_scale_ = scale_of(reverses ? factor(-in.adaptive_feed, max_adaptive_) : 0.0);
+  sync_.feed_speeds(scale_.rps);
+  sync_.feed_speeds(back_scale_.rps);
 }
 
 double Executor::wanted(const PathSpan& move, const PathInputs& in,
@@ -323,7 +346,11 @@ double Executor::wanted(const PathSpan& move, const PathInputs& in,
   double x = wanted_x(move.speed, scale);
   if (!(x > 0)) {
     x = 0;
-    blocked(PathWait::zero_override);
+    const bool turns = move.speed.per_rev < 0 || scale_.rps[move.speed.per_rev] > 0;
+    if (turns)
+      blocked(PathWait::zero_override);
+    else
+      blocked(PathWait::spindle_turning, move.speed.per_rev);
   }
   if (in.feed_inhibit) {
     x = 0;
@@ -480,7 +507,8 @@ double Executor::drive(const PathSpan& move, const Ends& ends, double x_wanted,
 double Executor::run_move(const Span& span, const PathSpan& move, const PathInputs& in, double dt,
                           FaultList& faults) noexcept {
   watch_probe(span, move, in, faults);
-  const double x = wanted_under_way(move, in, scale_);
+  const double x = move.sync.per_rev > 0 ? wanted_in_thread(span, move, in, faults)
+                                         : wanted_under_way(move, in, scale_);
   const double used = drive(move, ends_of(move), x, dt);
   distance_ = left_ + move.to_move_end;
   if (left_ <= 0) {
@@ -503,7 +531,8 @@ double Executor::run_move(const Span& span, const PathSpan& move, const PathInpu
 /// Nothing of the span may be read after finish() or fail_path(): its place in the ring is free then.
 void Executor::end_span(const Span& span, const PathSpan& move, FaultList& faults) noexcept {
   if (move.stop_at_end) sigma_speed_ = 0;
-  if (move.probe || ending_)
+  sync_.passed(move.length);
+  if (move.probe || ending_ || move.sync.per_rev > 0)
     history_.clear();
   else
     history_.add(span, move, ends_of(move).hard, limits_);
@@ -558,6 +587,9 @@ void Executor::fill(MotionStatus& status) const noexcept {
   status.distance_to_go = distance_;
   status.vel_mm_s = speed_;
   status.dwell_left_s = dwell_left_;
+  status.sync_lag_mm = sync_.lag_mm();
+  status.sync_in_step = sync_.in_step();
+  status.sync_run_in_mm = sync_.run_in_mm();
   status.planned_items = spans_.size();
   const PathSpan* m = move();
   status.probing = m != nullptr && m->probe;

@@ -16,25 +16,28 @@
 #include "motion/core/path/limits.hpp"
 #include "motion/core/span.hpp"
 #include "motion/core/spindles.hpp"
+#include "motion/core/synchronised.hpp"
 
 namespace kerf::motion {
 
 /// What bears on the path in this cycle.
 struct PathInputs {
-  bool stand{false};        ///< brake on the path and stay: hold, abort, lost heartbeat
+  bool stand{false};  ///< brake on the path and stay: hold, abort, lost heartbeat
+  bool stop{false};   ///< the same, but for a hold: what follows a spindle stops for nothing else
   bool single_step{false};  ///< Intent::single_step
   bool may_move{true};      ///< coordinated mode; else moves wait and only events are carried out
   bool probe{false}, feed_hold{false}, feed_inhibit{false};
   double feed_override{1}, rapid_override{1}, adaptive_feed{1};
   double max_vel_mm_s{1e99};
-  Pose pose_fb;  ///< what a probe contact latches
+  Pose pose_fb;                           ///< what a probe contact latches
+  const SpindleInputs* spindle{nullptr};  ///< kMaxSpindles of them
 };
 
 class Executor {
  public:
   Executor(SpanRing& spans, const PlanSlots& slots, Spindles& spindles,
            OutputBank& outputs) noexcept
-      : spans_(spans), slots_(slots), spindles_(spindles), outputs_(outputs) {}
+      : spans_(spans), slots_(slots), spindles_(spindles), outputs_(outputs), sync_(spindles) {}
 
   /// Overrides are bounded by max_feed_override ([DISPLAY]MAX_FEED_OVERRIDE, never below 1); limits as the planner's.
   /// Adaptive feed is bounded by it too, or by 1 when it may only slow; below 0 it counts when it may reverse.
@@ -92,6 +95,18 @@ class Executor {
   Outcome begin_spindle(const SpindleChange& change) noexcept;
   [[nodiscard]] bool run_orient(const Span& span, const SpindleChange& change, const PathInputs& in,
                                 double dt, FaultList& faults) noexcept;
+  // executor_sync.cpp: what follows a spindle
+  [[nodiscard]] Outcome join_thread(const Span& span, const PathSpan& move, const PathInputs& in,
+                                    FaultList& faults) noexcept;
+  [[nodiscard]] double wanted_in_thread(const Span& span, const PathSpan& move,
+                                        const PathInputs& in, FaultList& faults) noexcept;
+  [[nodiscard]] bool held_before_sync(const PathInputs& in) noexcept;
+  [[nodiscard]] Outcome wait_for_spindle(const Span& span, const Synchroniser::Wish& wish,
+                                         FaultList& faults) noexcept;
+  Outcome begin_tap(const Span& span, const TapSpan& tap, const PathInputs& in,
+                    FaultList& faults) noexcept;
+  void run_tap(const Span& span, const TapSpan& tap, const PathInputs& in, double dt,
+               FaultList& faults) noexcept;
   void output(const OutputChange& change) noexcept;
   void fire_synchronised() noexcept;
   void set_scale(const PathInputs& in) noexcept;
@@ -143,6 +158,8 @@ class Executor {
   const PlanSlots& slots_;
   Spindles& spindles_;
   OutputBank& outputs_;
+  Synchroniser sync_;
+  std::uint64_t thread_seq_{0};  ///< the item that began the thread in execution
   path::AxisLimits limits_;
   double max_override_{1}, max_adaptive_{1};
   bool adaptive_reverses_{true};

@@ -28,6 +28,7 @@ struct SpindleInputs {
   double revs{0}, speed_in_rps{0};
   std::int32_t orient_fault{0};
   bool amp_fault{false}, at_speed{true}, inhibit{false}, is_oriented{false};
+  bool index_enable{false};
 };
 
 struct Inputs {

@@ -14,7 +14,8 @@ bool Executor::may_turn_back(const PathInputs& in) noexcept {
     return false;
   const Span* span = next();
   const auto* move = span == nullptr ? nullptr : std::get_if<PathSpan>(&span->body);
-  if (move == nullptr || move->probe) return false;
+  // A thread is cut once, forwards.
+  if (move == nullptr || move->probe || move->sync.per_rev > 0) return false;
   return started_ || (history_.size() > 0 && !in.single_step);
 }
 

@@ -5,7 +5,9 @@
 namespace kerf::motion {
 
 double wanted_x(const SpeedBounds& speed, const FeedScale& scale) noexcept {
-  const double r = speed.rapid ? scale.rapid : scale.feed;
+  if (speed.sync) return speed.cap;
+  double r = speed.rapid ? scale.rapid : scale.feed;
+  if (speed.per_rev >= 0 && !speed.rapid) r *= scale.rps[speed.per_rev] / speed.rps;
   if (!(r > 0)) return 0;
   // A rapid's own speed is what the axes can do, so its override scales that.
   double x = speed.rapid ? std::min(speed.cap, speed.feed_cap) * r * r

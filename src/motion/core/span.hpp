@@ -14,8 +14,23 @@ struct SpeedBounds {
   double cap{0};       ///< of x, by the axes: no override passes it
   double feed_cap{0};  ///< of x, as programmed, at override 1
   double slope{0};    ///< largest |q'| in the axes that the speed is measured in; 0: no linear axis
+  double rps{0};      ///< speed of spindle `per_rev` at which feed_cap counts
   bool rapid{false};  ///< follows the rapid override
-  bool reserved[7]{};
+  bool sync{false};   ///< follows a spindle: neither feeds nor overrides count
+  std::int8_t per_rev{-1};  ///< the spindle that carries the feed (G95); -1: none
+  bool reserved[5]{};
+};
+
+/// How a stretch follows its spindle (G33, G76). All moves of a thread have the same sigma a revolution, so their reference is one
+/// straight line over the spindle's angle.
+struct SyncBounds {
+  double per_rev{0};  ///< sigma in one revolution; 0: the stretch follows no spindle
+  double acc{0};      ///< of the whole move in sigma/s2, for planning how to come into step
+  double mm{1};       ///< of one sigma
+  double to_end{0};   ///< sigma from the start of the stretch to the end of the thread
+  std::int32_t spindle{0};
+  bool first{false};  ///< its move begins a thread: the path waits for at-speed and index
+  bool reserved[3]{};
 };
 
 /// A stretch of path with everything the servo cycle needs to run it in O(1).
@@ -23,6 +38,7 @@ struct PathSpan {
   path::Piece piece;
   double from{0}, length{0};  ///< the stretch [from, from + length] of the piece
   SpeedBounds speed;
+  SyncBounds sync;
   double even_acc{
       0};  ///< above 0: |dx/dsigma|/2 is bounded by this all along (a straight); else by rows of the piece
   double requested{0};      ///< mm/s (deg/s) as programmed; rapids: what the axes can do
@@ -39,10 +55,21 @@ struct PathSpan {
   bool reserved[6]{};
 };
 
+/// G33.1. Positions along it are in mm from where it begins; the spindle takes it beyond both ends.
+struct TapSpan {
+  Pose begin;
+  path::Vec direction;  ///< of one mm
+  double depth{0}, per_rev{0}, return_factor{1};
+  double speed{0}, acc{0};  ///< limits along it
+  double low{0}, high{0};   ///< how far it may be carried
+  std::int32_t spindle{0};
+  std::int32_t reserved{0};
+};
+
 /// Everything else keeps its place between the moves.
 struct Span {
   using Body = std::variant<PathSpan, Dwell, OutputChange, SpindleChange, PathControl,
-                            OverrideEnable, ToolOffset, Marker>;
+                            OverrideEnable, ToolOffset, Marker, TapSpan>;
   std::uint32_t epoch{0};
   std::uint32_t reserved{0};
   std::uint64_t seq{0};  ///< of the item that it belongs to
@@ -73,7 +100,8 @@ struct PlanSlots {
 /// What scales the programmed feeds.
 struct FeedScale {
   double feed{1}, rapid{1};
-  double max_vel{1e99};  ///< the operator's limit [mm/s]
+  double max_vel{1e99};        ///< the operator's limit [mm/s]
+  double rps[kMaxSpindles]{};  ///< measured speeds, in steps of a hundredth (G95)
   friend bool operator==(const FeedScale&, const FeedScale&) = default;
 };
 

@@ -14,6 +14,7 @@ void Spindles::apply(const SpindleChange& change) noexcept {
   if (change.spindle < 0 || change.spindle >= count_) return;
   State& s = state_[change.spindle];
   s.released = false;
+  s.factor = 1;
   SpindleOutputs& out = out_[change.spindle];
   using Action = SpindleChange::Action;
   if (change.action == Action::orient) {
@@ -50,10 +51,17 @@ void Spindles::apply(const SpindleChange& change) noexcept {
 void Spindles::stop(std::int32_t n) noexcept {
   if (n < 0 || n >= count_) return;
   state_[n].direction = 0;
+  state_[n].factor = 1;
   state_[n].wait = false;
   state_[n].released = false;
   state_[n].orient_state = kOrientNone;
   out_[n].orient = out_[n].locked = false;
+}
+
+void Spindles::reverse(std::int32_t n, double factor) noexcept {
+  if (n < 0 || n >= count_) return;
+  state_[n].direction = -state_[n].direction;
+  state_[n].factor = factor;
 }
 
 void Spindles::brake(std::int32_t n, bool engage) noexcept {
@@ -112,7 +120,7 @@ void Spindles::step(const SpindleInputs* in, const double* overrides, double x_m
       const double radius = std::abs(x_mm - s.css_center_x_mm);
       rpm = s.css_factor < s.css_max_rpm * radius ? s.css_factor / radius : s.css_max_rpm;
     }
-    rpm *= s.direction;
+    rpm *= s.direction * s.factor;
     out.command_rps = rpm / 60.0;
     out.speed_rpm = in[n].inhibit ? 0.0 : limited(n, rpm * overrides[n]);
     out.on = s.direction != 0;

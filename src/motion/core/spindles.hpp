@@ -14,6 +14,7 @@ struct SpindleOutputs {
   double command_rps{0};  ///< signed, as programmed
   double orient_angle_deg{0};
   std::int32_t orient_mode{0};
+  std::int8_t index_order{0};  ///< in this cycle: 1 makes spindle.N.index-enable true, -1 false
   bool on{false}, forward{false}, reverse{false}, brake{true}, orient{false}, locked{false};
 };
 
@@ -30,6 +31,19 @@ class Spindles {
   /// One cycle. `x_mm`: machine X without tool offset, for constant surface speed. `overrides`: one factor a spindle, already 1 where disabled.
   void step(const SpindleInputs* in, const double* overrides, double x_mm,
             FaultList& faults) noexcept;
+
+  /// The other direction, at `factor` times the programmed speed, until the next order. Nothing happens to one that does not turn.
+  void reverse(std::int32_t n, double factor) noexcept;
+  /// -1, 0, 1
+  [[nodiscard]] std::int32_t direction(std::int32_t n) const noexcept { return at(n).direction; }
+  [[nodiscard]] std::int32_t count() const noexcept { return count_; }
+  /// Asks the encoder to start from zero at its index. From the next cycle on index-enable is true until it has passed.
+  void arm_index(std::int32_t n) noexcept { out_[n].index_order = 1; }
+  void disarm_index(std::int32_t n) noexcept { out_[n].index_order = -1; }
+  /// Before each cycle.
+  void begin_cycle() noexcept {
+    for (SpindleOutputs& out : out_) out.index_order = 0;
+  }
 
   /// A traverse has ended: spindles at constant surface speed turn at another speed now, so the next feed move waits.
   void wait_after_traverse() noexcept;
@@ -56,6 +70,7 @@ class Spindles {
 
   struct State {
     double speed_rpm{0}, css_factor{0}, css_max_rpm{0}, css_center_x_mm{0};
+    double factor{1};  ///< on the way back of a tap
     std::int32_t direction{0}, orient_state{kOrientNone}, orient_fault{0}, age{0};
     bool ack_low{false};   ///< is-oriented was false since the orientation began
     bool wait{false};      ///< the next feed move waits for at-speed

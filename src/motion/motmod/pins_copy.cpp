@@ -59,7 +59,7 @@ void Motmod::read_inputs() noexcept {
   for (std::size_t n = 0; n < spindle_.size(); ++n) {
     const SpindlePins& p = spindle_[n];
     in.spindle[n] = {p.revs,     p.speed_in, p.orient_fault, p.amp_fault_in,
-                     p.at_speed, p.inhibit,  p.is_oriented};
+                     p.at_speed, p.inhibit,  p.is_oriented,  p.index_enable};
   }
 }
 
@@ -132,6 +132,8 @@ void Motmod::write_spindle(std::size_t n) noexcept {
   p.speed_out_rps = out.speed_rpm / 60.0;
   p.speed_out_rps_abs = std::abs(out.speed_rpm) / 60.0;
   p.speed_cmd_rps = out.command_rps;
+  // Only on order: in between it belongs to the encoder.
+  if (out.index_order != 0) p.index_enable = out.index_order > 0;
 }
 
 /// Machine units of a path length: that of a rotary move is in degrees, which have no scale.
@@ -149,6 +151,9 @@ void Motmod::write_motion(const hal::Period& period) noexcept {
   pins_.coord_error = coord_error_;
   pins_.coord_mode = s.mode == MotionMode::coordinated;
   pins_.teleop_mode = s.mode == MotionMode::teleop;
+  pins_.sync_in_step = s.sync_in_step;
+  pins_.sync_lag = s.sync_lag_mm * scale_;
+  pins_.sync_run_in = s.sync_run_in_mm * scale_;
   pins_.in_position = s.in_position;
   pins_.tp_reverse = s.reverse;
   pins_.is_all_homed = s.all_homed;

@@ -22,7 +22,8 @@ bool ends_program(motion::Fault fault) noexcept {
     case Fault::jog_beyond_limit:
     case Fault::limit_velocity:
     case Fault::limit_acceleration:
-    case Fault::limit_jerk: return false;
+    case Fault::limit_jerk:
+    case Fault::sync_behind: return false;
     default: return true;
   }
 }
@@ -297,6 +298,10 @@ void CommandParticipant::path_wait(WaitingFor& wait) {
     case motion::PathWait::feed_inhibit:
       return say_wait("the end of feed inhibit", "motion.feed-inhibit");
     case motion::PathWait::zero_override: return say_wait("a feed override above 0", "");
+    case motion::PathWait::spindle_index:
+      return say_wait("the index of the spindle", spindle + ".index-enable");
+    case motion::PathWait::spindle_turning:
+      return say_wait("the spindle to turn", spindle + ".revs, " + spindle + ".speed-in");
   }
 }
 

@@ -15,6 +15,7 @@ using motion::SpindleChange;
 namespace {
 constexpr double kTwoPi = 6.283185307179586;
 constexpr double kNoRadius = 1e-6;  ///< mm
+constexpr double kSomeRpm = 1000;   ///< G95 counts from here where S says nothing
 }  // namespace
 
 void CanonToPath::forget_outputs() {
@@ -28,6 +29,8 @@ void CanonToPath::announce(std::uint64_t tag_id) {
   add_path(state_.path);
   add_path(state_.overrides);
   add_path(motion::ToolOffset{state_.frame.tool()});
+  // Motion forgets it with an abort.
+  if (state_.feed_mode == interp::FeedMode::per_revolution) add_path(feed_per_rev());
 }
 
 const std::vector<DeliveredBlock>& CanonToPath::end_delivery() {
@@ -84,8 +87,11 @@ void CanonToPath::set_feed_rate(double linear_mm_min, double angular_deg_min) {
 }
 
 void CanonToPath::set_feed_mode(int spindle, interp::FeedMode mode) {
+  const bool changes = mode != state_.feed_mode ||
+                       (mode == interp::FeedMode::per_revolution && spindle != state_.feed_spindle);
   state_.feed_spindle = spindle;
   state_.feed_mode = mode;
+  if (changes) add_path(feed_per_rev());
 }
 
 void CanonToPath::set_motion_control_mode(interp::PathMode mode, double tolerance_mm) {
@@ -107,15 +113,13 @@ double CanonToPath::feed_mm_s(const Pose& end) const {
   const Pose d = end - state_.position;
   const bool linear = d.x != 0 || d.y != 0 || d.z != 0 || d.u != 0 || d.v != 0 || d.w != 0;
   double per_minute = linear ? state_.linear_mm_min : state_.angular_deg_min;
-  if (state_.feed_mode == interp::FeedMode::per_revolution)
-    per_minute *= state_.speed[static_cast<std::size_t>(state_.feed_spindle)];
+  if (state_.feed_mode == interp::FeedMode::per_revolution) per_minute *= nominal_rpm();
   return per_minute / 60.0;
 }
 
 double CanonToPath::linear_mm_s() const {
   double per_minute = state_.linear_mm_min;
-  if (state_.feed_mode == interp::FeedMode::per_revolution)
-    per_minute *= state_.speed[static_cast<std::size_t>(state_.feed_spindle)];
+  if (state_.feed_mode == interp::FeedMode::per_revolution) per_minute *= nominal_rpm();
   return per_minute / 60.0;
 }
 
@@ -134,7 +138,10 @@ void CanonToPath::straight_traverse(const interp::Pose& end) {
 void CanonToPath::straight_feed(const interp::Pose& end) {
   const Pose to = state_.frame.to_machine(end);
   if (to == state_.position) return;
-  add_path(motion::LinearMove{to, feed_mm_s(to), MotionKind::feed});
+  if (state_.sync_spindle >= 0)
+    add_path(motion::SyncMove{to, state_.sync_per_rev_mm, state_.sync_spindle});
+  else
+    add_path(motion::LinearMove{to, feed_mm_s(to), MotionKind::feed});
   state_.position = to;
   state_.pending_outputs = 0;
 }
@@ -212,16 +219,42 @@ void CanonToPath::straight_probe(const interp::Pose& end, interp::ProbeKind kind
   state_.pending_outputs = 0;
 }
 
-void CanonToPath::not_yet(const char* what) {
-  add(ProgramError{std::string(what) + " is not supported yet", file_, tag_.line});
+void CanonToPath::start_speed_feed_sync(int spindle, double mm_per_revolution, bool velocity_mode) {
+  // G95 announces itself so too; set_feed_mode has said it.
+  if (velocity_mode) return;
+  state_.sync_spindle = spindle;
+  state_.sync_per_rev_mm = std::fabs(mm_per_revolution);
 }
 
-void CanonToPath::start_speed_feed_sync(int, double, bool velocity_mode) {
-  // G95 announces itself so too; its feed follows the commanded speed (feed_mm_s).
-  if (!velocity_mode) not_yet("spindle-synchronised motion (G33, G76)");
+void CanonToPath::stop_speed_feed_sync() { state_.sync_spindle = -1; }
+
+void CanonToPath::rigid_tap(const interp::Pose& end, double return_scale) {
+  motion::TapMove tap;
+  tap.end = state_.frame.to_machine(end);
+  tap.per_rev_mm = state_.sync_per_rev_mm;
+  tap.return_factor = return_scale;
+  tap.spindle = state_.sync_spindle;
+  // It ends where it begins.
+  if (tap.end == state_.position) return;
+  add_path(tap);
+  state_.pending_outputs = 0;
 }
 
-void CanonToPath::rigid_tap(const interp::Pose&, double) { not_yet("rigid tapping (G33.1)"); }
+/// In G95 the speeds of moves count at the programmed speed of the spindle.
+motion::FeedPerRev CanonToPath::feed_per_rev() const {
+  motion::FeedPerRev mode;
+  if (state_.feed_mode != interp::FeedMode::per_revolution) return mode;
+  mode.spindle = state_.feed_spindle;
+  mode.rps = nominal_rpm() / 60.0;
+  return mode;
+}
+
+double CanonToPath::nominal_rpm() const {
+  const auto n = static_cast<std::size_t>(state_.feed_spindle);
+  // At constant surface speed S is no number of revolutions.
+  const double rpm = state_.css_max_rpm[n] > 0 ? 0.0 : state_.speed[n];
+  return rpm > 0 ? rpm : kSomeRpm;
+}
 
 void CanonToPath::dwell(double seconds) { add_path(motion::Dwell{seconds}); }
 
@@ -249,6 +282,8 @@ void CanonToPath::set_spindle_speed(int spindle, double rpm) {
   state_.speed[n] = rpm;
   state_.surface_unit[n] = state_.css_max_rpm[n] > 0 ? state_.surface_mm : 0;
   add_path(spindle_change(spindle, SpindleChange::Action::set_speed));
+  if (state_.feed_mode == interp::FeedMode::per_revolution && spindle == state_.feed_spindle)
+    add_path(feed_per_rev());
 }
 
 void CanonToPath::set_spindle_mode(int spindle, double css_max_rpm) {
@@ -259,6 +294,8 @@ void CanonToPath::set_spindle_mode(int spindle, double css_max_rpm) {
     state_.speed[n] /= state_.surface_unit[n];
     state_.surface_unit[n] = 0;
   }
+  if (state_.feed_mode == interp::FeedMode::per_revolution && spindle == state_.feed_spindle)
+    add_path(feed_per_rev());
 }
 
 void CanonToPath::start_spindle(int spindle, interp::SpindleDirection direction) {

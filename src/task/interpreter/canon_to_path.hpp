@@ -22,6 +22,8 @@ struct CanonState {
   double linear_mm_min{0}, angular_deg_min{0};
   interp::FeedMode feed_mode{interp::FeedMode::per_minute};
   int feed_spindle{0};
+  int sync_spindle{-1};       ///< feed moves follow it (G33, G76); -1: none
+  double sync_per_rev_mm{0};  ///< way in one revolution
   motion::PathControl path;
   motion::OverrideEnable overrides;
   std::array<double, motion::kMaxSpindles> speed{};  ///< rpm; mm/min of surface in G96
@@ -89,7 +91,7 @@ class CanonToPath final : public interp::Canon {
   void set_naivecam_tolerance(double tolerance_mm) override;
   void set_planner_mode(int type, double corner_factor) override;
   void start_speed_feed_sync(int spindle, double mm_per_revolution, bool velocity_mode) override;
-  void stop_speed_feed_sync() override {}
+  void stop_speed_feed_sync() override;
   void straight_traverse(const interp::Pose& end) override;
   void straight_feed(const interp::Pose& end) override;
   void arc_feed(const interp::Arc& arc) override;
@@ -152,10 +154,11 @@ class CanonToPath final : public interp::Canon {
   void add_path(const PathBody& body) { list_.push_back(TaskItem{tag_, TaskItemBody(body)}); }
   void traverse_machine(const motion::Pose& end, motion::MotionKind kind);
   void output(int index, bool analog, bool synchronised, double value);
-  void not_yet(const char* what);
   void frame_changed();
   [[nodiscard]] double feed_mm_s(const motion::Pose& end) const;
   [[nodiscard]] double linear_mm_s() const;
+  [[nodiscard]] motion::FeedPerRev feed_per_rev() const;
+  [[nodiscard]] double nominal_rpm() const;
   [[nodiscard]] motion::SpindleChange spindle_change(int spindle,
                                                      motion::SpindleChange::Action action) const;
 

@@ -142,15 +142,46 @@ TEST(Canon, program_end_forgets_outputs_that_no_move_came_for) {
   EXPECT_TRUE(b.last<motion::Marker>().drop_outputs);
 }
 
-TEST(Canon, what_is_not_there_yet_is_an_error_in_its_place) {
+TEST(Canon, feed_moves_between_start_and_stop_of_the_spindles_lead_follow_it) {
   Bench b;
-  b.canon.next_block(
-      {.file_id = 1, .line = 7, .sequence = -1, .call_level = 0, .file = "x.ngc", .text = "G33.1"});
-  b.canon.rigid_tap({}, 1);
-  ASSERT_EQ(b.list.size(), 1u);
-  const auto& error = std::get<ProgramError>(b.list.back().body);
-  EXPECT_EQ(error.line, 7);
-  EXPECT_NE(error.text.find("G33.1"), std::string::npos);
+  b.canon.set_feed_rate(600, 600);
+  b.canon.start_speed_feed_sync(1, -1.5, false);
+  b.canon.straight_feed({.z = -10});
+  const auto sync = b.last<motion::SyncMove>();
+  EXPECT_EQ(sync.end.z, -10);
+  EXPECT_EQ(sync.per_rev_mm, 1.5) << "the end says which way";
+  EXPECT_EQ(sync.spindle, 1);
+  b.canon.rigid_tap({.z = -20}, 2);
+  const auto tap = b.last<motion::TapMove>();
+  EXPECT_EQ(tap.end.z, -20);
+  EXPECT_EQ(tap.per_rev_mm, 1.5);
+  EXPECT_EQ(tap.return_factor, 2);
+  EXPECT_EQ(b.canon.state().position.z, -10) << "a tap ends where it begins";
+  b.canon.stop_speed_feed_sync();
+  b.canon.straight_feed({.x = 1, .z = -10});
+  EXPECT_EQ(b.last<motion::LinearMove>().vel_mm_s, 10);
+}
+
+TEST(Canon, feed_per_revolution_names_the_spindle_and_its_programmed_speed) {
+  Bench b;
+  b.canon.set_spindle_speed(0, 600);
+  b.canon.set_feed_mode(0, interp::FeedMode::per_revolution);
+  EXPECT_EQ(b.last<motion::FeedPerRev>().spindle, 0);
+  EXPECT_EQ(b.last<motion::FeedPerRev>().rps, 10);
+  b.canon.set_feed_rate(0.5, 0.5);
+  b.canon.straight_feed({.x = 10});
+  EXPECT_EQ(b.last<motion::LinearMove>().vel_mm_s, 5);
+  b.canon.set_spindle_speed(0, 1200);
+  EXPECT_EQ(b.last<motion::FeedPerRev>().rps, 20);
+  b.canon.straight_feed({.x = 20});
+  EXPECT_EQ(b.last<motion::LinearMove>().vel_mm_s, 10);
+  // Surface speeds are no revolutions: whatever is assumed, feed and speed belong together.
+  b.canon.set_spindle_mode(0, 1000);
+  const double rps = b.last<motion::FeedPerRev>().rps;
+  b.canon.straight_feed({.x = 30});
+  EXPECT_DOUBLE_EQ(b.last<motion::LinearMove>().vel_mm_s, 0.5 * rps);
+  b.canon.set_feed_mode(0, interp::FeedMode::per_minute);
+  EXPECT_EQ(b.last<motion::FeedPerRev>().spindle, -1);
 }
 
 TEST(Canon, user_mcode_words_are_text) {

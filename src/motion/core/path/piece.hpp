@@ -19,6 +19,10 @@ struct Feed {
   std::int8_t metric{
       0};             ///< axes in which `speed` is measured: 0 XYZ, 6 UVW, 3 ABC; -1: sigma itself
   bool rapid{false};  ///< follows the rapid override
+  bool sync{false};   ///< runs in step with a spindle: no override, no programmed speed
+  std::int8_t per_rev{-1};  ///< the spindle that carries the feed (G95); -1: none
+  double rps{0};            ///< its speed at which `speed` counts
+  friend constexpr bool operator==(const Feed&, const Feed&) = default;
 };
 
 /// cubic: q = a + b s + c s^2/2 + d s^3/6,  s in [0, length].

@@ -243,9 +243,7 @@ void Smoother::integrate(const Chain& chain, Buffer<Piece>& out) const noexcept 
     double from = 0;
     for (std::size_t j = line; j <= last; ++j) {
       const double to = j == last ? length : chain.sigma[j + 1] - knot_[k];
-      const bool differs = j < last && (chain.feed[j + 1].speed != chain.feed[j].speed ||
-                                        chain.feed[j + 1].metric != chain.feed[j].metric ||
-                                        chain.feed[j + 1].rapid != chain.feed[j].rapid);
+      const bool differs = j < last && !(chain.feed[j + 1] == chain.feed[j]);
       if (j < last && !differs) continue;
       if (to - from <= 0) continue;
       Piece part = from == 0 && j == last ? p : part_of(p, from, to);

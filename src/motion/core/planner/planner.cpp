@@ -62,14 +62,15 @@ void Planner::configure(const MachineConfig& config) noexcept {
   limits_ = limits.axes;
   plain_ = limits.plain;
   path::PathSettings settings;
-  settings.low = limits.low;
-  settings.high = limits.high;
+  low_ = settings.low = limits.low;
+  high_ = settings.high = limits.high;
   program_path_.configure(settings);
 }
 
 Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
                             std::int64_t now_ns) noexcept {
   if (view.acked_epoch != epoch_ || (placed_ && view.place != place_ && !probing_)) {
+    if (view.acked_epoch != epoch_) per_rev_ = FeedPerRev{};
     forget();
     epoch_ = view.acked_epoch;
   }
@@ -125,6 +126,7 @@ void Planner::forget() noexcept {
   after_traverse_ = false;
   placed_ = false;
   probing_ = false;
+  thread_spindle_ = -1;
 }
 
 void Planner::stop_here() noexcept {
@@ -214,8 +216,12 @@ Planner::Take Planner::take(const PathItem& item, const ServoView& view) noexcep
     if (!may_move(view)) return Take::wait_servo;
     Curve curve;
     const bool shaped = make_line(end_, end, axes_of(kinematics_.axis_mask(), config_), curve);
-    return take_move(item, curve, shaped, speed, kind, probe);
+    return take_move(item, curve, shaped, {speed, kind, probe});
   };
+  if (ends_thread(item) && thread_spindle_ >= 0) {
+    stop_here();
+    thread_spindle_ = -1;
+  }
   return std::visit(
       Overloaded{
           [&](const LinearMove& m) { return straight(m.end, m.vel_mm_s, m.kind, nullptr); },
@@ -224,7 +230,7 @@ Planner::Take Planner::take(const PathItem& item, const ServoView& view) noexcep
             if (!may_move(view)) return Take::wait_servo;
             Curve curve;
             const bool shaped = make_arc(end_, m, curve);
-            return take_move(item, curve, shaped, m.vel_mm_s, m.kind, nullptr);
+            return take_move(item, curve, shaped, {m.vel_mm_s, m.kind});
           },
           [&](const Dwell& m) {
             return m.seconds >= 0 && std::isfinite(m.seconds) ? event(item, m)
@@ -241,6 +247,9 @@ Planner::Take Planner::take(const PathItem& item, const ServoView& view) noexcep
             return is_finite(m.offset) ? event(item, m) : bad_item(item, 0);
           },
           [&](const Marker& m) { return event(item, m); },
+          [&](const SyncMove& m) { return take_sync(item, m, view); },
+          [&](const TapMove& m) { return take_tap(item, m, view); },
+          [&](const FeedPerRev& m) { return feed_per_rev(item, m); },
       },
       item.body);
 }
@@ -280,11 +289,12 @@ bool Planner::limits_of(const PathItem& item, const Curve& curve, double speed, 
 }
 
 Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool shaped,
-                                 double speed, MotionKind kind, const ProbeMove* probe) noexcept {
+                                 const Order& order) noexcept {
   if (moves_.full()) {
     due_ = true;
     return Take::wait_room;
   }
+  const auto& [speed, kind, probe, sync] = order;
   const bool traverse = kind == MotionKind::traverse || kind == MotionKind::tool_change;
   const bool speed_ok = std::isfinite(speed) && (traverse ? speed >= 0 : speed > 0);
   const bool point = curve.shape == Curve::Shape::point;
@@ -323,6 +333,11 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   move.piece =
       piece_of(curve, traverse && speed == 0 ? path::kNoLimit : speed, traverse, limits_.vel);
   if (!plain_) unstretch(curve, move.piece);
+  if (sync != nullptr && !join_thread(*sync, move.piece, meta, fault)) return refuse(item, fault);
+  if (per_rev_.spindle >= 0 && !traverse && probe == nullptr && sync == nullptr) {
+    move.piece.feed.per_rev = static_cast<std::int8_t>(per_rev_.spindle);
+    move.piece.feed.rps = per_rev_.rps;
+  }
   move.mode = mode_;
   move.stop_at_end = probe != nullptr || !plain_;
   if (!(path::axis_cap(move.piece, 0, move.piece.length, limits_) > 0)) return bad_item(item, 0);

@@ -59,6 +59,7 @@ class Planner {
     double even_acc{0}, cap{0};  ///< above 0: limits for the whole move (kinematics that mix axes)
     double sigma_end{0};         ///< while it is being sent: from the start of what is sent
     MotionKind kind{MotionKind::feed};
+    SyncBounds sync;   ///< per_rev above 0: it follows a spindle
     bool part{false};  ///< the rest of the move comes later
     bool probe{false}, probe_until_open{false}, probe_fail_is_error{false};
   };
@@ -78,8 +79,15 @@ class Planner {
 
   // planner.cpp: items
   Take take(const PathItem& item, const ServoView& view) noexcept;
-  Take take_move(const PathItem& item, const Curve& curve, bool shaped, double speed,
-                 MotionKind kind, const ProbeMove* probe) noexcept;
+  /// What follows from a move's kind, before it is taken into the path.
+  struct Order {
+    double speed{0};
+    MotionKind kind{MotionKind::feed};
+    const ProbeMove* probe{nullptr};
+    const SyncMove* sync{nullptr};
+  };
+  Take take_move(const PathItem& item, const Curve& curve, bool shaped,
+                 const Order& order) noexcept;
   [[nodiscard]] bool limits_of(const PathItem& item, const Curve& curve, double speed,
                                bool traverse, Meta& meta, FaultRecord& fault) noexcept;
   [[nodiscard]] bool may_move(const ServoView& view) noexcept;
@@ -92,6 +100,18 @@ class Planner {
   void stop_here() noexcept;
   void forget() noexcept;
   [[nodiscard]] path::PathMode mode_of(const PathControl& control) const noexcept;
+
+  // sync_items.cpp: what follows a spindle
+  Take take_sync(const PathItem& item, const SyncMove& move, const ServoView& view) noexcept;
+  Take take_tap(const PathItem& item, const TapMove& tap, const ServoView& view) noexcept;
+  Take feed_per_rev(const PathItem& item, const FeedPerRev& mode) noexcept;
+  /// Makes the piece part of the thread; false: the pitch is too much for the axes at the spindle's speed.
+  [[nodiscard]] bool join_thread(const SyncMove& sync, path::Piece& piece, Meta& meta,
+                                 FaultRecord& fault) noexcept;
+  [[nodiscard]] double commanded_rps(std::int32_t spindle) const noexcept;
+  /// Nothing behind this item is of the thread before it.
+  [[nodiscard]] static bool ends_thread(const PathItem& item) noexcept;
+  void bound_sync(PathSpan& body, const Meta& meta, double begin) noexcept;
 
   // send.cpp: pieces, spans and the pass from the end
   void commit_if_due(bool more_items, std::int64_t now_ns) noexcept;
@@ -127,6 +147,11 @@ class Planner {
       [kMaxSpindles]{};  ///< as the last item left it: unchanged S words never stop the path
   bool css_[kMaxSpindles]{};
   bool after_traverse_{false}, spindle_changed_{false};
+  std::int32_t thread_spindle_{-1};  ///< the thread that the path taken so far ends in; -1: none
+  double thread_per_rev_{0};         ///< its sigma in one revolution
+  bool thread_first_{false};         ///< the next stretch begins it
+  FeedPerRev per_rev_;
+  path::Vec low_, high_;  ///< soft limits
 
   // pending
   path::Buffer<path::Move> moves_;
@@ -142,6 +167,9 @@ class Planner {
   std::size_t events_sending_{0}, events_sent_{0};
   std::size_t piece_{0}, stretch_{0}, move_{0}, done_{0};
   double sigma_{0}, piece_sigma_{0};
+  std::size_t thread_end_move_{
+      0};                 ///< of the thread that is being sent, if it reaches beyond move_
+  double thread_end_{0};  ///< its sigma there
   bool handed_over_{false}, begins_{true};
 
   // sent

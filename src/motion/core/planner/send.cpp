@@ -98,6 +98,7 @@ void Planner::commit(std::size_t moves, bool hand_over) noexcept {
     ++events_sending_;
   events_sent_ = piece_ = stretch_ = move_ = done_ = 0;
   sigma_ = piece_sigma_ = 0;
+  thread_end_move_ = 0;
   first_new_ = next_number_;
 }
 
@@ -199,6 +200,10 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   sent.block_end = body.done_seq != 0;
   SpeedBounds& speed = body.speed;
   speed.rapid = piece.feed.rapid;
+  speed.sync = piece.feed.sync;
+  speed.per_rev = piece.feed.per_rev;
+  speed.rps = piece.feed.rps;
+  bound_sync(body, meta, begin);
   speed.feed_cap = path::feed_cap(piece, from, to);
   if (meta.even_acc > 0) {
     speed.cap = meta.cap;
@@ -255,7 +260,7 @@ void Planner::plan(bool all) noexcept {
     if (s.place < spans_.popped()) break;
     const double cap = s.speed.cap, wanted = wanted_x(s.speed, scale_);
     const double hard_end = s.stop_at_end ? 0.0 : std::min(hard, cap);
-    const bool stands = s.stop_at_end || (single_step_ && s.block_end);
+    const bool stands = s.stop_at_end || (single_step_ && s.block_end && !s.speed.sync);
     const double soft_end = stands ? 0.0 : std::min({soft, wanted, hard_end});
     rtapi::Word<double>&hard_slot = slots_.hard[n % kSpans], &soft_slot = slots_.soft[n % kSpans];
     if (!all && n < first_new_ && hard_slot.get() == hard_end && soft_slot.get() == soft_end) break;

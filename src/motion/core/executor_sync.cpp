@@ -1,0 +1,121 @@
+// Moves that follow a spindle: how the executor drives them. The arithmetic is in synchronised.hpp.
+#include <cmath>
+
+#include "motion/core/executor.hpp"
+
+namespace kerf::motion {
+
+/// Manual, motion(9): holds wait for the end of a synchronised move; before one they count.
+bool Executor::held_before_sync(const PathInputs& in) noexcept {
+  if (in.feed_inhibit) {
+    blocked(PathWait::feed_inhibit);
+    return true;
+  }
+  if (in.feed_hold && enables_.feed_hold) {
+    blocked(PathWait::feed_hold_pin);
+    return true;
+  }
+  return false;
+}
+
+Executor::Outcome Executor::wait_for_spindle(const Span& span, const Synchroniser::Wish& wish,
+                                             FaultList& faults) noexcept {
+  PathWait why = PathWait::none;
+  switch (sync_.prepare(wish, why, span.tag, faults)) {
+    case Synchroniser::Ready::yes: return Outcome::busy;
+    case Synchroniser::Ready::waits: blocked(why, wish.spindle); return Outcome::blocked;
+    case Synchroniser::Ready::refused: break;
+  }
+  fail_path(span);
+  return Outcome::done;
+}
+
+/// busy: the stretch may begin now.
+Executor::Outcome Executor::join_thread(const Span& span, const PathSpan& move,
+                                        const PathInputs& in, FaultList& faults) noexcept {
+  const SyncBounds& sync = move.sync;
+  if (sync.first && thread_seq_ != span.seq) {
+    sync_.end();
+    thread_seq_ = span.seq;
+  }
+  if (!sync_.following(sync.spindle) || sync.first) {
+    if (held_before_sync(in)) return Outcome::blocked;
+    Synchroniser::Wish wish;
+    wish.per_rev = sync.per_rev;
+    wish.acc = sync.acc;
+    wish.speed = std::sqrt(move.speed.cap);
+    wish.to_end = sync.to_end;
+    wish.mm = sync.mm;
+    wish.spindle = sync.spindle;
+    const Outcome ready = wait_for_spindle(span, wish, faults);
+    if (ready != Outcome::busy) return ready;
+  }
+  if (sync_.thread_speed(sync, 0, span.tag, faults) > 0) return Outcome::busy;
+  blocked(sync_.moving() ? PathWait::spindle_turning : PathWait::spindle_index, sync.spindle);
+  return Outcome::blocked;
+}
+
+/// x that is wanted in this cycle.
+double Executor::wanted_in_thread(const Span& span, const PathSpan& move, const PathInputs& in,
+                                  FaultList& faults) noexcept {
+  requested_ = move.requested;
+  commanded_feed_ = 0;
+  const double v = sync_.thread_speed(move.sync, move.length - left_, span.tag, faults);
+  if (in.stop) blocked(PathWait::hold);
+  if (in.stop || ending_ || failing_) return 0;
+  if (!(v > 0)) blocked(PathWait::spindle_turning, move.sync.spindle);
+  return v * v;
+}
+
+Executor::Outcome Executor::begin_tap(const Span& span, const TapSpan& tap, const PathInputs& in,
+                                      FaultList& faults) noexcept {
+  if (!in.may_move) return Outcome::blocked;
+  if (thread_seq_ != span.seq) {
+    sync_.end();
+    thread_seq_ = span.seq;
+  }
+  if (!(tap.begin == pose_)) {
+    raise(faults, Fault::path_starved_internal, -1, 0, 0, span.tag);
+    fail_path(span);
+    return Outcome::done;
+  }
+  if (held_before_sync(in)) return Outcome::blocked;
+  Synchroniser::Wish wish;
+  wish.per_rev = tap.per_rev;
+  wish.acc = tap.acc;
+  wish.speed = tap.speed;
+  wish.to_end = tap.depth;
+  wish.factor = tap.return_factor > 1 ? tap.return_factor : 1;
+  wish.spindle = tap.spindle;
+  wish.ends = false;
+  const Outcome ready = wait_for_spindle(span, wish, faults);
+  if (ready != Outcome::busy) return ready;
+  current_ = span.tag;
+  current_seq_ = span.seq;
+  fire_synchronised();
+  after_traverse_ = false;
+  history_.clear();
+  sync_.begin_tap();
+  started_ = true;
+  kind_ = MotionKind::feed;
+  return Outcome::busy;
+}
+
+void Executor::run_tap(const Span& span, const TapSpan& tap, const PathInputs& in, double dt,
+                       FaultList& faults) noexcept {
+  // A tap that stands in a turning hole breaks: the spindle stops first, and the axis with it.
+  if (in.stop) spindles_.stop(tap.spindle);
+  const Synchroniser::Tap state = sync_.tap(tap, in.stop, dt, span.tag, faults);
+  path::Vec at = path::to_vec(tap.begin);
+  at.add(sync_.tap_place(), tap.direction);
+  pose_ = to_pose(at);
+  sigma_speed_ = speed_ = std::abs(sync_.tap_speed());
+  distance_ = std::abs(tap.depth - sync_.tap_place());
+  if (in.stop) blocked(PathWait::hold);
+  if (state != Synchroniser::Tap::done) return;
+  pose_ = tap.begin;
+  sync_.end();
+  finish(span, span.seq);
+}
+
+}  // namespace kerf::motion

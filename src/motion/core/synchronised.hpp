@@ -1,0 +1,150 @@
+// Synchronised: what follows the turns of a spindle (G33, G76, G33.1, G95). Pure arithmetic, @rt.
+//
+// The place on the path is pitch times the spindle's angle since its index, at any speed: the thread is where it would be if the axis had
+// started at full speed in the very moment of the index. The axis stands until the reference comes so near that it joins it just as it
+// has speeded up (SyncTracker::speed): no catching up, and the run-in is v^2/2a. Angle and speed come from an observer, not from
+// differences of counts. Reference and limits are separate: the tracker only wishes a speed, the executor keeps the limits.
+// Sources: fading-memory (g-h-k) filter: Morrison, Introduction to Sequential Smoothing and Prediction; switching curve of the double
+// integrator with a linear part at its end.
+#pragma once
+
+#include <cstdint>
+
+#include "motion/core/io.hpp"
+#include "motion/core/span.hpp"
+#include "motion/core/spindles.hpp"
+
+namespace kerf::motion {
+
+/// Angle, speed and acceleration of a spindle behind the counts of its encoder. Exact for constant acceleration.
+class SpindleObserver {
+ public:
+  /// The counter shows `revs` now whatever it showed before (its zero has moved); the speed stays.
+  void anchor(double revs) noexcept { angle_ = revs; }
+  /// `revs`: the counter in this cycle, `dt` seconds after the last one.
+  void step(double revs, double dt) noexcept;
+
+  [[nodiscard]] double angle() const noexcept { return angle_; }  ///< revolutions
+  [[nodiscard]] double rps() const noexcept { return rps_; }
+  /// Mean distance of the counter from the angle: a quarter of a count where it counts.
+  [[nodiscard]] double noise() const noexcept { return noise_; }
+  [[nodiscard]] double rps_after(double t) const noexcept { return rps_ + acc_ * t; }
+
+ private:
+  double angle_{0}, rps_{0}, acc_{0}, noise_{0};
+  double counted_{0}, since_change_s_{0}, since_jump_s_{0},
+      between_s_{0};  ///< how seldom the counter changes
+  bool known_{false};
+};
+
+/// The speed that brings a place onto its reference: `ahead` of it now, which moves on with `ref_speed`. On a switching curve for `acc`, so
+/// that the two meet with equal speeds; near 0 in proportion.
+[[nodiscard]] double following_speed(double ahead, double ref_speed, double acc,
+                                     double dt) noexcept;
+/// What stands joins a reference that moves with `ref_speed` when it is this far behind.
+[[nodiscard]] double joining_distance(double ref_speed, double acc, double dt) noexcept;
+
+/// The reference of one thread: per_rev * (turns since the index), and how it is come into step with.
+class SyncTracker {
+ public:
+  /// From the index at `zero_revs` on, `turning` (1 or -1) is forwards.
+  void begin(double per_rev, double zero_revs, std::int32_t turning) noexcept;
+  /// The speed to have `dt` from now at place `s` (from where the thread begins), before limits; negative backwards. Until the first
+  /// motion the reference is put back by whole turns as long as it is too near to be joined.
+  [[nodiscard]] double speed(const SpindleObserver& spindle, double s, double acc,
+                             double dt) noexcept;
+  [[nodiscard]] double lag() const noexcept { return lag_; }  ///< behind the reference
+  [[nodiscard]] bool moving() const noexcept { return moving_; }
+  /// In step since it came into it; false while catching up or not yet begun.
+  [[nodiscard]] bool joined() const noexcept { return joined_; }
+  [[nodiscard]] double run_in() const noexcept { return run_in_; }
+  /// Not before so long after the index: the observer has to settle.
+  static constexpr double kSettle = 0.06;  // s
+
+ private:
+  void choose_turn(double& ahead, double ref_speed, double acc, double dt) noexcept;
+
+  double per_rev_{0}, zero_{0}, lag_{0}, run_in_{0}, age_s_{0};
+  std::int32_t turning_{1};
+  bool chosen_{false}, moving_{false}, joined_{false};
+};
+
+/// Everything about spindles that the path follows: one observer each, and the thread or tap in execution.
+class Synchroniser {
+ public:
+  explicit Synchroniser(Spindles& spindles) noexcept : spindles_(spindles) {}
+
+  /// Once a cycle, before the path.
+  void observe(const SpindleInputs* in, double dt) noexcept;
+  [[nodiscard]] const SpindleObserver& observer(std::int32_t n) const noexcept {
+    return observer_[n];
+  }
+  /// Measured speeds for G95, smoothed, in steps of a hundredth.
+  void feed_speeds(double* rps) const noexcept;
+
+  // --- the start of a thread or tap ---
+  enum class Ready { yes, waits, refused };
+  /// At rest before it: waits for the spindle to turn, to be at speed and to pass its index. `why` while it waits; a fault when it
+  /// cannot be.
+  struct Wish {
+    double per_rev{0}, acc{0}, speed{0}, to_end{0}, mm{1}, factor{1};
+    std::int32_t spindle{0};
+    bool ends{true};  ///< it has to stop at `to_end`
+  };
+  [[nodiscard]] Ready prepare(const Wish& wish, PathWait& why, const SourceTag& tag,
+                              FaultList& faults) noexcept;
+  /// A thread is being followed: what comes next keeps step with it.
+  [[nodiscard]] bool following(std::int32_t spindle) const noexcept {
+    return following_ && spindle_ == spindle;
+  }
+  /// Whatever it was has ended; the index is armed anew for the next.
+  void end() noexcept;
+
+  // --- threads ---
+  /// The speed in sigma/s that is wanted at the end of this cycle, `done` of the present stretch being driven. Says so, once, when the
+  /// path falls behind.
+  [[nodiscard]] double thread_speed(const SyncBounds& sync, double done, const SourceTag& tag,
+                                    FaultList& faults) noexcept;
+  /// A stretch of `length` sigma was driven to its end.
+  void passed(double length) noexcept { passed_ += following_ ? length : 0.0; }
+
+  // --- taps ---
+  enum class Tap { goes_on, done, stopped };
+  void begin_tap() noexcept;
+  /// One cycle. `stop`: the spindle has been told to stop; follow it to its standstill.
+  [[nodiscard]] Tap tap(const TapSpan& tap, bool stop, double dt, const SourceTag& tag,
+                        FaultList& faults) noexcept;
+  [[nodiscard]] double tap_place() const noexcept { return place_; }
+  [[nodiscard]] double tap_speed() const noexcept { return speed_; }
+
+  [[nodiscard]] bool moving() const noexcept { return tracker_.moving(); }
+  [[nodiscard]] double lag_mm() const noexcept { return following_ ? tracker_.lag() * mm_ : 0.0; }
+  [[nodiscard]] bool in_step() const noexcept { return following_ && tracker_.joined(); }
+  [[nodiscard]] double run_in_mm() const noexcept { return run_in_mm_; }
+
+ private:
+  enum class TapPhase { in, out, turn, home };
+  void watch_lag(double bound, const SourceTag& tag, FaultList& faults) noexcept;
+  void move_tap(const TapSpan& tap, double wanted, double dt) noexcept;
+  [[nodiscard]] Tap stop_tap(const TapSpan& tap, double dt) noexcept;
+
+  Spindles& spindles_;
+  SpindleObserver observer_[kMaxSpindles];
+  double slow_rps_[kMaxSpindles]{}, feed_rps_[kMaxSpindles]{};
+  const SpindleInputs* in_{nullptr};
+  double dt_{1e-3};
+
+  SyncTracker tracker_;
+  double per_rev_{0};
+  std::int32_t spindle_{-1};
+  bool armed_{false}, following_{false}, told_{false};
+  double armed_at_{0};
+  double passed_{0};  ///< sigma of this thread in the stretches before the present one
+  double mm_{1}, run_in_mm_{0};
+
+  TapPhase phase_{TapPhase::in};
+  double place_{0}, speed_{0}, stopping_s_{0}, stop_rps_{0};
+  std::int32_t turning_{1};
+};
+
+}  // namespace kerf::motion
