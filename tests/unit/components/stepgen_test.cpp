@@ -3,111 +3,52 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <random>
 #include <string>
 #include <vector>
 
 #include "hal/core/test_builder.hpp"
+#include "harness/step_machine.hpp"
 #include "unit/components/modules.hpp"
 
 namespace kerf::components {
 namespace {
 
-constexpr std::int64_t kBaseNs = 50'000;
-constexpr int kBasePerServo = 20;
-
-struct Timing {
-  std::int64_t length, space, setup, hold;
-};
-
-/// Watches step and dir call by call.
-class PulseWatch {
- public:
-  explicit PulseWatch(Timing t) : t_(t) {}
-  void look(bool step, bool dir) {
-    now_ns_ += kBaseNs;
-    if (dir != dir_) {
-      EXPECT_GE(now_ns_ - fell_ns_, t_.hold);
-      EXPECT_FALSE(step_ || step) << "dir changes during a pulse";
-      dir_ns_ = now_ns_;
-    }
-    if (step && !step_) {
-      EXPECT_GE(now_ns_ - fell_ns_, t_.space);
-      EXPECT_GE(now_ns_ - dir_ns_, t_.setup);
-      rose_ns_ = now_ns_;
-      count_ += dir ? -1 : 1;
-    }
-    if (!step && step_) {
-      EXPECT_GE(now_ns_ - rose_ns_, t_.length);
-      fell_ns_ = now_ns_;
-    }
-    step_ = step;
-    dir_ = dir;
-  }
-  [[nodiscard]] std::int64_t count() const { return count_; }
-
- private:
-  Timing t_;
-  std::int64_t now_ns_{0}, rose_ns_{-1'000'000'000}, fell_ns_{-1'000'000'000},
-      dir_ns_{-1'000'000'000};
-  std::int64_t count_{0};
-  bool step_{false}, dir_{false};
-};
-
-class StepMachine {
- public:
-  explicit StepMachine(const Timing& t) : watch_(t) {
-    hal_.set_arg("step_type", "0");
-    EXPECT_TRUE(hal_.create(module("stepgen"), "stepgen")) << hal_.error();
-    hal_.set("stepgen.0.steplen", t.length);
-    hal_.set("stepgen.0.stepspace", t.space);
-    hal_.set("stepgen.0.dirsetup", t.setup);
-    hal_.set("stepgen.0.dirhold", t.hold);
-    hal_.set("stepgen.0.enable", true);
-  }
-  hal::TestBuilder& hal() { return hal_; }
-  PulseWatch& watch() { return watch_; }
-  /// One servo period with this command.
-  void servo(double command) {
-    hal_.set("stepgen.0.position-cmd", command);
-    hal_.run("stepgen.capture-position", kBaseNs * kBasePerServo);
-    hal_.run("stepgen.update-freq", kBaseNs * kBasePerServo);
-    for (int i = 0; i < kBasePerServo; ++i) {
-      hal_.run("stepgen.make-pulses", kBaseNs);
-      watch_.look(hal_.get<bool>("stepgen.0.step"), hal_.get<bool>("stepgen.0.dir"));
-    }
-  }
-
- private:
-  hal::TestBuilder hal_;
-  PulseWatch watch_;
-};
-
 TEST(Stepgen, FollowsAMovingCommandWithinAStepAndKeepsItsTimes) {
-  const Timing t{60'000, 50'000, 200'000, 100'000};
-  StepMachine m(t);
-  auto& hal = m.hal();
-  hal.set("stepgen.0.position-scale", 100.0);
-  hal.set("stepgen.0.maxaccel", 2000.0);
-  // Fifty thousand servo periods are a million base periods.
-  double worst = 0.0;
-  double command = 0.0;
-  for (int i = 0; i < 50'000; ++i) {
-    const double s = i * 1e-3;
-    const double before = command;
-    command = 5.0 * std::sin(2.0 * s) + 2.0 * std::sin(0.37 * s);
-    m.servo(command);
-    ASSERT_FALSE(testing::Test::HasFailure()) << "servo period " << i;
-    // After the period the motor is where the command was at its start and its speed has brought it.
-    const double expected = (2.0 * command - before) * 100.0;
-    if (i > 50)
-      worst = std::max(worst, std::fabs(static_cast<double>(m.watch().count()) - expected));
-    ASSERT_EQ(hal.get<std::int32_t>("stepgen.0.rawcounts"), m.watch().count());
+  struct Case {
+    Timing times;
+    double size, scale, accel;
+  };
+  // Slow drives and fast ones, coarse scales and fine ones: a million base periods together.
+  for (const Case& c : {Case{{60'000, 50'000, 200'000, 100'000}, 5.0, 100.0, 2000.0},
+                        Case{{1, 1, 1, 1}, 20.0, 200.0, 2000.0},
+                        Case{{5'000, 5'000, 1'000'000, 1'000'000}, 1.0, 400.0, 500.0},
+                        Case{{100'000, 100'000, 50'000, 300'000}, 0.02, 5000.0, 50.0}}) {
+    StepMachine m(module("stepgen"), c.times);
+    ASSERT_TRUE(m.made());
+    m.hal().set("stepgen.0.position-scale", c.scale);
+    m.hal().set("stepgen.0.maxaccel", c.accel);
+    double phase_s = 0.0;
+    const double worst = m.follow_sines(c.size, c.scale, 12'500, phase_s);
+    EXPECT_EQ(m.watch().wrong(), "");
+    EXPECT_LT(worst, 1.0) << "scale " << c.scale;
+    EXPECT_EQ(m.hal().get<std::int32_t>("stepgen.0.rawcounts"), m.watch().count());
   }
-  EXPECT_LE(worst, 1.2) << "half a step of rounding, and what the times of a turn hold back";
+}
+
+TEST(Stepgen, KeepsItsTimesWhenTheCommandJumps) {
+  const Timing times{60'000, 50'000, 200'000, 100'000};
+  StepMachine m(module("stepgen"), times);
+  m.hal().set("stepgen.0.position-scale", 100.0);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(-0.5, 0.5);
+  for (int i = 0; i < 5000; ++i) m.servo(place(random));
+  EXPECT_EQ(m.watch().wrong(), "");
+  EXPECT_EQ(m.hal().get<std::int32_t>("stepgen.0.rawcounts"), m.watch().count());
 }
 
 TEST(Stepgen, ComesToRestOnTheCommandWithinItsLimits) {
-  StepMachine m({1, 1, 1, 1});
+  StepMachine m(module("stepgen"), {1, 1, 1, 1});
   auto& hal = m.hal();
   hal.set("stepgen.0.position-scale", 200.0);
   hal.set("stepgen.0.maxaccel", 500.0);
@@ -127,7 +68,7 @@ TEST(Stepgen, ComesToRestOnTheCommandWithinItsLimits) {
 }
 
 TEST(Stepgen, BoundsMaxvelByTheTimes) {
-  StepMachine m({100'000, 100'000, 1, 1});
+  StepMachine m(module("stepgen"), {100'000, 100'000, 1, 1});
   auto& hal = m.hal();
   hal.set("stepgen.0.maxvel", 1e6);
   m.servo(0.0);
@@ -139,7 +80,7 @@ TEST(Stepgen, BoundsMaxvelByTheTimes) {
 }
 
 TEST(Stepgen, MakesNoStepsWhileDisabled) {
-  StepMachine m({1, 1, 1, 1});
+  StepMachine m(module("stepgen"), {1, 1, 1, 1});
   m.hal().set("stepgen.0.enable", false);
   for (int i = 0; i < 100; ++i) m.servo(100.0);
   EXPECT_EQ(m.watch().count(), 0);
