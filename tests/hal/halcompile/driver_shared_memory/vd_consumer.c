@@ -1,0 +1,3 @@
+/* The other end. */
+#define NAME "vd_consumer"
+#include "vd_producer.c"
