@@ -130,7 +130,7 @@ class Builder {
                                std::string_view doc) noexcept = 0;
   /// Zero-filled, locked memory that lives as long as the component. nullptr after an error.
   virtual void* allocate(std::size_t bytes, std::size_t align) noexcept = 0;
-  /// A new block of the instance's segment, zero-filled, or nullptr after an error.
+  /// A new block of the instance's segment, zero-filled, or nullptr after an error. Others find it once the component is ready.
   virtual std::byte* shared_block(std::string_view name, std::size_t bytes,
                                   std::uint64_t abi) noexcept = 0;
   /// Objects that one component offers to those loaded later (kinematics).

@@ -102,6 +102,7 @@ struct MemoryRecord : Record {
   Offset memory{0};
   std::uint64_t bytes{0};
   std::uint64_t abi{0};
+  std::uint64_t hidden{0};  ///< 1: its component is still at work on it, so nobody finds it
 };
 
 struct ComponentRecord : Record {

@@ -117,8 +117,10 @@ class Registry {
   rtapi::Result<std::byte*> allocate_memory(std::size_t bytes, Region region);
   void free_memory(std::byte* memory);
   /// Memory that any process finds by its name (View::find_memory), in `shared`. exists: the name is taken.
+  /// `hidden`: nobody finds it before show_memory(), so that no other process writes what its maker is about to construct.
   rtapi::Result<MemoryRecord*> add_memory(std::string_view name, std::size_t bytes,
-                                          std::uint64_t abi);
+                                          std::uint64_t abi, bool hidden = false);
+  void show_memory(MemoryRecord& memory);
   void remove_memory(MemoryRecord& memory);
   /// A process that may keep addresses of what is removed later; give the number back when it is gone.
   std::uint64_t add_holder(Holds what = Holds::own);

@@ -135,7 +135,7 @@ void Registry::free_memory(std::byte* memory) {
 }
 
 Result<MemoryRecord*> Registry::add_memory(std::string_view name, std::size_t bytes,
-                                           std::uint64_t abi) {
+                                           std::uint64_t abi, bool hidden) {
   KERF_TRY(MemoryRecord * record, make<MemoryRecord>(Kind::memory, name));
   auto memory = allocate(bytes, Region::shared, Kind::none);
   if (!memory.ok()) {
@@ -145,9 +145,15 @@ Result<MemoryRecord*> Registry::add_memory(std::string_view name, std::size_t by
   record->memory = *memory;
   record->bytes = bytes;
   record->abi = abi;
+  record->hidden = hidden ? 1 : 0;
   const Change change(root_);
   insert(*record);
   return record;
+}
+
+void Registry::show_memory(MemoryRecord& memory) {
+  const Change change(root_);
+  memory.hidden = 0;
 }
 
 void Registry::remove_memory(MemoryRecord& memory) {

@@ -334,7 +334,8 @@ std::optional<ThreadInfo> View::find_thread(std::string_view name) const {
 std::optional<MemoryInfo> View::find_memory(std::string_view name) const {
   return consistent([&](const Root& root) -> std::optional<MemoryInfo> {
     const auto* r = lookup<MemoryRecord>(root, Kind::memory, name);
-    if (r == nullptr || !segment_.in_use(r->memory, r->bytes)) return std::nullopt;
+    if (r == nullptr || r->hidden != 0 || !segment_.in_use(r->memory, r->bytes))
+      return std::nullopt;
     return info(*r);
   });
 }

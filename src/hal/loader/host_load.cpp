@@ -207,6 +207,7 @@ Reply Host::load(Words argv) {
     loaded_.pop_back();
     return {static_cast<int>(Errc::bad_argument), name + ": " + builder.error()};
   }
+  for (auto* block : l.blocks) registry_->show_memory(*block);
   registry_->set_ready(*l.record);
   give_later_aliases();
   return {};

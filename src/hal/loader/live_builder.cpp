@@ -99,7 +99,8 @@ void* LiveBuilder::allocate(std::size_t bytes, std::size_t align) noexcept {
 std::byte* LiveBuilder::shared_block(std::string_view name, std::size_t bytes,
                                      std::uint64_t abi) noexcept {
   if (failed()) return nullptr;
-  auto block = host_.registry().add_memory(name, bytes, abi);
+  // Shown when the component is ready: who looks for it before then must not find half of it.
+  auto block = host_.registry().add_memory(name, bytes, abi, true);
   if (!block.ok()) {
     fail(block.error().message());
     return nullptr;

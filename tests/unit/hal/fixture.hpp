@@ -22,9 +22,14 @@ inline std::span<const StaticModule> test_modules() {
   static const Module consumer = module_of<Consumer>();
   static const Module faulty = module_of<Faulty>();
   static const Module adder_thread = module_of<AdderThread>();
-  static const StaticModule table[] = {{"adder", &adder},       {"test_threads", &threads},
-                                       {"provider", &provider}, {"consumer", &consumer},
-                                       {"faulty", &faulty},     {"adder_thread", &adder_thread}};
+  static const Module block_maker = module_of<BlockMaker>();
+  static const StaticModule table[] = {{"adder", &adder},
+                                       {"test_threads", &threads},
+                                       {"provider", &provider},
+                                       {"consumer", &consumer},
+                                       {"faulty", &faulty},
+                                       {"adder_thread", &adder_thread},
+                                       {"block_maker", &block_maker}};
   return table;
 }
 

@@ -76,6 +76,18 @@ TEST_F(HostTest, BadLoadsSayWhatIsWrongAndLeaveNothing) {
   EXPECT_EQ(refused({"loadrt", "adder"}), "adder: already exists");
 }
 
+// Task looks for motion's block while the HAL files are read: found half made, what it wrote there was constructed over.
+TEST_F(HostTest, ABlockIsFoundOnceItsComponentIsReady) {
+  bool early = true;
+  BlockMaker::while_made = [&] { early = view_->find_memory("half-made").has_value(); };
+  ok({"loadrt", "block_maker"});
+  BlockMaker::while_made = nullptr;
+  EXPECT_FALSE(early);
+  EXPECT_TRUE(view_->find_memory("half-made").has_value());
+  ok({"unloadrt", "block_maker"});
+  EXPECT_FALSE(view_->find_memory("half-made").has_value());
+}
+
 TEST_F(HostTest, ServicesKeepTheirProviderLoaded) {
   EXPECT_EQ(refused({"loadrt", "consumer"}), "consumer: no number: load provider first");
   ok({"loadrt", "provider"});

@@ -1,6 +1,8 @@
 // Components for the tests of the loader. Each records what it does in pins only.
 #pragma once
 
+#include <functional>
+
 #include "hal/component.hpp"
 
 namespace kerf::hal::test {
@@ -84,6 +86,17 @@ class Faulty final : public Component<Faulty> {
   }
   void update(const Period&) noexcept {}
   Function update_{function<&Faulty::update>("", "Nothing")};
+};
+
+/// Makes a block, and calls `while_made` before it is done with it, as another process might come by just then.
+class BlockMaker final : public Component<BlockMaker> {
+ public:
+  static constexpr Info kInfo{.name = "block-maker", .summary = "Has a block", .singleton = true};
+  static inline std::function<void()> while_made;
+  explicit BlockMaker(Builder& b) noexcept : Component(b) {
+    (void)b.shared_block("half-made", 64, 1);
+    if (while_made) while_made();
+  }
 };
 
 template <class C>
