@@ -31,6 +31,7 @@ inline constexpr Fault kFaults[] = {Fault::internal,
                                     Fault::jog_beyond_limit,
                                     Fault::no_inverse,
                                     Fault::bad_item,
+                                    Fault::kinematics_refused,
                                     Fault::limit_velocity,
                                     Fault::limit_acceleration,
                                     Fault::limit_jerk,
@@ -69,6 +70,7 @@ inline const char* fault_name(Fault fault) {
     case Fault::jog_beyond_limit: return "jog-beyond-limit";
     case Fault::no_inverse: return "no-inverse";
     case Fault::bad_item: return "bad-item";
+    case Fault::kinematics_refused: return "kinematics-refused";
     case Fault::limit_velocity: return "limit-velocity";
     case Fault::limit_acceleration: return "limit-acceleration";
     case Fault::limit_jerk: return "limit-jerk";
@@ -225,6 +227,15 @@ inline std::string fault_text(const FaultRecord& r, const MachineConfig& config)
              number(r.value) +
              "): a number that is none, an arc without radius, no feed, or an output or spindle "
              "that does not exist";
+    case Fault::kinematics_refused:
+      if (r.limit == 3)
+        return "The kinematics have no position for where the joints stand, so the machine stays "
+               "in "
+               "joint mode. Jog the joints into the working space";
+      return "Kinematics not switched to kind " + std::to_string(static_cast<int>(r.value)) +
+             (r.limit == 1 ? ": there is no such kind. Set motion.switchkins-type to one that is"
+                           : ": it has no position for where the joints stand. Move into its "
+                             "working space, then set motion.switchkins-type again");
     case Fault::limit_velocity: return oracle_text(r, config, "velocity");
     case Fault::limit_acceleration: return oracle_text(r, config, "acceleration");
     case Fault::limit_jerk: return oracle_text(r, config, "jerk");

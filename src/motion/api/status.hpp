@@ -30,9 +30,10 @@ enum class Fault : std::int32_t {
   home_busy = 23,
   jog_while_not_ready = 24,
   jog_beyond_limit = 25,
-  no_inverse = 26,      ///< kinematics: no joint position for an axis position
-  bad_item = 27,        ///< a path item that cannot be (NaN, radius 0, index out of range)
-  limit_velocity = 30,  ///< the oracle: commanded motion broke a limit (value, limit)
+  no_inverse = 26,          ///< kinematics: no joint position for an axis position
+  bad_item = 27,            ///< a path item that cannot be (NaN, radius 0, index out of range)
+  kinematics_refused = 28,  ///< value: the kind; limit: 1 none such, 2 no position, 3 for a mode
+  limit_velocity = 30,      ///< the oracle: commanded motion broke a limit (value, limit)
   limit_acceleration = 31,
   limit_jerk = 32,
   limit_continuity = 33,
@@ -111,7 +112,8 @@ struct MotionStatus {
   bool probe_input{false};   ///< motion.probe-input
   bool reverse{false};       ///< a negative adaptive feed runs the path backwards
   bool sync_in_step{false};  ///< G33, G33.1, G76: the path is where the spindle wants it
-  bool reserved[1]{};
+  /// motion.switchkins-type asks for other kinematics than those in force, and they come as soon as the machine stands.
+  bool kinematics_pending{false};
   Pose pos_cmd, pos_fb;  ///< machine coordinates, mm and degrees
   Pose tool_offset;
   Pose probed;  ///< where the probe tripped
@@ -132,8 +134,8 @@ struct MotionStatus {
   std::int32_t misc_error_count{0};
   std::int32_t kinematics_type{1};  ///< KinematicsType
   std::int32_t joints{0}, spindles{1};
-  std::int32_t extra_joints{0};  ///< of `joints`, the last ones: no kinematics move them
-  std::int32_t reserved2{0};
+  std::int32_t extra_joints{0};     ///< of `joints`, the last ones: no kinematics move them
+  std::int32_t kinematics_kind{0};  ///< which of switchable kinematics is in force
   OverrideEnable enables;           ///< which overrides count now
   double axis_vel[rtapi::kAxes]{};  ///< of axis jogs; mm/s, degrees/s
   JointStatus joint[kMaxJoints];

@@ -78,6 +78,8 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
                       std::int64_t now_ns) noexcept {
   faults_.clear();
   spindles_.begin_cycle();
+  if (refused_.why != 0) raise(faults_, Fault::kinematics_refused, -1, refused_.kind, refused_.why);
+  refused_ = {};
   while (const FaultRecord* record = planner_faults_.front()) {
     if (!faults_.push_back(*record)) break;
     planner_faults_.pop();
@@ -221,13 +223,37 @@ bool Controller::joint_fault(std::size_t j, const Orders& orders) noexcept {
   return joint.error = true;
 }
 
-void Controller::settle() noexcept {
+bool Controller::has_position() const noexcept {
+  JointVector q{};
+  for (std::size_t j = 0; j < joints_; ++j) q[j] = joint_[j].pos_cmd;
+  Pose pose = pose_;
+  return kinematics_.forward(q, pose) && kinematics_.inverse(pose, q);
+}
+
+bool Controller::switch_kinematics(Kinematics& kinematics, std::int32_t kind) noexcept {
+  constexpr std::int32_t kNoSuchKind = 1, kNoPosition = 2;
+  const std::int32_t before = kinematics.kind();
+  if (!kinematics.switch_to(kind)) {
+    refused_ = {kind, kNoSuchKind};
+    return false;
+  }
+  // In joint mode the joints need no position; who leaves it is asked again.
+  if (mode_ != MotionMode::free && !has_position()) {
+    (void)kinematics.switch_to(before);
+    refused_ = {kind, kNoPosition};
+    return false;
+  }
+  (void)settle();
+  return true;
+}
+
+bool Controller::settle() noexcept {
   JointVector q{};
   for (std::size_t j = 0; j < joints_; ++j) {
     joint_[j].mover.place(joint_[j].pos_cmd);
     q[j] = joint_[j].pos_cmd;
   }
-  (void)kinematics_.forward(q, pose_);
+  const bool placed = kinematics_.forward(q, pose_);
   // What the pose cannot say: a joint of a gantry that stands beside its partner stays beside it.
   JointVector back = q;
   const bool known = kinematics_.inverse(pose_, back);
@@ -237,6 +263,7 @@ void Controller::settle() noexcept {
   }
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) axis_[i].place(pose_[i]);
   executor_.place(pose_);
+  return placed && known;
 }
 
 void Controller::enable() noexcept {
@@ -249,7 +276,7 @@ void Controller::enable() noexcept {
     joint.error = joint.ferrored = joint.faulted = false;
     joint.ferror = joint.ferror_high = 0;
   }
-  settle();
+  if (!settle()) mode_ = MotionMode::free;
   guard_.reset(joints_, joint_);
 }
 

@@ -28,6 +28,11 @@ class Controller {
   void adopt(const MachineConfig& config) noexcept;
   [[nodiscard]] bool at_rest() const noexcept;
   [[nodiscard]] bool may_configure() const noexcept { return at_rest() && executor_.idle(); }
+  /// Other kinematics may be put in force: nothing is planned, nothing moves.
+  [[nodiscard]] bool may_switch() const noexcept { return may_configure() && !homing_.active(); }
+  /// Puts another kind of the kinematics in force while may_switch() and the planner stands still. The joints stay where they
+  /// are; the position becomes what they mean now. False: refused, which the next step() says, and all is as before.
+  bool switch_kinematics(Kinematics& kinematics, std::int32_t kind) noexcept;
 
   void step(const Inputs& in, const Orders& orders, double dt, std::int64_t now_ns) noexcept;
 
@@ -66,7 +71,9 @@ class Controller {
   [[nodiscard]] bool joint_fault(std::size_t j, const Orders& orders) noexcept;
   void stop_everything(const Orders& orders) noexcept;
   void finish_abort(const Orders& orders) noexcept;
-  void settle() noexcept;
+  /// Movers and path where the joints stand. False: the kinematics have no position there.
+  bool settle() noexcept;
+  [[nodiscard]] bool has_position() const noexcept;
   void take_requests(const Orders& orders) noexcept;
   void take_wishes(const Intent& want) noexcept;
 
@@ -143,6 +150,10 @@ class Controller {
         brake[kMaxSpindles]{};
   } seen_;
 
+  /// Of kinematics that were refused between two cycles.
+  struct Refused {
+    std::int32_t kind{0}, why{0};
+  } refused_;
   FaultList faults_;
   std::uint64_t fault_number_{0};
   MotionStatus status_;

@@ -50,13 +50,18 @@ void Controller::switch_mode(const Orders& orders) noexcept {
     refused_mode_ = want;
     return;
   }
+  if (want != MotionMode::free && !has_position()) {
+    if (refused_mode_ != want) raise(faults_, Fault::kinematics_refused, -1, kinematics_.kind(), 3);
+    refused_mode_ = want;
+    return;
+  }
   enter(want);
 }
 
 void Controller::enter(MotionMode mode) noexcept {
   mode_ = mode;
   refused_mode_ = MotionMode::free;
-  settle();
+  (void)settle();
 }
 
 void Controller::take_unhome(std::int32_t which) noexcept {

@@ -66,6 +66,7 @@ void Controller::fill_status(const Inputs& in, const Orders& orders, double dt,
   s.digital_out = outputs_.digital;
   s.probe_input = in.probe;
   s.kinematics_type = static_cast<std::int32_t>(kinematics_.type());
+  s.kinematics_kind = kinematics_.kind();
   s.enables = executor_.enables();
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) s.axis_vel[i] = axis_[i].speed();
   s.faults = fault_number_;

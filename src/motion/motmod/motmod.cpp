@@ -1,6 +1,7 @@
 #include "motion/motmod/motmod.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <new>
 
 #include "motion/api/joint_log.hpp"
@@ -143,6 +144,9 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
     return;
   }
   kinematics_ = kinematics;
+  if (kinematics->kinds() > 1)
+    switchkins_type_.declare(b, "motion.switchkins-type",
+                             "The kind of kinematics, from 0; in force when the machine stands");
   axis_mask_ = kinematics->axis_mask();
   std::byte* block = b.shared_block(kMotionBlock, sizeof(MotionShared), kMotionAbi);
   link_ = make_part<PlannerLink>(b);
@@ -168,7 +172,10 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
 /// New limits come into force when nothing moves and nothing is planned; what bears on no move does at once.
 void Motmod::take_config() noexcept {
   const std::uint64_t version = shared_->config.version();
-  const bool wish = version != config_version_ && controller_->may_configure();
+  std::int32_t kind = 0;
+  const bool other_kind = config_version_ != 0 && wants_switch(kind);
+  const bool wish = (version != config_version_ && controller_->may_configure()) ||
+                    (other_kind && controller_->may_switch());
   if (!wish)
     config_wish_ = 0;
   else if (config_wish_ == 0)
@@ -185,15 +192,31 @@ void Motmod::take_config() noexcept {
     controller_->adopt(config);
     return;
   }
+  if (other_kind && controller_->may_switch())
+    refused_kind_ = controller_->switch_kinematics(*kinematics_, kind) ? kNoKind : kind;
   controller_->configure(config);
   link_->config.write(config);
   config_version_ = version;
+  ++limits_version_;
   config_wish_ = 0;
   scale_ = config.linear_units_per_mm > 0 ? config.linear_units_per_mm : 1.0;
   kinematics_->use_unit(1.0 / scale_);
   for (std::size_t j = 0; j < kMaxJoints; ++j)
     joint_scale_[j] = config.joint[j].rotary ? 1.0 : scale_;
   if (config.axis_mask != 0) axis_mask_ = config.axis_mask;
+}
+
+std::int32_t Motmod::wanted_kind() const noexcept {
+  const double value = switchkins_type_.get();
+  // What is no number asks for nothing; all else is cut to a whole one (manual, "HAL Pins").
+  if (!(std::abs(value) < 1e6)) return kinematics_->kind();
+  return static_cast<std::int32_t>(value);
+}
+
+bool Motmod::wants_switch(std::int32_t& kind) const noexcept {
+  if (kinematics_->kinds() < 2) return false;
+  kind = wanted_kind();
+  return kind != kinematics_->kind() && kind != refused_kind_;
 }
 
 void Motmod::command_handler(const hal::Period&) noexcept {
@@ -218,6 +241,11 @@ void Motmod::motion_controller(const hal::Period& period) noexcept {
   for (std::size_t n = 0; n < spindle_.size(); ++n) write_spindle(n);
   write_motion(period);
   io_.write(controller_->outputs());
+  // Behind the outputs: M68 may have asked for it in this cycle, and who waits for the program's end must see both at once.
+  if (std::int32_t kind = 0; kinematics_->kinds() > 1) {
+    status.kinematics_pending = wants_switch(kind);
+    if (wanted_kind() != refused_kind_) refused_kind_ = kNoKind;
+  }
   for (std::size_t i = 0; i < io_.analog_count(); ++i)
     status.analog_out[i] = controller_->outputs().analog[i];
   publish();
@@ -231,10 +259,12 @@ void Motmod::publish() noexcept {
   }
   shared_->status.write(controller_->status());
   ServoView view = controller_->view();
-  view.config_version = config_version_;
+  view.config_version = limits_version_;
   view.config_wish = config_wish_;
   tell_planner(*link_, view, last_view_);
-  if (controller_->changed()) shared_->status_cell.notify();
+  const bool pending = controller_->status().kinematics_pending;
+  if (controller_->changed() || pending != pending_before_) shared_->status_cell.notify();
+  pending_before_ = pending;
 }
 
 }  // namespace kerf::motion

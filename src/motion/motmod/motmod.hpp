@@ -1,6 +1,8 @@
 // motmod: the motion controller's HAL shell. It copies pins to plain values, lets Controller run one cycle, and copies back.
 #pragma once
 
+#include <limits>
+
 #include "hal/component.hpp"
 #include "motion/core/controller.hpp"
 #include "motion/motmod/args.hpp"
@@ -61,6 +63,9 @@ class Motmod final : public hal::Component<Motmod> {
   void write_move(const MotionStatus& s) noexcept;
   void publish() noexcept;
   void take_config() noexcept;
+  /// What motion.switchkins-type asks for; true when that is not the kind in force.
+  [[nodiscard]] std::int32_t wanted_kind() const noexcept;
+  [[nodiscard]] bool wants_switch(std::int32_t& kind) const noexcept;
   /// Machine units in 1 mm, for a joint or an axis; 1 for rotary ones.
   [[nodiscard]] double joint_scale(std::size_t j) const noexcept { return joint_scale_[j]; }
 
@@ -85,6 +90,11 @@ class Motmod final : public hal::Component<Motmod> {
   std::uint64_t intent_version_{0}, config_version_{0};
   std::uint64_t adopted_version_{0};  ///< of which the harmless values are in force
   std::uint64_t config_wish_{0}, last_wish_{0};
+  std::uint64_t limits_version_{0};  ///< of limits and kinematics together, for the planner
+  In<double> switchkins_type_;
+  static constexpr std::int32_t kNoKind = std::numeric_limits<std::int32_t>::min();
+  std::int32_t refused_kind_{kNoKind};  ///< not asked for again until the pin changes
+  bool pending_before_{false};
   double scale_{1};  ///< machine units in 1 mm
   double joint_scale_[kMaxJoints];
   bool coord_error_{false};

@@ -120,7 +120,9 @@ class InterpreterParticipant final : public rtapi::Participant {
   /// Tells the interpreter what the machine has done since the last time.
   void tell_interpreter();
   [[nodiscard]] bool executed() const {
-    return pending_seq_ == 0 || status_.executed_seq >= pending_seq_;
+    // Kinematics about to be switched change where the machine stands.
+    return (pending_seq_ == 0 || status_.executed_seq >= pending_seq_) &&
+           !status_.kinematics_pending;
   }
   [[nodiscard]] bool motion_ready() const;
   bool push(const PathBody& body, const motion::SourceTag& tag);

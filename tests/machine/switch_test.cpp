@@ -1,0 +1,228 @@
+// Switchable kinematics on a whole machine: a mill with a table that tilts (A) and turns (C). Switching moves no joint, programs go
+// on from where the tool is now, and what cannot be switched is refused with a message.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <random>
+#include <string>
+
+#include "harness/machine.hpp"
+
+namespace kerf::harness {
+namespace {
+
+std::string rotary_joint(int number) {
+  const std::string n = std::to_string(number);
+  return "[JOINT_" + n +
+         "]\nTYPE = ANGULAR\nMIN_LIMIT = -400\nMAX_LIMIT = 400\nMAX_VELOCITY = 360\n"
+         "MAX_ACCELERATION = 3600\nFERROR = 5\nMIN_FERROR = 5\nHOME_SEQUENCE = 0\n";
+}
+std::string linear_joint(int number) {
+  const std::string n = std::to_string(number);
+  return "[JOINT_" + n +
+         "]\nTYPE = LINEAR\nMIN_LIMIT = -2000\nMAX_LIMIT = 2000\nMAX_VELOCITY = 500\n"
+         "MAX_ACCELERATION = 5000\nFERROR = 5\nMIN_FERROR = 5\nHOME_SEQUENCE = 0\n";
+}
+std::string axis(char letter, int limit) {
+  return std::string("[AXIS_") + letter + "]\nMIN_LIMIT = -" + std::to_string(limit) +
+         "\nMAX_LIMIT = " + std::to_string(limit) +
+         "\nMAX_VELOCITY = 360\nMAX_ACCELERATION = 3600\n";
+}
+
+/// A machine of its own INI text, with motors that are where they should be.
+std::unique_ptr<Machine> machine(const std::string& kinematics, const std::string& letters,
+                                 const std::vector<std::string>& hal = {}) {
+  MachineOptions options;
+  const auto joints = letters.size();
+  std::string spaced;
+  for (const char c : letters) spaced += std::string(1, c) + " ";
+  options.replace = {{"KINEMATICS = trivkins coordinates=XYZ", "KINEMATICS = " + kinematics},
+                     {"JOINTS = 3", "JOINTS = " + std::to_string(joints)},
+                     {"COORDINATES = X Y Z", "COORDINATES = " + spaced},
+                     {"HALFILE = mill.hal", "HALFILE = loops.hal"},
+                     {"MAX_LINEAR_VELOCITY = 120", "MAX_LINEAR_VELOCITY = 500\n[OLD]"}};
+  // The joints and axes of the mill give way to those here.
+  for (const char* name :
+       {"[AXIS_X]", "[JOINT_0]", "[AXIS_Y]", "[JOINT_1]", "[AXIS_Z]", "[JOINT_2]"})
+    options.replace.emplace_back(name, std::string("[OLD_") + (name + 1));
+  for (std::size_t j = 0; j < joints; ++j) {
+    const bool rotary = letters[j] >= 'A' && letters[j] <= 'C';
+    options.append += axis(letters[j], rotary ? 400 : 2000);
+    options.append +=
+        rotary ? rotary_joint(static_cast<int>(j)) : linear_joint(static_cast<int>(j));
+  }
+  const std::string file = testing::TempDir() + "kerf-switch-" + std::to_string(getpid()) + ".hal";
+  std::ofstream(file) << "loadrt " << kinematics
+                      << "\nloadrt motmod servo_period_nsec=1000000 num_spindles=1 num_joints="
+                      << joints
+                      << "\naddf motion-command-handler servo-thread\n"
+                         "addf motion-controller servo-thread\n";
+  options.replace.emplace_back("HALFILE = loops.hal", "HALFILE = " + file);
+  for (std::size_t j = 0; j < joints; ++j) {
+    const std::string n = std::to_string(j);
+    options.hal.push_back("net loop-" + n + " joint." + n + ".motor-pos-cmd => joint." + n +
+                          ".motor-pos-fb");
+  }
+  options.hal.emplace_back("net kind motion.analog-out-03 => motion.switchkins-type");
+  options.hal.insert(options.hal.end(), hal.begin(), hal.end());
+  auto started = Machine::start(options);
+  (void)std::remove(file.c_str());
+  return started;
+}
+
+std::unique_ptr<Machine> table_mill() {
+  auto m = machine("xyzac-trt-kins", "XYZAC",
+                   {"setp xyzac-trt-kins.y-offset 20", "setp xyzac-trt-kins.z-offset -10"});
+  EXPECT_TRUE(m->ready()) << m->errors();
+  EXPECT_TRUE(m->power_on_and_home()) << m->errors();
+  return m;
+}
+
+TEST(Switching, AThousandTimesAndNoJointMoves) {
+  auto m = table_mill();
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> length(-300, 300), angle(-120, 120);
+  std::int32_t kind = 0;
+  double before[5]{}, worst = 0;
+  int switches = 0;
+  m->on_cycle([&](const motion::MotionStatus& s) {
+    if (s.kinematics_kind != kind) {
+      ++switches;
+      for (int j = 0; j < 5; ++j)
+        worst = std::max(worst, std::fabs(s.joint[j].pos_cmd - before[j]));
+    }
+    kind = s.kinematics_kind;
+    for (int j = 0; j < 5; ++j) before[j] = s.joint[j].pos_cmd;
+  });
+  for (int n = 0; n < 1000; ++n) {
+    char line[120];
+    std::snprintf(line, sizeof line, "G53 G0 X%.3f Y%.3f Z%.3f A%.3f C%.3f", length(random),
+                  length(random), length(random), angle(random), angle(random));
+    ASSERT_TRUE(m->mdi(line)) << line << m->errors();
+    const int next = n % 2 == 0 ? 1 : n % 4 == 1 ? 2 : 0;
+    ASSERT_TRUE(m->mdi("M68 E3 Q" + std::to_string(next))) << m->errors();
+    ASSERT_TRUE(m->mdi("M66 E0 L0")) << m->errors();
+    ASSERT_EQ(m->motion().kinematics_kind, next);
+    ASSERT_TRUE(m->bit("kinstype.is-" + std::to_string(next)));
+  }
+  EXPECT_EQ(switches, 1000);
+  EXPECT_LT(worst, 1e-12) << "mm or degrees: a joint moved";
+  std::printf("%d switches, largest motion of a joint %.1e\n", switches, worst);
+}
+
+TEST(Switching, AProgramGoesOnFromWhereTheToolIsNow) {
+  auto m = table_mill();
+  double jump = 0, before[5]{};
+  bool first = true;
+  m->on_cycle([&](const motion::MotionStatus& s) {
+    for (int j = 0; j < 5; ++j) {
+      if (!first) jump = std::max(jump, std::fabs(s.joint[j].pos_cmd - before[j]));
+      before[j] = s.joint[j].pos_cmd;
+    }
+    first = false;
+  });
+  const auto reply = m->run_text(
+      "G21 G90 G64\nF6000\nG1 X10 Y20 Z30 A40 C50\n"
+      "M68 E3 Q1\nM66 E0 L0\n"
+      "#1 = #<_x> #2 = #<_y> #3 = #<_z>\n"
+      "G1 X[#1 + 5]\n"
+      "M68 E3 Q0\nM66 E0 L0\n"
+      "#4 = #<_x>\nG91 G1 Y1 X1\nG90 M2\n");
+  ASSERT_EQ(reply.state, task::CommandState::done) << reply.text << m->errors();
+  // 500 mm/s and 360 degrees/s at most, a millisecond each.
+  EXPECT_LT(jump, 0.51);
+  EXPECT_EQ(m->motion().kinematics_kind, 0);
+}
+
+TEST(Switching, InIdentityEachAxisMovesItsJointAlone) {
+  auto m = table_mill();
+  ASSERT_TRUE(m->mdi("G0 X10 Y20 Z30 A40 C50"));
+  ASSERT_TRUE(m->mdi("M68 E3 Q1"));
+  double before[5];
+  for (std::size_t j = 0; j < 5; ++j) before[j] = m->joint(j);
+  ASSERT_TRUE(m->mdi("G91 G0 Y7"));
+  for (std::size_t j = 0; j < 5; ++j)
+    EXPECT_NEAR(m->joint(j), before[j] + (j == 1 ? 7 : 0), 1e-9) << j;
+  ASSERT_TRUE(m->mdi("M68 E3 Q0"));
+  const double x = m->motion().pos_cmd.x, z = m->motion().pos_cmd.z;
+  ASSERT_TRUE(m->mdi("G91 G0 A10"));
+  EXPECT_NEAR(m->motion().pos_cmd.x, x, 1e-9);
+  EXPECT_NEAR(m->motion().pos_cmd.z, z, 1e-9);
+  EXPECT_GT(std::fabs(m->joint(2) - before[2]), 0.1) << "the tool follows the table";
+}
+
+TEST(Switching, WaitsUntilTheMachineStands) {
+  auto m = table_mill();
+  ASSERT_TRUE(m->hal("unlinkp motion.switchkins-type"));
+  const auto run = m->start_program(m->write_program("G21 G90\nF600\nG1 X100\nG1 Y10\nM2\n"));
+  ASSERT_TRUE(m->run_until([&] { return m->motion().pos_cmd.x > 20; }));
+  ASSERT_TRUE(m->hal("setp motion.switchkins-type 1"));
+  m->run_for(0.5);
+  EXPECT_EQ(m->motion().kinematics_kind, 0) << "under way nothing is switched";
+  EXPECT_TRUE(m->motion().kinematics_pending);
+  ASSERT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }));
+  EXPECT_EQ(m->outcome(run).state, task::CommandState::done);
+  ASSERT_TRUE(m->run_until([&] { return m->motion().kinematics_kind == 1; }, 1));
+  EXPECT_NEAR(m->joint(0), 100, 1e-9);
+}
+
+TEST(Switching, WhatIsNotThereIsRefusedOnce) {
+  auto m = table_mill();
+  EXPECT_FALSE(m->mdi("M68 E3 Q7"));
+  ASSERT_TRUE(m->mdi("M66 E0 L0")) << "nobody waits for it for ever";
+  EXPECT_EQ(m->motion().kinematics_kind, 0);
+  const std::string errors = m->errors();
+  EXPECT_NE(errors.find("Kinematics not switched to kind 7"), std::string::npos) << errors;
+  m->run_for(1);
+  EXPECT_EQ(m->errors(), errors) << "said once";
+  EXPECT_FALSE(m->mdi("M68 E3 Q-1"));
+  ASSERT_TRUE(m->mdi("M66 E0 L0"));
+  EXPECT_NE(m->errors().find("Kinematics not switched to kind -1"), std::string::npos);
+  ASSERT_TRUE(m->mdi("M68 E3 Q1.9")) << "cut to a whole number";
+  ASSERT_TRUE(m->mdi("M66 E0 L0"));
+  EXPECT_EQ(m->motion().kinematics_kind, 1);
+}
+
+TEST(Switching, WhereTheOthersHaveNoPositionIsRefused) {
+  auto m = machine("scarakins sparm=identityfirst", "XYZABC");
+  ASSERT_TRUE(m->ready()) << m->errors();
+  ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+  ASSERT_TRUE(m->mdi("G0 X20 Y30")) << m->errors();
+  ASSERT_TRUE(m->mdi("M68 E3 Q1"));
+  ASSERT_TRUE(m->mdi("M66 E0 L0"));
+  EXPECT_EQ(m->motion().kinematics_kind, 1);
+  // A scara's arms cannot be here; the move is refused before it begins.
+  const double joint = m->joint(0);
+  EXPECT_FALSE(m->mdi("G0 X900 Y0"));
+  EXPECT_NE(m->errors().find("no joint positions"), std::string::npos) << m->errors();
+  EXPECT_EQ(m->joint(0), joint);
+}
+
+TEST(Switching, AHexapodThatCannotBeWhereItsJointsStandStaysInJointMode) {
+  auto m = machine("genhexkins", "XYZABC");
+  ASSERT_TRUE(m->ready()) << m->errors();
+  // All struts at length 0.
+  ASSERT_TRUE(m->power_on()) << m->errors();
+  ASSERT_TRUE(m->does({"home", "-1"})) << m->errors();
+  double moved = 0;
+  m->on_cycle([&](const motion::MotionStatus& s) {
+    for (int j = 0; j < 6; ++j) moved = std::max(moved, std::fabs(s.joint[j].pos_cmd));
+  });
+  EXPECT_FALSE(m->mdi("G0 X1"));
+  m->run_for(1);
+  EXPECT_EQ(moved, 0.0);
+  EXPECT_NE(m->errors().find("stays in joint mode"), std::string::npos) << m->errors();
+  // Identity has a position everywhere.
+  ASSERT_TRUE(m->hal("unlinkp motion.switchkins-type"));
+  ASSERT_TRUE(m->hal("setp motion.switchkins-type 1"));
+  m->run_for(0.1);
+  EXPECT_TRUE(m->mdi("G0 X1")) << m->errors();
+  EXPECT_NEAR(m->joint(0), 1, 1e-9);
+}
+
+}  // namespace
+}  // namespace kerf::harness
