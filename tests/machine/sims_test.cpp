@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <memory>
 #include <numbers>
@@ -142,6 +143,7 @@ INSTANTIATE_TEST_SUITE_P(
                     sim("lathe", {70, 40}, {.x = 70, .z = 40}), sim("gantry", {0, 0, 0, 0}, {}),
                     sim("corexy", {0, 0, 0}, {.z = 12}), sim("delta", {500, 500, 500}, {.z = 220}),
                     sim("scara", {0, 90, 0, 0}, {.x = 330, .y = 300, .z = 470, .c = 0}),
+                    sim("xyzac-trt", {0, 0, 0, 0, 0}, {}),
                     sim("puma", {0, -60, 0, 45, 45, -45},
                         {.x = 600, .y = 150, .z = 120, .a = -150, .b = -30, .c = 10})),
     [](const testing::TestParamInfo<Sim>& tested) {
@@ -184,6 +186,33 @@ TEST(SimDetails, TheGantrysSidesGoTogether) {
   ASSERT_TRUE(m->mdi("G0 Y500"));
   EXPECT_GT(cycles, 1000U);
   EXPECT_EQ(apart, 0U);
+}
+
+TEST(SimDetails, TheTableTurnsUnderTheTool) {
+  auto m = homed("xyzac-trt");
+  ASSERT_NE(m, nullptr);
+  ASSERT_TRUE(m->mdi("G21 G90 G64 P0.01 G0 X0 Y42 Z-100 A-30 C0")) << m->errors();
+  const double at[3]{m->joint(0), m->joint(1), m->joint(2)};
+  // The tilt has moved the slides: the tip stays where it is on the work.
+  EXPECT_GT(std::abs(at[1] - 42) + std::abs(at[2] + 100), 10.0);
+  double worst_mm = 0;
+  m->on_cycle([&](const motion::MotionStatus& s) {
+    for (std::size_t j = 0; j < 3; ++j)
+      worst_mm = std::max(worst_mm, std::abs(s.joint[j].pos_cmd - at[j]));
+  });
+  std::string program = "G90 F1500\n";
+  for (int angle = 5; angle <= 360; angle += 5) {
+    const double rad = angle * std::numbers::pi / 180;
+    char line[80];
+    std::snprintf(line, sizeof line, "G1 X%.6f Y%.6f C%d\n", 42 * std::sin(rad), 42 * std::cos(rad),
+                  angle);
+    program += line;
+  }
+  const auto reply = m->run_text(program + "M2\n");
+  EXPECT_EQ(reply.state, task::CommandState::done) << reply.text << m->errors();
+  EXPECT_NEAR(m->joint(4), 360, 1e-6);
+  // Only the sagitta of the chords of 5 degrees is left for the slides, and the tolerance.
+  EXPECT_LT(worst_mm, 42 * (1 - std::cos(2.5 * std::numbers::pi / 180)) + 0.02);
 }
 
 TEST(SimDetails, TheLatheKeepsItsSurfaceSpeed) {
