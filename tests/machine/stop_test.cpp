@@ -143,41 +143,107 @@ struct Wait {
   const char* name;
   const char* program;
   std::vector<std::string> hal;  ///< before the run
+  const char* object;            ///< part of what it says it waits for
+  const char* pin{""};           ///< ... and the pin
 };
 
-class AbortInWait : public testing::TestWithParam<Wait> {};
+class StopInWait : public testing::TestWithParam<Wait> {
+ protected:
+  void begin() {
+    MachineOptions options;
+    options.hal = GetParam().hal;
+    m = Machine::start(options);
+    ASSERT_TRUE(m->ready()) << m->errors();
+    ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+    path = m->write_program("G0 X2\n" + std::string(GetParam().program) + "\nG0 X50\nM2\n");
+    wait();
+  }
+  /// From its top to the wait.
+  void wait() {
+    run = m->start_program(path);
+    m->run_for(2);
+    ASSERT_FALSE(task::is_terminal(m->outcome(run).state))
+        << "it did not wait: " << m->outcome(run).text;
+    const auto waiting = m->task().waiting_for;
+    EXPECT_NE(std::string(waiting.object.view()).find(GetParam().object), std::string::npos)
+        << waiting.object.c_str();
+    EXPECT_EQ(waiting.pin.view(), GetParam().pin);
+  }
+  void ends_idle(double x) {
+    EXPECT_TRUE(m->run_until([&] { return m->task().idle; }, 0.1))
+        << m->task().waiting_for.object.c_str();
+    EXPECT_EQ(m->outcome(run).state, task::CommandState::aborted);
+    EXPECT_TRUE(m->task().waiting_for.object.empty()) << m->task().waiting_for.object.c_str();
+    m->run_for(0.5);
+    EXPECT_EQ(m->joint(0), x);
+    EXPECT_FALSE(m->bit("spindle.0.on"));
+    for (const char* pin : {"spindle.0.orient", "iocontrol.0.tool-change",
+                            "iocontrol.0.tool-prepare", "spindle.0.index-enable"})
+      EXPECT_FALSE(m->bit(pin)) << pin;
+  }
+  void goes_on() {
+    EXPECT_TRUE(m->mdi("G0 X1")) << m->errors();
+    EXPECT_NEAR(m->joint(0), 1, 1e-9);
+    wait();
+    EXPECT_NEAR(m->joint(0), 2, 4) << "the program begins at its top";
+    EXPECT_EQ(m->abort().state, task::CommandState::done);
+  }
+  std::unique_ptr<Machine> m;
+  std::string path;
+  std::uint64_t run{0};
+};
 
-TEST_P(AbortInWait, EndsIdleWithin100Ms) {
-  MachineOptions options;
-  options.hal = GetParam().hal;
-  auto m = Machine::start(options);
-  ASSERT_TRUE(m->ready()) << m->errors();
-  ASSERT_TRUE(m->power_on_and_home()) << m->errors();
-  const auto run =
-      m->start_program(m->write_program(std::string(GetParam().program) + "\nG0 X50\nM2\n"));
-  m->run_for(2);
-  ASSERT_FALSE(task::is_terminal(m->outcome(run).state))
-      << "it did not wait: " << m->outcome(run).text;
-  EXPECT_FALSE(m->task().waiting_for.object.empty()) << "it does not say what it waits for";
+TEST_P(StopInWait, AbortEndsIdleWithin100Ms) {
+  begin();
   const double x = m->joint(0);
   m->send({"abort"});
-  EXPECT_TRUE(m->run_until([&] { return m->task().idle; }, 0.1))
-      << m->task().waiting_for.object.c_str();
-  EXPECT_EQ(m->outcome(run).state, task::CommandState::aborted);
-  EXPECT_EQ(m->joint(0), x);
-  EXPECT_TRUE(m->mdi("G0 X1")) << m->errors();
+  ends_idle(x);
+  goes_on();
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Waits, AbortInWait,
-    testing::Values(Wait{"dwell", "G4 P100", {}}, Wait{"input", "M66 P0 L3 Q100", {}},
-                    Wait{"stop", "M0", {}}, Wait{"pallet", "M60", {}},
-                    Wait{"at_speed",
-                         "S1000 M3\nG1 X5 F100",
-                         {"unlinkp spindle.0.at-speed", "setp spindle.0.at-speed 0"}},
-                    Wait{"tool_change", "T1 M6", {"unlinkp iocontrol.0.tool-changed"}},
-                    Wait{"tool_prepare", "T1\nG4 P1\nM6", {"unlinkp iocontrol.0.tool-prepared"}}),
-    [](const auto& wait) { return wait.param.name; });
+TEST_P(StopInWait, EstopEndsIdleWithin100Ms) {
+  begin();
+  const double x = m->joint(0);
+  m->send({"state", "estop"});
+  ends_idle(x);
+  EXPECT_EQ(m->task().task_state, task::TaskState::estop);
+  ASSERT_TRUE(m->does({"state", "estop-reset"})) << m->errors();
+  ASSERT_TRUE(m->does({"state", "on"})) << m->errors();
+  goes_on();
+}
+
+const Wait kWaits[] = {
+    {"dwell", "G4 P100", {}, "dwell"},
+    {"input", "M66 P0 L3 Q100", {}, "digital input 0", "motion.digital-in-00"},
+    {"analog", "M66 P1 L1 Q100", {}, "digital input 1", "motion.digital-in-01"},
+    {"stop", "M0", {}, "resume"},
+    {"optional_stop", "M1", {}, "resume"},
+    {"pallet", "M60", {}, "resume"},
+    {"at_speed",
+     "S1000 M3\nG1 X5 F100",
+     {"unlinkp spindle.0.at-speed", "setp spindle.0.at-speed 0"},
+     "at speed",
+     "spindle.0.at-speed"},
+    {"orient", "M19 R90", {"unlinkp spindle.0.is-oriented"}, "oriented", "spindle.0.is-oriented"},
+    {"index",
+     "S100 M3\nG33 X5 K1",
+     {"unlinkp spindle.0.index-enable"},
+     "index",
+     "spindle.0.index-enable"},
+    {"tool_change",
+     "T1 M6",
+     {"unlinkp iocontrol.0.tool-changed"},
+     "tool change",
+     "iocontrol.0.tool-changed"},
+    {"tool_prepare",
+     "T1\nG4 P1\nM6",
+     {"unlinkp iocontrol.0.tool-prepared"},
+     "tool 1",
+     "iocontrol.0.tool-prepared"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Waits, StopInWait, testing::ValuesIn(kWaits),
+                         [](const auto& wait) { return wait.param.name; });
 
 TEST(Hold, PauseAndResumeFinishTheProgramOnThePath) {
   auto m = homed_machine();

@@ -210,12 +210,18 @@ Executor::Outcome Executor::begin(const Span& span, const PathInputs& in,
             started_ = true;
             return Outcome::busy;
           },
-          [&](const OutputChange& m) { return instant([&] { output(m); }); },
+          // Braking for an abort may reach over the end of its move: what stands there does not happen any more.
+          [&](const OutputChange& m) {
+            return instant([&] {
+              if (!in.stop) output(m);
+            });
+          },
           [&](const SpindleChange& m) {
             current_ = span.tag;
             current_seq_ = span.seq;
             if (m.action != SpindleChange::Action::set_speed) history_.clear();
-            const Outcome o = begin_spindle(m);
+            const bool late = in.stop && m.action != SpindleChange::Action::stop;
+            const Outcome o = late ? Outcome::done : begin_spindle(m);
             if (o == Outcome::done) finish(span, span.seq);
             return o;
           },
@@ -301,7 +307,7 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
   }
   current_ = span.tag;
   current_seq_ = span.seq;
-  fire_synchronised();
+  if (!in.stop) fire_synchronised();
   if (move.probe) {
     probe_tripped_ = false;
     if (in.probe != move.probe_until_open) {
@@ -466,7 +472,12 @@ double Executor::stop_within(const PathSpan& move, double low, double dt) noexce
   double distance = left_;
   for (int round = 0; round < kStopRounds; ++round) {
     const double next = distance * x / (x - low) * kStopReserve;
-    if (!(next < distance) || next < kNoStretch) break;
+    if (!(next < distance)) break;
+    // As good as standing: over the whole stretch it would creep for seconds.
+    if (next < kNoStretch) {
+      distance = next;
+      break;
+    }
     path::Rows rows;
     path::rows_of(move.piece, begin, begin + next, limits_, rows);
     const double next_low = path::range_of_x1(rows.all(), x, true).low;
