@@ -31,13 +31,14 @@ enum class LogLevel : int {
 struct Settings {
   double machine_unit_mm{
       1.0};  ///< mm per machine unit ([TRAJ]LINEAR_UNITS): unit of parameters 5061-5390 and 5401-5410
-  std::optional<Units> start_units{};  ///< G20/G21 at start; absent: as the machine's unit
-  int spindles{1};                     ///< [TRAJ]SPINDLES, 1-8
-  std::uint32_t axis_mask{0x1FF};      ///< bit i = axis i of XYZABCUVW exists ([TRAJ]COORDINATES)
-  bool random_toolchanger{false};      ///< [EMCIO]RANDOM_TOOLCHANGER
-  bool is_task{false};                 ///< value of #<_task>
-  double orient_offset_deg{0};         ///< ORIENT_OFFSET
-  double arc_tolerance_mm{0.00127};    ///< a smaller radius is none
+  std::optional<Units> start_units{};    ///< G20/G21 at start; absent: as the machine's unit
+  int spindles{1};                       ///< [TRAJ]SPINDLES, 1-8
+  std::uint32_t axis_mask{0x1FF};        ///< bit i = axis i of XYZABCUVW exists ([TRAJ]COORDINATES)
+  bool random_toolchanger{false};        ///< [EMCIO]RANDOM_TOOLCHANGER
+  bool spindle_on_during_change{false};  ///< [EMCIO]TOOL_CHANGE_WITH_SPINDLE_ON
+  bool is_task{false};                   ///< value of #<_task>
+  double orient_offset_deg{0};           ///< ORIENT_OFFSET
+  double arc_tolerance_mm{0.00127};      ///< a smaller radius is none
   double arc_tolerance_inch{0.00005};
   double arc_error_mm{
       0.0127};  ///< radii of one arc may differ by this: CENTER_ARC_RADIUS_TOLERANCE_MM

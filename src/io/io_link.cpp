@@ -27,10 +27,11 @@ void IoLink::confirm() {
   to_io_.notify();
 }
 
-void IoLink::abort(std::uint32_t epoch) {
+void IoLink::abort(std::uint32_t epoch, std::int32_t reason) {
   {
     const std::lock_guard lock(mutex_);
     wishes_.abort_epoch = epoch;
+    wishes_.abort_reason = reason;
     wishes_.flood = false;
     wishes_.mist = false;
   }

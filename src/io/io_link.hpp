@@ -16,6 +16,7 @@ struct ToolOrder {
     prepare,  ///< T
     change,  ///< M6: `tool` into the spindle, prepared first when it is not; -1: whichever is prepared
     set_number,  ///< M61: the tool in the spindle has this number
+    start,       ///< iov2: M6 begins
   };
   std::uint64_t number{0};  ///< 1, 2, 3 ...
   std::uint32_t epoch{0};   ///< abort epoch in force; an abort ends the orders of older ones
@@ -34,6 +35,9 @@ struct IoState {
   int pocket_in_spindle{0};  ///< the pocket that it came from
   int prepared_tool{-1};     ///< -1: none since the last change
   int prepared_index{-1};
+  bool changer_fault{false};  ///< iov2: the last M6 was ended by the changer ...
+  int changer_reason{0};      ///< ... for this reason
+  bool waiting_start_change{false}, waiting_abort_ack{false};
   std::uint64_t finished_order{0};  ///< all orders up to this one have ended
   bool finished_well{true};         ///< the last of them
   rtapi::FixedString<200> failure;  ///< why not
@@ -47,6 +51,7 @@ struct IoWishes {
   std::uint32_t reset_requests{0};  ///< grows with each request to clear the estop
   bool flood{false}, mist{false};
   std::uint32_t abort_epoch{0};
+  std::int32_t abort_reason{0};  ///< as iocontrol.0.emc-reason
 };
 
 class IoLink {
@@ -57,8 +62,8 @@ class IoLink {
   // --- task ---
   void set_estop(bool estop);
   void request_reset();
-  /// Coolant off, tool orders of older epochs ended.
-  void abort(std::uint32_t epoch);
+  /// Coolant off, tool orders of older epochs ended. `reason`: for iocontrol.0.emc-reason.
+  void abort(std::uint32_t epoch, std::int32_t reason = 0);
   /// Ignored when an abort newer than `epoch` has come.
   void set_coolant(std::uint32_t epoch, std::optional<bool> flood, std::optional<bool> mist);
   /// The operator says that the tool is there: ends the handshake in progress as its pin would.

@@ -9,6 +9,10 @@ struct IoInputs {
   bool emc_enable_in{false};  ///< FALSE: external estop
   bool tool_prepared{false};
   bool tool_changed{false};
+  // iov2
+  bool emc_abort_ack{false}, start_change_ack{false};
+  bool toolchanger_fault{false}, toolchanger_clear_fault{false};
+  std::int32_t toolchanger_reason{0};
 };
 
 struct IoOutputs {
@@ -19,6 +23,10 @@ struct IoOutputs {
   std::int32_t tool_from_pocket{0};
   std::int32_t tool_number{0};
   std::int32_t tool_prep_index{0}, tool_prep_number{0}, tool_prep_pocket{0};
+  // iov2
+  bool emc_abort{false}, start_change{false};
+  bool toolchanger_fault_ack{false}, toolchanger_faulted{false};
+  std::int32_t emc_reason{0}, state{0};
   friend bool operator==(const IoOutputs&, const IoOutputs&) = default;
 };
 

@@ -1,17 +1,29 @@
 #include "io/iocontrol.hpp"
 
+#include <utility>
+
 namespace kerf::io {
 
+namespace {
+
+/// emc-reason of an M6 that a fault of the changer has ended.
+constexpr std::int32_t kAbortedByChanger = 101;
+
+/// iocontrol.0.state
+enum State : std::int32_t { kIdle = 0, kPreparing, kStarting, kChanging, kAborting, kFaulted };
+
+}  // namespace
+
 IoControl::IoControl(IoLink& link, rtapi::Cell& to_io, IoPins& pins, ToolStore& tools,
-                     bool random_changer)
-    : link_(link), to_io_(to_io), pins_(pins), tools_(tools), random_(random_changer) {
+                     IoOptions options)
+    : link_(link), to_io_(to_io), pins_(pins), tools_(tools), options_(std::move(options)) {
   read_spindle();
   pins_.write(out_);
   link_.publish(state_);
 }
 
 void IoControl::read_spindle() {
-  if (!random_) return;
+  if (!options_.random_changer) return;
   // On random changers pocket 0 is the spindle, and the table knows what is in it.
   const auto table = tools_.table();
   const ToolEntry* tool = table->find_pocket(0);
@@ -33,7 +45,14 @@ void IoControl::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   estop_chain(in, wishes, now);
   out_.coolant_flood = wishes.flood;
   out_.coolant_mist = wishes.mist;
+  if (options_.v2) watch_changer(in);
   tool_orders(in, wishes);
+  out_.state = out_.emc_abort      ? kAborting
+               : out_.start_change ? kStarting
+               : out_.tool_change  ? kChanging
+               : out_.tool_prepare ? kPreparing
+               : faulted_          ? kFaulted
+                                   : kIdle;
   if (!(out_ == before)) pins_.write(out_);
   state_.emc_enable_in = in.emc_enable_in;
   state_.user_enable = out_.user_enable_out;
@@ -41,9 +60,12 @@ void IoControl::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   state_.mist = out_.coolant_mist;
   state_.waiting_prepared = out_.tool_prepare;
   state_.waiting_changed = out_.tool_change;
+  state_.waiting_start_change = out_.start_change;
+  state_.waiting_abort_ack = out_.emc_abort;
   link_.publish(state_);
-  const bool busy =
-      out_.user_request_enable || out_.tool_prepare || out_.tool_change || !(out_ == before);
+  const bool busy = out_.user_request_enable || out_.tool_prepare || out_.tool_change ||
+                    out_.start_change || out_.emc_abort || out_.toolchanger_fault_ack ||
+                    !(out_ == before);
   // On the grid of its period, so that looks at pins fall on the same instants whatever woke it.
   const rtapi::Nanos period = busy ? kBusyPeriod : kIdlePeriod;
   next.wake_at((now / period + 1) * period);
@@ -65,6 +87,17 @@ void IoControl::tool_orders(const IoInputs& in, const IoWishes& wishes) {
   if (wishes.abort_epoch != abort_seen_) {
     abort_seen_ = wishes.abort_epoch;
     if (started_) drop_handshake();
+    if (options_.v2) signal_abort(wishes.abort_reason);
+  }
+  if (out_.emc_abort) {
+    // In the cycle of the question the answer is not looked at: HAL has not seen it.
+    if (abort_asked_) {
+      abort_asked_ = false;
+      return;
+    }
+    if (!in.emc_abort_ack) return;
+    out_.emc_abort = false;
+    out_.emc_reason = 0;
   }
   for (;;) {
     const std::optional<ToolOrder> order = link_.next_order();
@@ -82,6 +115,7 @@ void IoControl::drop_handshake() {
   // The tool that was asked for is not prepared: a changer that was half way must be asked again.
   out_.tool_prepare = false;
   out_.tool_change = false;
+  out_.start_change = false;
   state_.prepared_tool = -1;
   state_.prepared_index = -1;
   out_.tool_prep_index = out_.tool_prep_number = out_.tool_prep_pocket = 0;
@@ -96,21 +130,71 @@ bool IoControl::carry_out(const ToolOrder& order, const IoInputs& in) {
       set_number(order.tool);
       link_.finish_order(true, {});
       return true;
+    case ToolOrder::Kind::start: return start_change(in);
   }
   return true;
+}
+
+void IoControl::signal_abort(std::int32_t reason) {
+  out_.emc_reason = reason;
+  out_.emc_abort = abort_asked_ = true;
+}
+
+void IoControl::watch_changer(const IoInputs& in) {
+  if (in.toolchanger_fault && !out_.toolchanger_fault_ack) {
+    reason_ = in.toolchanger_reason;
+    faulted_ = out_.toolchanger_faulted = out_.toolchanger_fault_ack = true;
+  }
+  if (in.toolchanger_fault) return;
+  out_.toolchanger_fault_ack = false;
+  if (in.toolchanger_clear_fault) faulted_ = out_.toolchanger_faulted = false;
+}
+
+bool IoControl::start_change(const IoInputs& in) {
+  if (!options_.v2 || !options_.start_change) {
+    link_.finish_order(true, {});
+    return true;
+  }
+  if (!started_) {
+    out_.start_change = started_ = true;
+    return false;
+  }
+  if (!in.start_change_ack && !faulted_) return false;
+  out_.start_change = false;
+  link_.finish_order(true, {});
+  return true;
+}
+
+void IoControl::fail_change() {
+  drop_handshake();
+  state_.changer_fault = true;
+  state_.changer_reason = reason_;
+  link_.publish(state_);  // before the end of the order
+  signal_abort(kAbortedByChanger);
+  if (reason_ > 0) {
+    link_.finish_order(true, {});
+    return;
+  }
+  std::string text = reason_ == 0 ? "the tool changer reports a fault" : options_.fault_text;
+  if (const auto at = text.find("%d"); at != std::string::npos && reason_ != 0)
+    text.replace(at, 2, std::to_string(reason_));
+  link_.finish_order(
+      false, text + "; see to it, then set iocontrol.0.toolchanger-clear-fault to forget it");
 }
 
 bool IoControl::ask_for(int number) {
   const auto table = tools_.table();
   const ToolEntry* tool = table->find(number);
-  if (tool == nullptr && (random_ || number != 0)) {
+  if (tool == nullptr && (options_.random_changer || number != 0)) {
     link_.finish_order(false, "tool " + std::to_string(number) + " is not in the tool table");
     return false;
   }
-  const int pocket = number == 0 && !random_ ? 0 : tool->pocket;
+  const int pocket = number == 0 && !options_.random_changer ? 0 : tool->pocket;
   out_.tool_prep_number = number;
   out_.tool_prep_pocket = pocket;
-  out_.tool_prep_index = random_ ? pocket : number == 0 ? 0 : table->index_of(number) + 1;
+  out_.tool_prep_index = options_.random_changer ? pocket
+                         : number == 0           ? 0
+                                                 : table->index_of(number) + 1;
   out_.tool_prepare = true;
   started_ = true;
   return true;
@@ -124,6 +208,12 @@ void IoControl::take_prepared(int tool) {
 
 bool IoControl::prepare(const ToolOrder& order, const IoInputs& in) {
   // The answer is looked at in the next cycle, when HAL has seen the question.
+  // A changer with a fault is not asked; M6 tells.
+  if (faulted_) {
+    drop_handshake();
+    link_.finish_order(true, {});
+    return true;
+  }
   if (!started_) return !ask_for(order.tool);
   if (!in.tool_prepared) return false;
   take_prepared(order.tool);
@@ -132,6 +222,11 @@ bool IoControl::prepare(const ToolOrder& order, const IoInputs& in) {
 }
 
 bool IoControl::change(const ToolOrder& order, const IoInputs& in) {
+  if (faulted_) {
+    fail_change();
+    return true;
+  }
+  if (!started_) state_.changer_fault = false;
   if (!started_) {
     const int tool = order.tool >= 0 ? order.tool : state_.prepared_tool;
     const bool nothing = tool < 0 || tool == state_.tool_in_spindle;
@@ -162,12 +257,15 @@ bool IoControl::change(const ToolOrder& order, const IoInputs& in) {
 
 void IoControl::put_into_spindle(int tool) {
   rtapi::Status saved;
-  if (random_) {
+  const int before = state_.tool_in_spindle;
+  int from = 0;
+  if (options_.random_changer) {
     const auto table = tools_.table();
     const ToolEntry* entry = table->find(tool);
-    const int from = entry != nullptr ? entry->pocket : 0;
-    saved = tools_.move({{state_.tool_in_spindle, from}, {tool, 0}});
+    if (entry != nullptr) from = entry->pocket;
+    saved = tools_.move({{before, from}, {tool, 0}});
   }
+  if (const auto told = tools_.in_spindle(tool, before, from); saved.ok()) saved = told;
   state_.tool_in_spindle = tool;
   state_.prepared_tool = state_.prepared_index = -1;
   out_.tool_number = tool;
@@ -179,11 +277,16 @@ void IoControl::put_into_spindle(int tool) {
 }
 
 void IoControl::set_number(int tool) {
-  if (random_) {
+  int from = 0;
+  if (options_.random_changer) {
     const auto table = tools_.table();
     const ToolEntry* entry = table->find(tool);
-    if (entry != nullptr) (void)tools_.move({{state_.tool_in_spindle, entry->pocket}, {tool, 0}});
+    if (entry != nullptr) {
+      from = entry->pocket;
+      (void)tools_.move({{state_.tool_in_spindle, from}, {tool, 0}});
+    }
   }
+  (void)tools_.in_spindle(tool, state_.tool_in_spindle, from);
   if (tool == 0) out_.tool_from_pocket = 0;
   state_.tool_in_spindle = tool;
   out_.tool_number = tool;

@@ -6,9 +6,16 @@
 //         pocket, the tool-prep pins return to 0. The tool that is in the spindle already is not changed. A tool whose T was
 //         aborted is asked for again first.
 // Random changers swap pockets with the spindle (pocket 0) and save the tool table.
+//
+// With [EMCIO]EMCIO = iov2 (manual: "I/O Control V2") the changer and Kerf can also tell each other what went wrong:
+//   abort   emc-abort with emc-reason; no question is asked before emc-abort-ack.
+//   fault   toolchanger-fault is taken at any time (toolchanger-fault-ack, -faulted), ends a question at once and the M6 in progress, or the
+//           next one: with toolchanger-reason above 0 the program goes on (#5600, #5601), else it ends. toolchanger-clear-fault forgets it.
+//   M6      start-change before anything else of it, until start-change-ack, where the INI file says so.
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "io/io_link.hpp"
 #include "io/io_pins.hpp"
@@ -17,10 +24,17 @@
 
 namespace kerf::io {
 
+struct IoOptions {
+  bool random_changer{false};
+  bool v2{false};                                  ///< iov2 with PROTOCOL_VERSION 2
+  bool start_change{false};                        ///< -support-start-change
+  std::string fault_text{"toolchanger error %d"};  ///< [TASK]IO_ERROR; %d: the reason
+};
+
 class IoControl final : public rtapi::Participant {
  public:
   /// All references must outlive it.
-  IoControl(IoLink& link, rtapi::Cell& to_io, IoPins& pins, ToolStore& tools, bool random_changer);
+  IoControl(IoLink& link, rtapi::Cell& to_io, IoPins& pins, ToolStore& tools, IoOptions options);
 
   [[nodiscard]] const char* name() const noexcept override { return "iocontrol"; }
   [[nodiscard]] rtapi::Role role() const noexcept override { return rtapi::Role::io; }
@@ -40,6 +54,11 @@ class IoControl final : public rtapi::Participant {
   bool carry_out(const ToolOrder& order, const IoInputs& in);
   bool prepare(const ToolOrder& order, const IoInputs& in);
   bool change(const ToolOrder& order, const IoInputs& in);
+  bool start_change(const IoInputs& in);
+  void watch_changer(const IoInputs& in);
+  /// Ends the M6 as the fault wants it.
+  void fail_change();
+  void signal_abort(std::int32_t reason);
   /// Sets the question's pins; false: there is no such tool, and the order has failed.
   bool ask_for(int tool);
   void take_prepared(int tool);
@@ -52,7 +71,7 @@ class IoControl final : public rtapi::Participant {
   rtapi::Cell& to_io_;
   IoPins& pins_;
   ToolStore& tools_;
-  bool random_;
+  IoOptions options_;
   IoOutputs out_;
   IoState state_;
   std::uint32_t resets_seen_{0};
@@ -60,6 +79,9 @@ class IoControl final : public rtapi::Participant {
   std::uint32_t confirmations_seen_{0};
   rtapi::Nanos request_end_{0};
   bool started_{false};  ///< the order in progress has set its pins
+  bool faulted_{false};  ///< the changer has reported a fault that nobody has cleared
+  std::int32_t reason_{0};
+  bool abort_asked_{false};  ///< emc-abort has just been raised
 };
 
 }  // namespace kerf::io

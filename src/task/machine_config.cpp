@@ -261,11 +261,20 @@ class SetupReader {
     constexpr const char* kSection = "EMCIO";
     auto& t = out_.setup.tools;
     const double unit = out_.setup.linear_unit_mm;
+    t.database = r_.string(kSection, "DB_PROGRAM");
     const std::string table = r_.string(kSection, "TOOL_TABLE");
-    if (!table.empty()) t.table_file = resolve_path(out_.setup.paths.ini_dir, table);
+    if (!table.empty() && t.database.empty())
+      t.table_file = resolve_path(out_.setup.paths.ini_dir, table);
     t.random_changer = r_.boolean(kSection, "RANDOM_TOOLCHANGER");
+    const std::string program = r_.string(kSection, "EMCIO");
+    t.v2_pins = program == "iov2" || program.rfind("iov2 ", 0) == 0;
+    t.v2 = t.v2_pins && r_.integer(kSection, "PROTOCOL_VERSION", 2) != 1;
+    t.start_change = program.find("-support-start-change") != std::string::npos;
+    const std::string fault = r_.string("TASK", "IO_ERROR");
+    if (!fault.empty()) t.fault_text = fault;
     out_.setup.interp.random_toolchanger = t.random_changer;
-    t.spindle_on_during_change = r_.boolean(kSection, "TOOL_CHANGE_WITH_SPINDLE_ON");
+    out_.setup.interp.spindle_on_during_change =
+        r_.boolean(kSection, "TOOL_CHANGE_WITH_SPINDLE_ON");
     t.quill_up = r_.boolean(kSection, "TOOL_CHANGE_QUILL_UP");
     t.at_g30 = r_.boolean(kSection, "TOOL_CHANGE_AT_G30");
     const std::vector<double> position = r_.reals(kSection, "TOOL_CHANGE_POSITION");

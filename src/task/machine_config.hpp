@@ -24,8 +24,12 @@ struct OperatorLimits {
 /// [EMCIO]
 struct ToolConfig {
   std::string table_file;  ///< absolute; "" without a tool table
+  std::string database;    ///< DB_PROGRAM as written, "" without
   bool random_changer{false};
-  bool spindle_on_during_change{false};
+  bool v2_pins{false};                             ///< EMCIO = iov2
+  bool v2{false};                                  ///< with PROTOCOL_VERSION 2
+  bool start_change{false};                        ///< -support-start-change
+  std::string fault_text{"toolchanger error %d"};  ///< [TASK]IO_ERROR
   bool quill_up{false};
   bool at_g30{false};
   bool has_position{false};

@@ -137,10 +137,16 @@ rtapi::Status Task::prepare() {
 
   p.tools = std::make_unique<io::ToolStore>(p.setup.tools.table_file, p.setup.linear_unit_mm,
                                             p.setup.tools.random_changer);
+  if (!p.setup.tools.database.empty())
+    p.tools->use_database({p.setup.tools.database, p.setup.paths.ini_dir, p.segment.instance()},
+                          interp::resolve_path(p.setup.paths.ini_dir, "db_spindle.tbl"));
   if (const rtapi::Status loaded = p.tools->load(); !loaded.ok()) {
+    // A database that does not answer can be seen to while the machine runs; one that is not there is a mistake of the INI file.
+    const bool is_database = !p.setup.tools.database.empty();
+    if (is_database && loaded.error().code == Errc::not_found) return loaded;
     // A machine without its table has no tools; a table with mistakes would have wrong ones.
-    if (loaded.error().code != Errc::not_found) return loaded;
-    p.warnings += "warning: no tool table: " + loaded.error().message() + '\n';
+    if (!is_database && loaded.error().code != Errc::not_found) return loaded;
+    p.warnings += "warning: no tools: " + loaded.error().message() + '\n';
   }
   for (const std::string& warning : p.tools->table()->warnings())
     p.warnings += "warning: " + warning + '\n';
@@ -155,12 +161,14 @@ rtapi::Status Task::prepare() {
   io::IoPins* pins = p.options.pins;
   if (pins == nullptr) {
     if (p.session == nullptr) return fail(Errc::bad_argument, "task needs a HAL session or pins");
-    p.hal_pins = std::make_unique<HalIoPins>(*p.session);
+    p.hal_pins = std::make_unique<HalIoPins>(*p.session, p.setup.tools.v2_pins);
     KERF_CHECK(p.hal_pins->status());
     pins = p.hal_pins.get();
   }
-  p.iocontrol = std::make_unique<io::IoControl>(*p.link, p.shared->to_io, *pins, *p.tools,
-                                                p.setup.tools.random_changer);
+  const ToolConfig& tools = p.setup.tools;
+  p.iocontrol = std::make_unique<io::IoControl>(
+      *p.link, p.shared->to_io, *pins, *p.tools,
+      io::IoOptions{tools.random_changer, tools.v2, tools.start_change, tools.fault_text});
   return {};
 }
 

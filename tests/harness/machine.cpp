@@ -185,6 +185,11 @@ std::unique_ptr<Machine> Machine::start(const MachineOptions& options) {
   text += options.append;
   const fs::path ini_path = p.folder / original.filename();
   std::ofstream(ini_path) << text;
+  for (const auto& [name, content] : options.files) {
+    std::ofstream(p.folder / name) << content;
+    if (content.rfind("#!", 0) == 0)
+      fs::permissions(p.folder / name, fs::perms::owner_all, fs::perm_options::add);
+  }
   for (const auto& file : fs::directory_iterator(p.folder))
     if (const auto kind = file.path().extension(); kind == ".var" || kind == ".bak")
       fs::remove(file.path());

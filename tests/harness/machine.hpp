@@ -39,6 +39,8 @@ struct MachineOptions {
   std::string append;
   /// Text replacements in the INI file, first hit each; the old text must be there.
   std::vector<std::pair<std::string, std::string>> replace;
+  /// More files (name, text) beside the INI file; executable when the text begins with #!.
+  std::vector<std::pair<std::string, std::string>> files;
   /// HAL commands after those of the INI file, before the threads start.
   std::vector<std::string> hal;
 };

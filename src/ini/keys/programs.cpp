@@ -52,7 +52,8 @@ constexpr Key kTaskRows[] = {
     integer("MDI_QUEUED_COMMANDS", "MDI lines that may wait").from(1).to(1000).otherwise("10"),
     integer("INTERP_MAX_LEN", "lines read ahead of motion")
         .idle("without effect: as many as the queue to motion has room for, 1024 moves"),
-    text("IO_ERROR", "").idle("without effect: from long ago"),
+    text("IO_ERROR", "what a fault of the tool changer is called, %d: its reason (iov2)")
+        .otherwise("toolchanger error %d"),
     text("INTERPRETER", "").no("interpreters cannot be exchanged"),
 };
 
@@ -77,19 +78,22 @@ constexpr Key kApplicationsRows[] = {
 
 constexpr Key kEmcioRows[] = {
     text("TOOL_TABLE", "the tool table"),
-    text("DB_PROGRAM", "program that keeps the tools").no("not yet: tool databases"),
+    text("DB_PROGRAM", "program that keeps the tools, with its arguments, instead of TOOL_TABLE"),
     boolean("RANDOM_TOOLCHANGER", "a tool keeps no pocket of its own").otherwise("0"),
     reals("TOOL_CHANGE_POSITION", "3 6 9", "machine coordinates to go to before a change")
         .unit(kUnits),
     boolean("TOOL_CHANGE_QUILL_UP", "Z to machine zero before a change").otherwise("0"),
     boolean("TOOL_CHANGE_AT_G30", "to the place of G30 before a change").otherwise("0"),
     boolean("TOOL_CHANGE_WITH_SPINDLE_ON", "the spindle goes on turning").otherwise("0"),
-    text("EMCIO", "the io program")
-        .idle("without effect: io is a part of milltask, as in LinuxCNC 2.10"),
+    text("EMCIO", "iov2 [-support-start-change]: pins for aborts and faults of the tool changer")
+        .otherwise("io"),
     real("CYCLE_TIME", "how often io looks at its pins")
         .unit(kSeconds)
         .idle("without effect: io is a part of task and acts at once"),
-    text("PROTOCOL_VERSION", "").no("the program iov2 is gone since LinuxCNC 2.10"),
+    integer("PROTOCOL_VERSION", "iov2: 1 leaves its pins without effect")
+        .from(1)
+        .to(2)
+        .otherwise("2"),
     boolean("RANDOM_TOOL_CHANGER", "").no("its name is RANDOM_TOOLCHANGER"),
 };
 

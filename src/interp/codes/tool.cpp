@@ -62,7 +62,7 @@ bool tool_offset(Core& c, const Block& b, int code) {
 bool change_tool(Core& c, const Block&, int) {
   const int number = c.state.selected_tool < 0 ? 0 : c.state.selected_tool;
   c.out.call<&Canon::start_change>();
-  for (int i = 0; i < c.settings.spindles; ++i) {
+  for (int i = 0; i < c.settings.spindles && !c.settings.spindle_on_during_change; ++i) {
     c.state.direction[static_cast<std::size_t>(i)] = SpindleDirection::stopped;
     c.out.call<&Canon::stop_spindle>(i);
   }

@@ -110,7 +110,7 @@ void CommandParticipant::abort_all(std::uint32_t reason) {
   p_.motion.intent.hold.publish(0);
   p_.exchange.paused.set(0);
   p_.exchange.stepping.set(0);
-  p_.io.abort(epoch_);
+  p_.io.abort(epoch_, static_cast<std::int32_t>(reason));
   p_.exchange.wake_interpreter();
 }
 

@@ -142,6 +142,10 @@ bool InterpreterParticipant::begin_barrier(TaskItem& item) {
     tool_order_is_prepare_ = false;
     barrier_.order = tool_order_ = p_.io.order(Kind::change, change->number, epoch_);
     wait_for("the tool change", "iocontrol.0.tool-changed");
+  } else if (std::holds_alternative<StartChange>(item.body)) {
+    tool_order_is_prepare_ = false;
+    barrier_.order = tool_order_ = p_.io.order(Kind::start, -1, epoch_);
+    wait_for("the tool changer to be ready for M6", "iocontrol.0.start-change-ack");
   } else if (const auto* number = std::get_if<SetToolNumber>(&item.body)) {
     tool_order_is_prepare_ = false;
     barrier_.order = tool_order_ = p_.io.order(Kind::set_number, number->number, epoch_);
@@ -181,9 +185,8 @@ bool InterpreterParticipant::begin_barrier(TaskItem& item) {
 
 bool InterpreterParticipant::poll_barrier(TaskItem& item, rtapi::WaitSpec& next) {
   if (std::holds_alternative<ChangeTool>(item.body)) return poll_tool("tool change");
-  if (std::holds_alternative<SetToolNumber>(item.body)) {
-    return poll_tool("M61");
-  }
+  if (std::holds_alternative<SetToolNumber>(item.body)) return poll_tool("M61");
+  if (std::holds_alternative<StartChange>(item.body)) return poll_tool("tool change");
   if (const auto* run = std::get_if<UserMcodeRun>(&item.body)) return poll_user_program(*run);
   if (const auto* pause = std::get_if<ProgramPause>(&item.body)) return poll_pause(*pause);
   if (const auto* input = std::get_if<WaitInput>(&item.body)) return poll_input(*input, next);
@@ -195,6 +198,15 @@ bool InterpreterParticipant::poll_tool(const char* what) {
   const io::IoState state = p_.io.state();
   if (barrier_.order == 0 || state.finished_order < barrier_.order) return false;
   tool_order_ = 0;
+  if (state.finished_well && state.changer_fault &&
+      std::holds_alternative<ChangeTool>(list_.front().body)) {
+    Report report;
+    report.message = MessageKind::text;
+    report.text = "the tool changer reports " + std::to_string(state.changer_reason) +
+                  ": the tool was not changed";
+    report.line = list_.front().tag.line;
+    reports_.push_back(std::move(report));
+  }
   if (state.finished_well) {
     history_.tool_changed(list_.front().tag.id);
     return news_.tool = true;

@@ -342,6 +342,10 @@ void CanonToPath::change_tool_number(int number) {
   add(SetToolNumber{number});
 }
 
+void CanonToPath::start_change() {
+  if (tools_.v2 && tools_.start_change) add(StartChange{});
+}
+
 void CanonToPath::change_tool() {
   if (tools_.quill_up) {
     Pose up = state_.position;

@@ -108,7 +108,7 @@ class CanonToPath final : public interp::Canon {
   void orient_spindle(int spindle, double angle_deg, int mode) override;
   void wait_orient_complete(int spindle, double timeout_s) override;
   void select_tool(int number) override;
-  void start_change() override {}
+  void start_change() override;
   void change_tool() override;
   void change_tool_number(int number) override;
   void set_tool_table_entry(const interp::Tool& tool) override { tool_changes_.push_back(tool); }

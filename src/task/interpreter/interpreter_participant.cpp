@@ -112,6 +112,7 @@ void InterpreterParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   else if (!aborting_)
     work(next);
   if (user_.running()) user_.add_to(next, p_.segment);
+  hear_database(next);
   if (pushed_) p_.motion.path_cell.notify();
   show();
   // Behind the view, so that whoever hears of an end also sees it.
@@ -303,6 +304,16 @@ void InterpreterParticipant::take_outcome(Outcome outcome, std::size_t items_bef
   history_.add(record);
 }
 
+void InterpreterParticipant::hear_database(rtapi::WaitSpec& next) {
+  for (std::string& text : p_.tools.database_news()) {
+    Report report;
+    report.message = MessageKind::error;
+    report.text = std::move(text);
+    reports_.push_back(std::move(report));
+  }
+  for (const int fd : p_.tools.database_fds()) next.watch_fd(fd);
+}
+
 rtapi::Status InterpreterParticipant::load_tools() {
   KERF_CHECK(p_.tools.load());
   // The tool in the spindle has a new row too.
@@ -365,6 +376,9 @@ void InterpreterParticipant::tell_interpreter() {
     const io::IoState io = p_.io.state();
     state.tool_in_spindle = io.tool_in_spindle;
     state.pocket_in_spindle = io.pocket_in_spindle;
+    if (p_.setup.tools.v2) {
+      state.toolchanger_fault = io.changer_fault ? io.changer_reason : 0;
+    }
   }
   if (news_.input) state.input_value = input_value_;
   if (news_.probe)

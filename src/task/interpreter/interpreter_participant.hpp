@@ -103,6 +103,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   void take_outcome(interp::Outcome outcome, std::size_t items_before, BlockRecord record);
   /// True when the block changes the tool table.
   bool queue_tool_changes();
+  void hear_database(rtapi::WaitSpec& next);
   void store_tools(const StoreTools& store);
   rtapi::Status load_tools();
   rtapi::Status put_tool(const io::ToolEntry& tool);

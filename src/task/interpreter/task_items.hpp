@@ -34,6 +34,7 @@ struct LogText {
 };
 
 // Barriers: begun when all before them is executed; nothing behind them begins before they are done.
+struct StartChange {};  ///< M6 begins, for changers that want to know (iov2)
 struct ChangeTool {
   int number{-1};  ///< of the last T; -1: there was none
 };
@@ -69,9 +70,10 @@ struct ProgramError {
 };
 
 using PathBody = motion::PathItems::Variant;
-using TaskItemBody = std::variant<PathBody, PrepareTool, SetCoolant, ShowMessage, PrintText,
-                                  LogText, ChangeTool, SetToolNumber, UserMcodeRun, ProgramPause,
-                                  WaitInput, WaitOrient, ProgramEnd, ProgramError, StoreTools>;
+using TaskItemBody =
+    std::variant<PathBody, PrepareTool, SetCoolant, ShowMessage, PrintText, LogText, ChangeTool,
+                 SetToolNumber, UserMcodeRun, ProgramPause, WaitInput, WaitOrient, ProgramEnd,
+                 ProgramError, StoreTools, StartChange>;
 
 struct TaskItem {
   motion::SourceTag tag;

@@ -17,10 +17,12 @@ class Pins final : public IoPins {
 };
 
 struct Bench {
-  explicit Bench(bool random = false) : link(to_io, to_command, to_interpreter), tools("", 1.0) {
-    for (const auto& [n, p] : {std::pair{1, 11}, {2, 12}, {30, random ? 0 : 13}})
+  explicit Bench(bool random = false) : Bench(IoOptions{random, false, false, {}}) {}
+  explicit Bench(const IoOptions& options)
+      : link(to_io, to_command, to_interpreter), tools("", 1.0) {
+    for (const auto& [n, p] : {std::pair{1, 11}, {2, 12}, {30, options.random_changer ? 0 : 13}})
       (void)tools.put({n, p, {}, 0, 0, 0, 0, ""});
-    control = std::make_unique<IoControl>(link, to_io, pins, tools, random);
+    control = std::make_unique<IoControl>(link, to_io, pins, tools, options);
     scheduler.add(*control);
     run(0.02);
   }
@@ -229,6 +231,114 @@ TEST(IoControl, random_changer_swaps_pockets) {
   EXPECT_EQ(b.tools.table()->find(2)->pocket, 0);
   EXPECT_EQ(b.tools.table()->find(30)->pocket, 12);
   EXPECT_EQ(b.pins.out.tool_number, 2);
+}
+
+struct V2Bench : Bench {
+  explicit V2Bench(bool start = false) : Bench(IoOptions{false, true, start, "oops %d!"}) {}
+  void fault(int reason) {
+    pins.in.toolchanger_reason = reason;
+    pins.in.toolchanger_fault = true;
+    run(0.02);
+  }
+  /// The changer takes emc-abort.
+  void acknowledge() {
+    pins.in.emc_abort_ack = true;
+    run(0.02);
+    pins.in.emc_abort_ack = false;
+    run(0.02);
+  }
+};
+
+TEST(IoControlV2, an_abort_is_answered_before_the_next_question) {
+  V2Bench b;
+  b.order(Kind::prepare, 1);
+  EXPECT_EQ(b.pins.out.state, 1);
+  b.link.abort(2, 8);
+  b.run(0.02);
+  EXPECT_FALSE(b.pins.out.tool_prepare);
+  EXPECT_TRUE(b.pins.out.emc_abort);
+  EXPECT_EQ(b.pins.out.emc_reason, 8);
+  const auto n = b.link.order(Kind::prepare, 2, 2);
+  b.run(5);
+  EXPECT_FALSE(b.pins.out.tool_prepare) << "the changer has not heard of the abort";
+  EXPECT_TRUE(b.link.state().waiting_abort_ack);
+  b.acknowledge();
+  EXPECT_FALSE(b.pins.out.emc_abort);
+  EXPECT_TRUE(b.pins.out.tool_prepare);
+  b.pins.in.tool_prepared = true;
+  b.run(0.02);
+  EXPECT_TRUE(b.ended(n));
+}
+
+TEST(IoControlV2, a_fault_ends_the_change_in_progress_with_its_reason) {
+  for (const int reason : {0, -7, 3}) {
+    V2Bench b;
+    b.prepare(1);
+    const auto n = b.order(Kind::change);
+    EXPECT_TRUE(b.pins.out.tool_change);
+    b.fault(reason);
+    EXPECT_TRUE(b.ended(n));
+    EXPECT_EQ(b.link.state().finished_well, reason > 0);
+    EXPECT_TRUE(b.link.state().changer_fault);
+    EXPECT_EQ(b.link.state().changer_reason, reason);
+    const std::string text(b.link.state().failure.view());
+    EXPECT_EQ(text.find("oops -7!") != std::string::npos, reason < 0) << text;
+    EXPECT_FALSE(b.pins.out.tool_change);
+    EXPECT_EQ(b.pins.out.tool_number, 0);
+    EXPECT_TRUE(b.pins.out.toolchanger_faulted && b.pins.out.toolchanger_fault_ack);
+    EXPECT_TRUE(b.pins.out.emc_abort);
+    EXPECT_EQ(b.pins.out.emc_reason, 101);
+    b.acknowledge();
+    b.pins.in.toolchanger_clear_fault = true;
+    b.run(0.02);
+    EXPECT_TRUE(b.pins.out.toolchanger_faulted) << "the changer still says so";
+    b.pins.in.toolchanger_fault = false;
+    b.run(0.02);
+    EXPECT_FALSE(b.pins.out.toolchanger_faulted || b.pins.out.toolchanger_fault_ack);
+    b.prepare(2);
+    b.change();
+    EXPECT_EQ(b.pins.out.tool_number, 2);
+    EXPECT_FALSE(b.link.state().changer_fault);
+  }
+}
+
+TEST(IoControlV2, a_fault_while_preparing_fails_the_next_m6) {
+  V2Bench b;
+  const auto t = b.order(Kind::prepare, 1);
+  b.fault(-2);
+  EXPECT_TRUE(b.ended(t) && b.link.state().finished_well);
+  EXPECT_FALSE(b.pins.out.tool_prepare);
+  b.pins.in.toolchanger_fault = false;
+  b.run(0.02);
+  EXPECT_FALSE(b.pins.out.toolchanger_fault_ack);
+  EXPECT_TRUE(b.pins.out.toolchanger_faulted);
+  const auto n = b.link.order(Kind::change, 1, 1);
+  b.run(0.02);
+  EXPECT_TRUE(b.ended(n));
+  EXPECT_FALSE(b.link.state().finished_well);
+}
+
+TEST(IoControlV2, m6_begins_when_the_changer_says_so) {
+  for (const bool start : {true, false}) {
+    V2Bench b(start);
+    const auto n = b.order(Kind::start);
+    EXPECT_EQ(b.pins.out.start_change, start);
+    EXPECT_EQ(b.ended(n), !start);
+    b.pins.in.start_change_ack = true;
+    b.run(0.02);
+    EXPECT_FALSE(b.pins.out.start_change);
+    EXPECT_TRUE(b.ended(n));
+  }
+}
+
+TEST(IoControlV2, without_it_nothing_of_it_counts) {
+  Bench b;
+  b.pins.in.toolchanger_fault = true;
+  b.link.abort(1, 8);
+  b.prepare(1);
+  b.change();
+  EXPECT_EQ(b.pins.out.tool_number, 1);
+  EXPECT_FALSE(b.pins.out.emc_abort || b.pins.out.toolchanger_faulted);
 }
 
 }  // namespace
