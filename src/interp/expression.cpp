@@ -11,7 +11,10 @@ namespace {
 
 /// #5420 to #5428.
 constexpr bool is_position(int index) { return index >= kPosition && index <= kPositionLast; }
-constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+/// Angles are computed as exactly as the peer does, so that SIN[30] is 0.5 and FIX[2 * SIN[30]] is 1.
+constexpr long double kPi = 3.141592653589793238462643383279502884L;
+double degrees(double radians) { return static_cast<double>(radians * 180 / kPi); }
+long double radians(double degrees) { return degrees * kPi / 180; }
 /// Brackets are limited by the parser; each can hold back one operand per level of precedence.
 constexpr int kStack = 512;
 
@@ -28,7 +31,8 @@ const char* refusal(Op op, double a, double b) noexcept {
 
 double compute(Op op, double a, double b) noexcept {
   switch (op) {
-    case Op::atan: return std::atan2(a, b) * kDegrees;
+    case Op::atan:
+      return degrees(std::atan2(a, b));
     case Op::power: return std::pow(a, b);
     case Op::times: return a * b;
     case Op::divide: return a / b;
@@ -57,13 +61,13 @@ const char* compute(Op op, double& v) noexcept {
     case Op::abs: v = std::fabs(v); break;
     case Op::acos:
       if (v < -1 || v > 1) return "Argument to acos out of range";
-      v = std::acos(v) * kDegrees;
+      v = degrees(std::acos(v));
       break;
     case Op::asin:
       if (v < -1 || v > 1) return "Argument to asin out of range";
-      v = std::asin(v) * kDegrees;
+      v = degrees(std::asin(v));
       break;
-    case Op::cos: v = std::cos(v / kDegrees); break;
+    case Op::cos: v = static_cast<double>(std::cos(radians(v))); break;
     case Op::exp: v = std::exp(v); break;
     case Op::fix: v = std::floor(v); break;
     case Op::fup: v = std::ceil(v); break;
@@ -72,12 +76,12 @@ const char* compute(Op op, double& v) noexcept {
       v = std::log(v);
       break;
     case Op::round: v = std::floor(std::fabs(v) + 0.5) * (v < 0 ? -1 : 1); break;
-    case Op::sin: v = std::sin(v / kDegrees); break;
+    case Op::sin: v = static_cast<double>(std::sin(radians(v))); break;
     case Op::sqrt:
       if (v < 0) return "Negative argument to sqrt";
       v = std::sqrt(v);
       break;
-    case Op::tan: v = std::tan(v / kDegrees); break;
+    case Op::tan: v = static_cast<double>(std::tan(radians(v))); break;
     default: break;
   }
   return nullptr;

@@ -10,14 +10,17 @@ namespace kerf::interp {
 namespace {
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Length of a format (%d, %f, %lf, %.3f) at the start of `text`, 0 for anything else; `decimals` is what it asks for.
+/// A longer number is printed as one that does not exist, as the peer does.
+constexpr int kLongestNumber = 29;
+
+/// Length of a format (%d, %f, %.3f) at the start of `text`, 0 for anything else; `decimals` is what it asks for. Of one that begins
+/// with %. and is none the peer leaves out the %.
 std::size_t format_length(std::string_view text, int& decimals) {
-  if (text.starts_with("%lf")) return decimals = 6, 3;
   if (text.starts_with("%d")) return decimals = 0, 2;
   if (text.starts_with("%f")) return decimals = 4, 2;
   if (text.size() >= 4 && text[1] == '.' && is_digit(text[2]) && text[3] == 'f')
     return decimals = text[2] - '0', 4;
-  return 0;
+  return text.starts_with("%.") ? 1 : 0;
 }
 }  // namespace
 
@@ -67,8 +70,8 @@ void Core::expand_text(std::string_view text, std::string& result) {
       // Rounding noise reads as 0, as the peer prints it.
       if (std::fabs(value.number) < 1e-4) value.number = 0;
       char number[352];
-      std::snprintf(number, sizeof number, "%.*f", decimals, value.number);
-      result += number;
+      const int length = std::snprintf(number, sizeof number, "%.*f", decimals, value.number);
+      result += length > kLongestNumber ? "######" : number;
     }
   }
 }

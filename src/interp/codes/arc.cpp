@@ -135,9 +135,9 @@ bool arc(Core& c, const Block& b, int code) {
     return c.fail(0, "Write the centre (I, J, K) or the radius (R)",
                   "R i j k words all missing for arc");
   if (center && b.has('r')) return c.fail('r', "Use either", "Mixed radius ijk format for arc");
+  if (!check_feed(c, b, "arc", "Cannot make arc with zero feed rate")) return false;
   if (b.has(p.unused))
     return c.fail(p.unused, "", "%c word given for arc in %s plane", upper(p.unused), p.name);
-  if (!check_feed(c, b, "arc", "Cannot make arc with zero feed rate")) return false;
   const std::size_t a1 = std::min(p.e1, p.e2), a2 = std::max(p.e1, p.e2);
   const bool polar = b.has('@') || b.has('^');
   if (!center && !b.has_axis(a1) && !b.has_axis(a2) && !polar)

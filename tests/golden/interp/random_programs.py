@@ -17,6 +17,8 @@ class Program:
         self.lines = []
         self.label = 100
         self.feed_known = False
+        self.inverse_time = seed % 3 == 0
+        self.breaks = seed % 2 == 0  # else `do`: 2.9 ends a do too early behind a break (docs/differences.md)
 
     def number(self, low=-20, high=20):
         r = self.rng
@@ -58,11 +60,16 @@ class Program:
             lambda: f"G53 G0 {self.axes()}",
             lambda: f"G4 P{r.uniform(0, 2):.2f}",
             lambda: r.choice(["G93", "G94", "G17", "G18", "G19", "G94 F100"]),
-            lambda: f"G38.3 {self.axes()} F50",
+            lambda: f"G94 G38.3 X{r.uniform(21, 40):.3f} F50",  # 2.9 probes without moving, and at another feed in G93
             lambda: f"G0 @{r.randint(1, 20)} ^{r.randint(-180, 180)}",
             lambda: "G80",
             lambda: r.choice(["G28", f"G28 {self.axes()}", "G30", "G28.1", "G30.1"]),
         ])())
+
+    def without_offset(self, text):
+        """2.9 counts tool offsets in the wrong unit behind G20 and G21, and forgets those of A, B and C in G28 and G30."""
+        self.lines.append("G49")
+        return text
 
     def arcs(self):
         r = self.rng
@@ -105,8 +112,8 @@ class Program:
             lambda: f"T{r.choice([1, 2, 7])} M6",
             lambda: f"G10 L1 P{r.choice([1, 2, 7])} {self.axes()} R{r.uniform(0, 3):.2f}",
             lambda: f"G10 L{r.choice([10, 11])} P{r.choice([1, 2, 7])} {self.axes()}",
-            lambda: r.choice(["G20", "G21", "G90", "G91"]),
-            lambda: r.choice(["G28.1", "G30.1", "G28", f"G30 {self.axes()}"]),
+            lambda: r.choice(["G90", "G91", self.without_offset("G20"), self.without_offset("G21")]),
+            lambda: self.without_offset(r.choice(["G28.1", "G30.1", "G28", f"G30 {self.axes()}"])),
             lambda: f"(debug, #{r.choice([5220, 5221, 5222, 5223, 5230, 5211, 5210, 5161, 5400, 5403, 5410, 5420, 5421])} "
                     f"#{r.choice([5241, 5261, 5281, 5301, 5321, 5361, 5381, 5422])} #<_x> #<_abs_y>)".replace(" #<_abs_y>", ""),
         ])())
@@ -135,8 +142,8 @@ class Program:
             lambda: r.choice(["G96 S100 D2000", "G96 S50", "G97 S300", "G97", "S600"]),
             lambda: r.choice(["M62 P0", "M63 P1", "M64 P2", "M65 P3", "M67 E0 Q1.5", "M68 E1 Q-2", "M66 P0 L0", "M66 E0 L0",
                               "M66 P1 L3 Q1"]),
-            lambda: r.choice(["M0", "M1", "M60", "M70", "M72", "M71"]),
-            lambda: r.choice(["M19 R90", "M19 R10 Q2", "M19 R0 P1", "G95", "G94", "G93", "G7", "G8"]),
+            lambda: r.choice(["M0", "M1", "M60", "M70", "M71", "M71" if self.inverse_time else "M72"]),  # 2.9 loses the feed
+            lambda: r.choice(["M19 R90", "M19 R10 Q2", "M19 R0 P1", "G95", "G94", "G93" if self.inverse_time else "G94", "G7", "G8"]),
             lambda: f"F{r.randint(0, 300)}",
             lambda: f"G1 X{self.number()} F{r.randint(1, 99)} S{r.randint(1, 99)} M3",
             lambda: f"G0 {self.axes()}",
@@ -198,9 +205,9 @@ class Program:
         elif kind == 2:
             self.branch(depth, start, f"o{label} while [{counter} LT {r.randint(1, 3)}]", step)
             if r.random() < 0.3:
-                lines.append(f"o{label} {r.choice(['break', 'continue'])}")
+                lines.append(f"o{label} {r.choice(['break', 'continue'] if self.breaks else ['continue'])}")
             lines.append(f"o{label} endwhile")
-        elif kind == 3:
+        elif kind == 3 and not self.breaks:
             self.branch(depth, start, f"o{label} do", step)
             lines.append(f"o{label} while [{counter} LT {r.randint(1, 3)}]")
         elif depth == 0:
@@ -218,7 +225,7 @@ class Program:
     def wrong(self):
         self.lines.append(self.rng.choice([
             "G1 X1 X2", "G0 G1 X3", "M3 M4", "G2 X5", "X5 G999", "G0 X[1/0]", "#1 = #<none>", "G10 L5 P1", "T55", "G43 H55",
-            "G0 Y-", "(unclosed", "G91 G53 G0 X1", "G81 X1", "M66", "M62", "G92", "o9 endif", "M199", "G4", "G41 X1", "R5", "P2"]))
+            "G0 Y-", "(unclosed", "G91 G53 G0 X1", "G81 X1", "M66", "M62", "G92", "o9 endif", "M199", "G4", "G41.1 X1", "R5", "P2"]))
 
     def text(self, theme, length):
         r = self.rng

@@ -31,9 +31,12 @@ TEST(Comments, BlanksAndCapitalsMayStandInTheirNames) {
 TEST(Comments, FormatsHoldUntilTheNextOne) {
   Rig rig;
   (void)rig.mdi("#1=3.14159 #2=0.00002 #3=-0.00001");
-  EXPECT_EQ(rig.debug("%d#1 %f#1 %.2f#1 #1 %lf#1"), "3 3.1416 3.14 3.14 3.141590");
+  EXPECT_EQ(rig.debug("%d#1 %f#1 %.2f#1 #1 %lf#1"), "3 3.1416 3.14 3.14 %lf3.14");
   EXPECT_EQ(rig.debug("%.0f#1 %.9f#1"), "3 3.141590000");
   EXPECT_EQ(rig.debug("%5d#1 100% %"), "%5d3.141590 100% %");
+  EXPECT_EQ(rig.debug("%.10f#1 %.3d#1 %."), ".10f3.141590 .3d3.141590 .");
+  (void)rig.mdi("#4=[10**21] #5=[10**22]");
+  EXPECT_EQ(rig.debug("#4 #5"), "1000000000000000000000.000000 ######");
   EXPECT_EQ(rig.debug("#2 #3"), "0.000000 0.000000");
   EXPECT_EQ(rig.debug("#<nope> #9999 #"), "###### ###### #");
 }
