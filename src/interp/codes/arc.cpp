@@ -136,9 +136,13 @@ bool arc(Core& c, const Block& b, int code) {
                   "R i j k words all missing for arc");
   if (center && b.has('r')) return c.fail('r', "Use either", "Mixed radius ijk format for arc");
   if (!check_feed(c, b, "arc", "Cannot make arc with zero feed rate")) return false;
-  if (b.has(p.unused))
-    return c.fail(p.unused, "", "%c word given for arc in %s plane", upper(p.unused), p.name);
   const std::size_t a1 = std::min(p.e1, p.e2), a2 = std::max(p.e1, p.e2);
+  if (b.has(p.unused)) {
+    char help[] = "The centre of an arc in this plane is written with I and J";
+    help[sizeof help - 8] = static_cast<char>('I' + a1);
+    help[sizeof help - 2] = static_cast<char>('I' + a2);
+    return c.fail(p.unused, help, "%c word given for arc in %s plane", upper(p.unused), p.name);
+  }
   const bool polar = b.has('@') || b.has('^');
   if (!center && !b.has_axis(a1) && !b.has_axis(a2) && !polar)
     return c.fail('r', "Write the end point", "%c and %c words missing for arc in %s plane",

@@ -127,8 +127,10 @@ bool rounded_profile(Core& c, const ProfileReading& p, Path& profile) {
   profile = std::move(*rounded);
   // round_corners() leaves out a way of no length: the cycle begins at the profile.
   const Move& way = p.moves.front();
-  const bool left_out = length_of(way) < lathe::kNothing && way.corner == 0;
+  const bool left_out = length_of(way) < lathe::kNothing;
   if (!left_out && !profile.empty()) profile.erase(profile.begin());
+  // Corners may take the whole of a move.
+  std::erase_if(profile, [](const Move& m) { return length_of(m) < lathe::kNothing; });
   if (profile.empty())
     return c.fail('q', "All moves of the sub end at the same point",
                   "G7X error: The profile has no moves");

@@ -114,10 +114,10 @@ bool lies_on(const Move& m, Point p) {
 std::optional<Path> round_corners(const Path& moves) {
   Path out;
   for (const Move& m : moves) {
-    const bool nothing = length(m.to - m.from) < kNothing;
-    if (nothing && (!out.empty() || m.corner == 0)) {
+    if (length(m.to - m.from) < kNothing) {
       // A line to where the tool stands; its corner is that of the move before.
-      if (m.corner > 0) out.back().corner = m.corner, out.back().chamfer = m.chamfer;
+      if (m.corner > 0 && !out.empty())
+        out.back().corner = m.corner, out.back().chamfer = m.chamfer;
       continue;
     }
     if (!out.empty() && out.back().corner > 0) {
