@@ -13,6 +13,11 @@ void AxisMover::place(double position) noexcept {
   active_ = stopping_ = false;
 }
 
+void AxisMover::start_at(double position, double velocity) noexcept {
+  place(position);
+  velocity_ = velocity;
+}
+
 void AxisMover::shift(double delta) noexcept {
   position_ += delta;
   target_ += delta;

@@ -7,6 +7,8 @@ class AxisMover {
  public:
   /// At rest at `position`.
   void place(double position) noexcept;
+  /// Under way at `position`, with a speed from elsewhere; go_to() says where to.
+  void start_at(double position, double velocity) noexcept;
   /// The coordinate of the present place changes by `delta`; the motion goes on.
   void shift(double delta) noexcept;
   /// Takes effect at once; `acc` above 0.

@@ -66,7 +66,7 @@ void Controller::adopt(const MachineConfig& config) noexcept {
 bool Controller::at_rest() const noexcept {
   if (!executor_.at_rest()) return false;
   for (std::size_t j = 0; j < joints_; ++j) {
-    if (joint_[j].mover.active()) return false;
+    if (joint_[j].mover.active() && !is_posthome(j)) return false;
   }
   for (const AxisMover& axis : axis_) {
     if (axis.active()) return false;
@@ -154,6 +154,15 @@ void Controller::switch_power(const Inputs& in, const Orders& orders) noexcept {
     if (enabled_) disable();
     return;
   }
+  // Off and on again between two cycles: the off counts too.
+  if (orders.enable_request != enable_request_) {
+    enable_request_ = orders.enable_request;
+    armed_ = true;
+    if (enabled_) {
+      disable();
+      return;  // the drives see it for a cycle
+    }
+  }
   if (enabled_) {
     if (machine_fault(in, orders) || (closing_down_ && at_rest())) disable();
     return;
@@ -209,7 +218,8 @@ bool Controller::joint_fault(std::size_t j, const Orders& orders) noexcept {
     joint.ferrored = true;
     return joint.error = true;
   }
-  if (!enabled_) return false;
+  // The feedback of an extra joint counts while it homes, and no more.
+  if (!enabled_ || is_posthome(j)) return false;
   // Manual, FERROR: the limit grows with the speed, from MIN_FERROR to FERROR at the joint's full speed.
   joint.ferror = joint.pos_cmd - joint.pos_fb;
   joint.ferror_high = std::max(joint.ferror_high, std::abs(joint.ferror));
@@ -272,7 +282,7 @@ void Controller::enable() noexcept {
   heartbeat_age_s_ = 0;
   for (std::size_t j = 0; j < joints_; ++j) {
     Joint& joint = joint_[j];
-    joint.pos_cmd = joint.pos_fb;
+    if (!is_posthome(j)) joint.pos_cmd = joint.pos_fb;
     joint.error = joint.ferrored = joint.faulted = false;
     joint.ferror = joint.ferror_high = 0;
   }

@@ -108,6 +108,11 @@ class Controller {
   void watch_probe(const Inputs& in) noexcept;
   void move(const Inputs& in, const Orders& orders, double dt) noexcept;
   void move_joints() noexcept;
+  /// Extra joints that are homed go where their pin says.
+  void follow_posthome(const Inputs& in, double dt) noexcept;
+  [[nodiscard]] bool is_posthome(std::size_t j) const noexcept {
+    return j + static_cast<std::size_t>(status_.extra_joints) >= joints_ && joint_[j].homed;
+  }
   void take_up_play(double dt) noexcept;
   [[nodiscard]] bool jogging() const noexcept;
 
@@ -133,6 +138,7 @@ class Controller {
   AxisConfig axis_limit_[rtapi::kAxes];  ///< of the axis and of the joints that it moves alone
 
   bool configured_{false}, enabled_{false}, armed_{true}, closing_down_{false};
+  std::uint32_t enable_request_{0};  ///< the last one seen
   bool single_step_{false};
   bool start_due_{false}, start_taken_{false};
   bool jog_stop_before_{false}, jog_dead_before_{false}, probe_before_{false};

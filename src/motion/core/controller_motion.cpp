@@ -155,7 +155,7 @@ bool Controller::may_jog(const Inputs& in, const Orders& orders) const noexcept 
 bool Controller::may_jog_joint(std::size_t j) const noexcept {
   // Joints that home together would be racked by a jog of one of them (manual, HOME_SEQUENCE).
   const bool bound = !joint_[j].homed && config_.joint[j].home_sequence < 0;
-  return mode_ == MotionMode::free && !bound;
+  return mode_ == MotionMode::free && !bound && !is_posthome(j);
 }
 
 void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
@@ -270,7 +270,8 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   pose_fb_ = pose_;
   (void)kinematics_.forward(feedback, pose_fb_);
   if (!enabled_) {
-    for (std::size_t j = 0; j < joints_; ++j) joint_[j].pos_cmd = feedback[j];
+    for (std::size_t j = 0; j < joints_; ++j)
+      if (!is_posthome(j)) joint_[j].pos_cmd = feedback[j];
     pose_ = pose_fb_;
     guard_.follow(joints_, joint_);
     return;
@@ -294,7 +295,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   if (mode_ == MotionMode::free) {
     JointVector q{};
     for (std::size_t j = 0; j < joints_; ++j) {
-      joint_[j].mover.step(dt);
+      if (!is_posthome(j)) joint_[j].mover.step(dt);
       q[j] = joint_[j].pos_cmd = joint_[j].mover.position();
     }
     (void)kinematics_.forward(q, pose_);
@@ -310,8 +311,35 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
     }
     move_joints();
   }
+  follow_posthome(in, dt);
   guard_.check(joints_, joint_, config_, dt, status_.current, faults_);
   take_up_play(dt);
+}
+
+/// motion(9), "JOINT posthome pins". The pin's planner (limit3, simple_tp) is followed exactly while it keeps to the joint's limits; a pin
+/// that jumps, or was elsewhere while the machine was off, is caught up with at the joint's own speed and acceleration.
+void Controller::follow_posthome(const Inputs& in, double dt) noexcept {
+  for (std::size_t j = joints_ - std::min(static_cast<std::size_t>(status_.extra_joints), joints_);
+       j < joints_; ++j) {
+    if (!is_posthome(j)) continue;
+    Joint& joint = joint_[j];
+    const JointConfig& c = config_.joint[j];
+    if (!std::isfinite(in.joint[j].posthome_cmd)) continue;
+    const double wanted =
+        std::clamp(in.joint[j].posthome_cmd, std::min(c.min_limit, c.max_limit), c.max_limit);
+    const double vel = (wanted - joint.pos_cmd) / dt;
+    constexpr double kAllowance = 1 + 1e-6;
+    const bool can = std::abs(vel) <= c.max_vel * kAllowance &&
+                     std::abs(vel - joint.last_vel) <= c.max_acc * dt * kAllowance;
+    if (can) {
+      joint.mover.place(wanted);
+    } else {
+      if (!joint.mover.active()) joint.mover.start_at(joint.pos_cmd, joint.last_vel);
+      joint.mover.go_to(wanted, c.max_vel);
+      joint.mover.step(dt);
+    }
+    joint.pos_cmd = joint.mover.position();
+  }
 }
 
 /// On top of the joint's own motion, so it gets the half of its limits that drives must have in reserve for it (LinuxCNC

@@ -21,6 +21,7 @@ struct WheelInputs {
 
 struct JointInputs {
   double motor_pos_fb{0};
+  double posthome_cmd{0};  ///< of an extra joint
   bool home_switch{false}, neg_limit{false}, pos_limit{false}, amp_fault{false};
 };
 
@@ -46,6 +47,7 @@ struct Inputs {
 struct Orders {
   std::uint32_t abort_epoch{1};
   bool enable{false}, hold{false};
+  std::uint32_t enable_request{0};  ///< number of the request that enable stands for
   bool path_ring_empty{true};  ///< nothing waits before the planner
   std::uint64_t heartbeat{0};
   const Intent* values{nullptr};

@@ -108,6 +108,10 @@ Motmod::Motmod(hal::Builder& b) noexcept
   pins_.add_debug_params();
   io_.create(b, args_);
   create_unlock_pins(b);
+  for (std::size_t j = joint_.size() - static_cast<std::size_t>(args_.extra_joints);
+       j < joint_.size(); ++j)
+    posthome_cmd_.add(b, detail::pin_name("joint.#.", j, "posthome-cmd"),
+                      "Where the extra joint goes once it is homed");
   create_parts(b);
   handler_ = function_named<&Motmod::command_handler>(
       "motion-command-handler", "Reads what task wants; first in servo-thread");
@@ -125,9 +129,6 @@ void Motmod::create_unlock_pins(hal::Builder& b) noexcept {
       hal::declare_pin<In<Bit>>(b, detail::pin_name("joint.#.", j, "is-unlocked"),
                                 "The indexer is unlocked");
     }
-    if (j + static_cast<std::size_t>(args_.extra_joints) >= joint_.size())
-      hal::declare_pin<In<double>>(b, detail::pin_name("joint.#.", j, "posthome-cmd"),
-                                   "Position after homing, of an extra joint");
   }
 }
 

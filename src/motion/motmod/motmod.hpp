@@ -75,6 +75,7 @@ class Motmod final : public hal::Component<Motmod> {
   hal::Array<JointPins> joint_;
   hal::Array<AxisPins> axis_;
   hal::Array<SpindlePins> spindle_;
+  hal::PinArray<In<double>, kMaxJoints> posthome_cmd_;  ///< of the extra joints
   IoPins io_;
   MotionShared* shared_{nullptr};
   PlannerLink* link_{nullptr};

@@ -11,7 +11,8 @@ template <class Cell>
 void read_orders(const Cell& cell, Orders& orders) noexcept {
   orders.heartbeat = cell.heartbeat.get();
   orders.hold = cell.hold.observe() != 0;
-  orders.enable = cell.enable.observe() != 0;
+  orders.enable_request = cell.enable.observe();
+  orders.enable = orders.enable_request != 0;
   orders.abort_epoch = cell.abort_epoch.observe();
 }
 

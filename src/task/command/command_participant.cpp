@@ -46,6 +46,7 @@ CommandParticipant::CommandParticipant(const Parts& parts) : p_(parts) {
   joint_jog_owner_.fill(kNobody);
   axis_jog_owner_.fill(kNobody);
   p_.motion.config.write(machine_);
+  enable_request_ = p_.motion.intent.enable.observe();
   p_.motion.intent.enable.publish(0);
   p_.motion.intent.hold.publish(0);
   write_intent();

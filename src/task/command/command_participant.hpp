@@ -192,6 +192,7 @@ class CommandParticipant final : public rtapi::Participant {
   rtapi::Nanos next_beat_{0};
   std::uint64_t beats_{0};
   std::uint32_t epoch_{1};
+  std::uint32_t enable_request_{0};  ///< number of the last one
   std::uint64_t faults_seen_{0};
   std::string last_fault_;
   std::uint64_t messages_{0}, error_messages_{0};

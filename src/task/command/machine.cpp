@@ -154,7 +154,8 @@ void CommandParticipant::do_state(Ticket ticket, const Request& request) {
     abort_all(abort_none);
     enabling_ = true;
     pending.deadline = now_ + kStateTime;
-    p_.motion.intent.enable.publish(1);
+    if (++enable_request_ == 0) ++enable_request_;
+    p_.motion.intent.enable.publish(enable_request_);
   }
   pending.epoch = epoch_;
 }
