@@ -37,6 +37,7 @@ class SetupReader {
     for (int j = 0; j < out_.setup.motion.joints; ++j) joint(j);
     for (std::size_t a = 0; a < rtapi::kAxes; ++a)
       if ((out_.setup.motion.axis_mask & (1U << a)) != 0) axis(a);
+    jerks();
     identity_limits();
     for (int s = 0; s < out_.setup.motion.spindles; ++s) spindle(s);
     display();
@@ -81,6 +82,7 @@ class SetupReader {
     const double linear = s.linear_unit_mm;
     m.traj_max_vel_mm_s = r_.real("TRAJ", "MAX_LINEAR_VELOCITY", 1e9) * linear;
     m.traj_max_acc_mm_s2 = r_.real("TRAJ", "MAX_LINEAR_ACCELERATION", 1e9) * linear;
+    m.traj_max_jerk_mm_s3 = std::max(0.0, r_.real("TRAJ", "MAX_LINEAR_JERK")) * linear;
     m.traj_max_ang_vel_deg_s = r_.real("TRAJ", "MAX_ANGULAR_VELOCITY", 1e9) * s.angular_unit_deg;
     s.default_vel_mm_s = r_.real("TRAJ", "DEFAULT_LINEAR_VELOCITY") * linear;
     s.default_acc_mm_s2 = r_.real("TRAJ", "DEFAULT_LINEAR_ACCELERATION") * linear;
@@ -180,6 +182,34 @@ class SetupReader {
     a.max_jerk = r_.real(section, "MAX_JERK") * unit;
     limits(section, unit, a);
     a.offset_av_ratio = r_.real(section, "OFFSET_AV_RATIO");
+  }
+
+  /// [TRAJ]PLANNER_TYPE 0 switches all jerk limits off; without it they count where they are given. MAX_LINEAR_JERK counts for linear joints and
+  /// axes that have none of their own.
+  void jerks() {
+    auto& m = out_.setup.motion;
+    const bool asked = r_.has("TRAJ", "PLANNER_TYPE");
+    const bool off = asked && r_.choice("TRAJ", "PLANNER_TYPE") == 0;
+    if (off) m.traj_max_jerk_mm_s3 = 0;
+    bool any = m.traj_max_jerk_mm_s3 > 0;
+    for (std::size_t j = 0; j < static_cast<std::size_t>(std::max(m.joints, 0)); ++j) {
+      double& jerk = m.joint[j].max_jerk;
+      if (off) jerk = 0;
+      if (!(jerk > 0) && !m.joint[j].rotary) jerk = m.traj_max_jerk_mm_s3;
+      any = any || jerk > 0;
+    }
+    for (std::size_t a = 0; a < rtapi::kAxes; ++a) {
+      double& jerk = m.axis[a].max_jerk;
+      const bool exists = (m.axis_mask & (1U << a)) != 0;
+      if (off || !exists) jerk = 0;
+      if (exists && !(jerk > 0) && !rtapi::is_rotary(a)) jerk = m.traj_max_jerk_mm_s3;
+      any = any || jerk > 0;
+    }
+    if (asked && !off && !any)
+      r_.complain("TRAJ", "PLANNER_TYPE",
+                  "is 1, but there is no [JOINT_n]MAX_JERK, [AXIS_L]MAX_JERK or "
+                  "[TRAJ]MAX_LINEAR_JERK: only acceleration is limited",
+                  false);
   }
 
   /// Identity kinematics: a joint must reach all that its axis may.

@@ -8,7 +8,6 @@ namespace {
 constexpr std::string_view kBlends =
     "without effect: corners are rounded within G64 P and Q, and the planner looks ahead as far as "
     "it takes";
-constexpr std::string_view kJerk = "not yet: motion is limited in acceleration, not in jerk";
 constexpr std::string_view kIndexer = "not yet: locking rotary indexers";
 constexpr std::string_view kCompensation = "not yet: screw compensation";
 
@@ -59,9 +58,19 @@ constexpr Key kTrajRows[] = {
     real("MAX_ANGULAR_ACCELERATION", "the same for moves of rotary axes alone")
         .unit(kPerSecond2)
         .idle("without effect: [AXIS_L] and [JOINT_n]MAX_ACCELERATION bound rotary axes"),
-    real("MAX_LINEAR_JERK", "bound of the jerk along the path").unit(kPerSecond3).no(kJerk),
-    choice("PLANNER_TYPE", "0 1", "0 limits acceleration, 1 jerk").no(kJerk),
-    real("SCURVE_PEAK_SCALE", "part of the jerk that S-curves use").from(0.1).to(1).no(kJerk),
+    real("MAX_LINEAR_JERK",
+         "bound of the jerk along the path, and of linear joints and axes without MAX_JERK; 0 none")
+        .unit(kPerSecond3)
+        .from(0)
+        .otherwise("0"),
+    choice(
+        "PLANNER_TYPE", "0 1",
+        "0 limits acceleration only, 1 jerk too; without it jerk limits count where they are given")
+        .otherwise_as("1"),
+    real("SCURVE_PEAK_SCALE", "part of the jerk that S-curves use")
+        .from(0.1)
+        .to(1)
+        .idle("without effect: the whole of the jerk limit may be used"),
     real("MAX_LINEAR_ACCEL", "").no("no key of LinuxCNC: MAX_LINEAR_ACCELERATION is meant"),
     real("DEFAULT_LINEAR_ACCEL", "").no("no key of LinuxCNC: DEFAULT_LINEAR_ACCELERATION is meant"),
     integer("SMOOTH_PLANNER", "0 refuses R of G64")
@@ -118,11 +127,7 @@ constexpr Key kAxisRows[] = {
         .unit(kPerSecond2)
         .above(0)
         .otherwise("1.0"),
-    real("MAX_JERK", "highest jerk of the axis, 0 none")
-        .unit(kPerSecond3)
-        .from(0)
-        .otherwise("0")
-        .no(kJerk),
+    real("MAX_JERK", "highest jerk of the axis, 0 none").unit(kPerSecond3).from(0).otherwise("0"),
     real("MIN_LIMIT", "soft limit").unit(kUnits).otherwise_as("none"),
     real("MAX_LIMIT", "soft limit").unit(kUnits).otherwise_as("none"),
     boolean("WRAPPED_ROTARY", "the axis goes the way that the sign of the word says, 0 to 360")
@@ -154,7 +159,7 @@ constexpr Key kJointRows[] = {
         .unit(kPerSecond2)
         .above(0)
         .otherwise("1.0"),
-    real("MAX_JERK", "highest jerk, 0 none").unit(kPerSecond3).from(0).otherwise("0").no(kJerk),
+    real("MAX_JERK", "highest jerk, 0 none").unit(kPerSecond3).from(0).otherwise("0"),
     real("MIN_LIMIT", "soft limit; with trivkins a joint must reach all that its axis may")
         .unit(kUnits)
         .otherwise_as("none"),

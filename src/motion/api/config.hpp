@@ -47,6 +47,11 @@ struct AxisConfig {
   double offset_av_ratio{0};
 };
 
+/// The smaller of two jerk limits, of which 0 is none.
+[[nodiscard]] constexpr double least_jerk(double a, double b) noexcept {
+  return a > 0 && (a < b || !(b > 0)) ? a : b;
+}
+
 /// [SPINDLE_n], rpm
 struct SpindleConfig {
   double max_forward_rpm{1e99}, min_forward_rpm{0}, max_reverse_rpm{1e99}, min_reverse_rpm{0};
@@ -62,6 +67,7 @@ struct MachineConfig {
   double traj_max_vel_mm_s{1};  ///< [TRAJ]MAX_LINEAR_VELOCITY
   double traj_max_ang_vel_deg_s{360};
   double traj_max_acc_mm_s2{1e9};
+  double traj_max_jerk_mm_s3{0};  ///< [TRAJ]MAX_LINEAR_JERK; 0: not limited
   double linear_units_per_mm{
       1};  ///< machine units in 1 mm: pins and parameter files are in machine units
   double max_feed_override{1};      ///< [DISPLAY]MAX_FEED_OVERRIDE, bounds adaptive feed too

@@ -60,7 +60,7 @@ struct FaultRecord {
 };
 
 struct JointStatus {
-  double pos_cmd{0}, pos_fb{0}, vel_cmd{0}, acc_cmd{0};
+  double pos_cmd{0}, pos_fb{0}, vel_cmd{0}, acc_cmd{0}, jerk_cmd{0};
   double ferror{0}, ferror_limit{0}, ferror_high{0};
   double motor_offset{0};
   std::int32_t home_state{0};  ///< 0: not homing

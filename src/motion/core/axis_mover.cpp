@@ -6,10 +6,16 @@
 #include "motion/core/profile.hpp"
 
 namespace kerf::motion {
+namespace {
+/// A target passed or missed by less than this is met: rounding (mm, degrees).
+constexpr double kSamePlace = 1e-9;
+/// Phases in one cycle: up, along, down, and turning round.
+constexpr int kPhases = 8;
+}  // namespace
 
 void AxisMover::place(double position) noexcept {
   position_ = target_ = position;
-  velocity_ = 0;
+  velocity_ = acceleration_ = 0;
   active_ = stopping_ = false;
 }
 
@@ -44,6 +50,8 @@ double AxisMover::brake(double t) noexcept {
 
 void AxisMover::step(double dt) noexcept {
   if (!active_) return;
+  if (jerk_ > 0) return step_with_jerk(dt);
+  acceleration_ = 0;
   double rest = dt;
   for (int phase = 0; phase < 6 && rest > 0; ++phase) {
     if (stopping_) {
@@ -71,6 +79,58 @@ void AxisMover::step(double dt) noexcept {
     if (state.left > 0) return;
     place(target_);
     return;
+  }
+}
+
+/// Anew in every phase: what is left, seen in the direction of the target, and the ramp that the target asks for.
+void AxisMover::step_with_jerk(double dt) noexcept {
+  const RampLimits limits{acc_, jerk_};
+  double rest = dt;
+  for (int phase = 0; phase < kPhases && rest > 0; ++phase) {
+    const RampState state{velocity_, acceleration_};
+    if (stopping_) {
+      const Ramp ramp = ramp_to(state, 0, limits);
+      const double need = ramp.duration();
+      RampState next = state;
+      position_ += ramp.advance(next, rest);
+      velocity_ = next.speed;
+      acceleration_ = next.acc;
+      if (need <= rest) place(position_);
+      return;
+    }
+    const double way = target_ - position_;
+    // What is left to do would be rounding.
+    if (std::abs(way) <= kSamePlace &&
+        std::abs(velocity_) * ramp_to(state, 0, limits).duration() <= kSamePlace) {
+      place(target_);
+      return;
+    }
+    const double sign = way >= 0 ? 1.0 : -1.0;
+    RampState along{sign * velocity_, sign * acceleration_};
+    const RampBound end{std::abs(way), 0, true};
+    bool feasible = true;
+    // Infeasible: it has to come back. It stands at once as soon as it can.
+    const double goal = ramp_target(along, speed_limit_, end, limits, feasible);
+    const bool cruises = along.acc == 0 && along.speed == goal && goal > 0;
+    double used = 0;
+    if (cruises) {
+      const double spare = end.left - stopping_distance(goal, limits);
+      // Else it is on the brake curve already.
+      if (spare > kSamePlace) {
+        used = std::min(spare / goal, rest);
+        position_ += sign * goal * used;
+        rest -= used;
+        continue;
+      }
+    }
+    const Ramp ramp = ramp_to(along, cruises ? 0.0 : goal, limits);
+    const double need = ramp.duration();
+    used = std::min(need, rest);
+    position_ += sign * ramp.advance(along, used);
+    rest -= used;
+    if (need <= used) along = {cruises ? 0.0 : goal, 0};
+    velocity_ = sign * along.speed;
+    acceleration_ = sign * along.acc;
   }
 }
 

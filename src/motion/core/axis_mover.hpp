@@ -1,5 +1,7 @@
-// AxisMover: one joint or axis alone, for jogs and homing. Trapezoid in closed form; pure arithmetic, @rt.
+// AxisMover: one joint or axis alone, for jogs and homing. In closed form, limited in acceleration or in jerk too; pure arithmetic, @rt.
 #pragma once
+
+#include "motion/core/ramp.hpp"
 
 namespace kerf::motion {
 
@@ -11,13 +13,16 @@ class AxisMover {
   void start_at(double position, double velocity) noexcept;
   /// The coordinate of the present place changes by `delta`; the motion goes on.
   void shift(double delta) noexcept;
-  /// Takes effect at once; `acc` above 0.
-  void set_acc(double acc) noexcept { acc_ = acc; }
+  /// Takes effect at once; `acc` above 0; `jerk` 0: not limited.
+  void set_limits(double acc, double jerk) noexcept {
+    acc_ = acc;
+    jerk_ = jerk;
+  }
   /// Towards `target` with at most `speed`; may be called at any time, also to turn round.
   void go_to(double target, double speed) noexcept;
   /// Brakes and stays where it comes to rest.
   void stop() noexcept;
-  /// Stands at once, whatever the acceleration limit says (motion.jog-stop-immediate).
+  /// Stands at once, whatever the limits say (motion.jog-stop-immediate).
   void stop_dead() noexcept { place(position_); }
   void step(double dt) noexcept;
 
@@ -30,8 +35,10 @@ class AxisMover {
  private:
   /// Brakes to rest; gives the time used.
   double brake(double t) noexcept;
+  void step_with_jerk(double dt) noexcept;
 
-  double position_{0}, velocity_{0}, target_{0}, speed_limit_{0}, acc_{1};
+  double position_{0}, velocity_{0}, target_{0}, speed_limit_{0}, acc_{1}, jerk_{0};
+  double acceleration_{0};  ///< with a jerk limit; signed
   bool active_{false}, stopping_{false};
 };
 

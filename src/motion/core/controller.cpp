@@ -32,7 +32,7 @@ void Controller::configure(const MachineConfig& config) noexcept {
                       config.adaptive_reverses, path_limits_of(kinematics_, config).axes);
   spindles_.configure(config, static_cast<std::int32_t>(spindle_count_));
   for (std::size_t j = 0; j < joints_; ++j)
-    joint_[j].mover.set_acc(std::max(config.joint[j].max_acc, 1e-6));
+    joint_[j].mover.set_limits(std::max(config.joint[j].max_acc, 1e-6), config.joint[j].max_jerk);
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     AxisConfig& limit = axis_limit_[i] = config.axis[i];
     for (std::size_t j = 0; j < joints_; ++j) {
@@ -41,10 +41,11 @@ void Controller::configure(const MachineConfig& config) noexcept {
       const JointConfig& c = config.joint[j];
       limit.max_vel = std::min(limit.max_vel, c.max_vel);
       limit.max_acc = std::min(limit.max_acc, c.max_acc);
+      limit.max_jerk = least_jerk(limit.max_jerk, c.max_jerk);
       limit.min_limit = std::max(limit.min_limit, c.min_limit);
       limit.max_limit = std::min(limit.max_limit, c.max_limit);
     }
-    axis_[i].set_acc(std::max(limit.max_acc, 1e-6));
+    axis_[i].set_limits(std::max(limit.max_acc, 1e-6), limit.max_jerk);
   }
 }
 

@@ -101,7 +101,7 @@ class Controller {
   };
   void take_wheels(const Inputs& in, const Orders& orders) noexcept;
   static void turn_wheel(const WheelInputs& in, Wheel& wheel, bool allowed, AxisMover& mover,
-                         double max_vel, double max_acc, Range range) noexcept;
+                         double max_vel, double max_acc, double max_jerk, Range range) noexcept;
   void take_homing(const Inputs& in, const Orders& orders) noexcept;
   void take_unhome(std::int32_t which) noexcept;
   void watch_jog_stop(const Inputs& in) noexcept;
@@ -140,6 +140,7 @@ class Controller {
   bool configured_{false}, enabled_{false}, armed_{true}, closing_down_{false};
   std::uint32_t enable_request_{0};  ///< the last one seen
   bool single_step_{false};
+  int led_cycles_{0};  ///< cycles for which a spindle's lead still shows in differences
   bool start_due_{false}, start_taken_{false};
   bool jog_stop_before_{false}, jog_dead_before_{false}, probe_before_{false};
   MotionMode mode_{MotionMode::free}, refused_mode_{MotionMode::free};

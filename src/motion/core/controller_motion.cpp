@@ -9,6 +9,7 @@ namespace {
 /// A continuous jog without limits goes this far at most (mm, degrees).
 constexpr double kEndlessJog = 1e6;
 constexpr double kAtLimit = 1e-9;
+constexpr int kLedCycles = 4;
 constexpr double kLeastAcc = 1e-6;  ///< movers divide by it
 }  // namespace
 
@@ -165,7 +166,8 @@ void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
     if (want.joint_jog[j].seq == joint_jog_seen_[j]) continue;
     const Range range = joint_range(j, want);
     joint_wheel_[j].drives = false;
-    joint_[j].mover.set_acc(std::max(config_.joint[j].max_acc, kLeastAcc));
+    joint_[j].mover.set_limits(std::max(config_.joint[j].max_acc, kLeastAcc),
+                               config_.joint[j].max_jerk);
     take_jog(want.joint_jog[j], joint_jog_seen_[j], ready && may_jog_joint(j), joint_[j].mover,
              static_cast<std::int32_t>(j), config_.joint[j].max_vel, range.low, range.high);
   }
@@ -174,7 +176,7 @@ void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
     const bool exists = (kinematics_.axis_mask() >> i & 1U) != 0;
     const Range range = axis_range(i, want);
     axis_wheel_[i].drives = false;
-    axis_[i].set_acc(std::max(axis_limit_[i].max_acc, kLeastAcc));
+    axis_[i].set_limits(std::max(axis_limit_[i].max_acc, kLeastAcc), axis_limit_[i].max_jerk);
     take_jog(want.axis_jog[i], axis_jog_seen_[i], ready && exists && mode_ == MotionMode::teleop,
              axis_[i], static_cast<std::int32_t>(i), axis_limit_[i].max_vel, range.low, range.high);
   }
@@ -185,18 +187,20 @@ void Controller::take_wheels(const Inputs& in, const Orders& orders) noexcept {
   const bool ready = may_jog(in, orders) && !in.jog_stop && !in.jog_stop_immediate;
   for (std::size_t j = 0; j < joints_; ++j)
     turn_wheel(in.joint_wheel[j], joint_wheel_[j], ready && may_jog_joint(j), joint_[j].mover,
-               config_.joint[j].max_vel, config_.joint[j].max_acc, joint_range(j, want));
+               config_.joint[j].max_vel, config_.joint[j].max_acc, config_.joint[j].max_jerk,
+               joint_range(j, want));
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     if ((kinematics_.axis_mask() >> i & 1U) == 0) continue;
     turn_wheel(in.axis_wheel[i], axis_wheel_[i], ready && mode_ == MotionMode::teleop, axis_[i],
-               axis_limit_[i].max_vel, axis_limit_[i].max_acc, axis_range(i, want));
+               axis_limit_[i].max_vel, axis_limit_[i].max_acc, axis_limit_[i].max_jerk,
+               axis_range(i, want));
   }
 }
 
 /// Manual, motion(9), jog-counts: each count moves the target by jog-scale; in velocity mode the target keeps no farther ahead than
 /// the way to stop.
 void Controller::turn_wheel(const WheelInputs& in, Wheel& wheel, bool allowed, AxisMover& mover,
-                            double max_vel, double max_acc, Range range) noexcept {
+                            double max_vel, double max_acc, double max_jerk, Range range) noexcept {
   // Unsigned, so that a counter may run over.
   const auto turned = static_cast<std::int32_t>(static_cast<std::uint32_t>(in.counts) -
                                                 static_cast<std::uint32_t>(wheel.counts));
@@ -206,7 +210,7 @@ void Controller::turn_wheel(const WheelInputs& in, Wheel& wheel, bool allowed, A
   max_acc = std::max(max_acc, kLeastAcc);
   if (wheel.drives && !mover.active()) {
     wheel.drives = false;
-    mover.set_acc(max_acc);
+    mover.set_limits(max_acc, max_jerk);
   }
   // A jog by button goes first.
   if (!moved || !allowed || !in.enable || (mover.active() && !wheel.drives)) return;
@@ -215,11 +219,12 @@ void Controller::turn_wheel(const WheelInputs& in, Wheel& wheel, bool allowed, A
   const bool fraction = in.accel_fraction > 0 && in.accel_fraction < 1;
   const double acc = fraction ? max_acc * in.accel_fraction : max_acc;
   // Not in the middle of a move, which could then not stop in time.
-  if (!wheel.drives) mover.set_acc(acc);
+  if (!wheel.drives) mover.set_limits(acc, max_jerk);
   const double here = mover.position();
   double target = (wheel.drives ? mover.target() : here) + way;
   if (in.velocity_mode) {
-    const double ahead = max_vel * max_vel / (2 * acc);
+    const double ahead = max_jerk > 0 ? stopping_distance(max_vel, RampLimits{acc, max_jerk})
+                                      : max_vel * max_vel / (2 * acc);
     target = std::clamp(target, here - ahead, here + ahead);
   }
   // From outside the limits only the way back is open.
@@ -312,7 +317,11 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
     move_joints();
   }
   follow_posthome(in, dt);
-  guard_.check(joints_, joint_, config_, dt, status_.current, faults_);
+  // Spindles and pins that lead have no jerk limit; differences look some cycles back.
+  led_cycles_ = executor_.follows_spindle() ? kLedCycles : std::max(led_cycles_ - 1, 0);
+  std::uint32_t led = led_cycles_ > 0 ? ~0U : 0U;
+  for (std::size_t j = 0; j < joints_; ++j) led |= is_posthome(j) ? 1U << j : 0U;
+  guard_.check(joints_, joint_, config_, dt, led, status_.current, faults_);
   take_up_play(dt);
 }
 
@@ -357,7 +366,7 @@ void Controller::take_up_play(double dt) noexcept {
     const bool decided = std::abs(joint.vel_cmd) > kStill || joint.backlash.target() != 0;
     const double wanted = decided ? side * c.backlash : 0.0;
     if (wanted != joint.backlash.target() || joint.backlash.active()) {
-      joint.backlash.set_acc(std::max(kShare * c.max_acc, 1e-6));
+      joint.backlash.set_limits(std::max(kShare * c.max_acc, 1e-6), kShare * c.max_jerk);
       joint.backlash.go_to(wanted, kShare * c.max_vel);
       joint.backlash.step(dt);
     }

@@ -17,6 +17,7 @@ void Controller::fill_joint(std::size_t j) noexcept {
   s.pos_fb = joint.pos_fb;
   s.vel_cmd = joint.vel_cmd;
   s.acc_cmd = joint.acc_cmd;
+  s.jerk_cmd = joint.jerk_cmd;
   s.ferror = joint.ferror;
   s.ferror_limit = joint.ferror_limit;
   s.ferror_high = joint.ferror_high;

@@ -42,7 +42,7 @@ bool same_place(const Pose& a, const Pose& b) noexcept {
 
 void Executor::place(const Pose& pose) noexcept {
   pose_ = pose;
-  sigma_speed_ = speed_ = left_ = half_way_ = 0;
+  sigma_speed_ = sigma_acc_ = speed_ = left_ = half_way_ = 0;
   distance_ = 0;
   started_ = ending_ = failing_ = arriving_ = false;
   kind_ = MotionKind::none;
@@ -55,6 +55,13 @@ const PathSpan* Executor::move() const noexcept {
   if (!started_) return nullptr;
   const Span* span = spans_.front();
   return span == nullptr ? nullptr : std::get_if<PathSpan>(&span->body);
+}
+
+bool Executor::follows_spindle() const noexcept {
+  const Span* span = started_ ? spans_.front() : nullptr;
+  if (span == nullptr) return false;
+  const auto* move = std::get_if<PathSpan>(&span->body);
+  return move != nullptr ? move->sync.per_rev > 0 : std::holds_alternative<TapSpan>(span->body);
 }
 
 void Executor::blocked(PathWait why, std::int32_t index) noexcept {
@@ -139,7 +146,7 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
       if (span == nullptr) {
         // The planner's plan ends in a stop; nothing behind it is a fault of ours, and standing is all that is left.
         if (!at_rest()) raise(faults, Fault::path_starved_internal, -1, speed_, 0, current_);
-        sigma_speed_ = speed_ = 0;
+        sigma_speed_ = sigma_acc_ = speed_ = 0;
         sync_.end();
         break;
       }
@@ -503,8 +510,9 @@ double Executor::stop_within(const PathSpan& move, double low, double dt) noexce
 /// One step along the stretch; gives the time used.
 double Executor::drive(const PathSpan& move, const Ends& ends, double x_wanted,
                        double dt) noexcept {
-  const double used =
-      move.even_acc > 0 ? run_even(move, ends, x_wanted, dt) : run_curved(move, ends, x_wanted, dt);
+  const double used = move.even_jerk > 0  ? run_ramps(move, x_wanted, dt)
+                      : move.even_acc > 0 ? run_even(move, ends, x_wanted, dt)
+                                          : run_curved(move, ends, x_wanted, dt);
   const double at = move.from + move.length - left_;
   const path::Vec slope = move.piece.first(at);
   pose_ = left_ <= 0 && move.at_end_exactly ? move.end : to_pose(move.piece.point(at));
@@ -541,7 +549,7 @@ double Executor::run_move(const Span& span, const PathSpan& move, const PathInpu
 
 /// Nothing of the span may be read after finish() or fail_path(): its place in the ring is free then.
 void Executor::end_span(const Span& span, const PathSpan& move, FaultList& faults) noexcept {
-  if (move.stop_at_end) sigma_speed_ = 0;
+  if (move.stop_at_end) sigma_speed_ = sigma_acc_ = 0;
   sync_.passed(move.length);
   if (move.probe || ending_ || move.sync.per_rev > 0)
     history_.clear();

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 
+#include "motion/core/ahead.hpp"
 #include "motion/core/io.hpp"
 #include "motion/core/path/history.hpp"
 #include "motion/core/path/limits.hpp"
@@ -69,6 +70,8 @@ class Executor {
   /// Single stepping stands at the end of a block until hold is given and released again.
   [[nodiscard]] bool step_done() const noexcept { return waiting_ == PathWait::hold && !started_; }
   [[nodiscard]] bool moving_item() const noexcept { return started_ && kind_ != MotionKind::none; }
+  /// A spindle decides how fast it goes (threads, taps).
+  [[nodiscard]] bool follows_spindle() const noexcept;
   /// Drives what lies behind the newest move: backwards, or forwards again.
   [[nodiscard]] bool retraces() const noexcept { return track_.on; }
   [[nodiscard]] std::uint64_t executed_seq() const noexcept { return executed_seq_; }
@@ -134,6 +137,9 @@ class Executor {
   [[nodiscard]] double run_curved(const PathSpan& move, const Ends& ends, double x_wanted,
                                   double dt) noexcept;
   double drive(const PathSpan& move, const Ends& ends, double x_wanted, double dt) noexcept;
+  // executor_jerk.cpp: with jerk limits
+  [[nodiscard]] double run_ramps(const PathSpan& move, double x_wanted, double dt) noexcept;
+  [[nodiscard]] Course track_course(RampState state, double cap, double dt) const noexcept;
   [[nodiscard]] double stop_within(const PathSpan& move, double low, double dt) noexcept;
 
   // retrace.cpp
@@ -178,6 +184,7 @@ class Executor {
 
   Pose pose_;
   double sigma_speed_{0};  ///< dsigma/dt, never negative; kept from span to span
+  double sigma_acc_{0};    ///< with jerk limits; signed
   double left_{0};         ///< of the span in execution (sigma)
   double half_way_{
       0};  ///< above 0: the span begins and ends at rest; it speeds up until this much is left ...

@@ -16,34 +16,42 @@ void Guard::reset(std::size_t joints, Joint* state) noexcept {
 void Guard::follow(std::size_t joints, Joint* state) noexcept {
   for (std::size_t j = 0; j < joints; ++j) {
     state[j].last_pos = state[j].pos_cmd;
-    state[j].last_vel = state[j].vel_cmd = state[j].acc_cmd = 0;
+    state[j].last_vel = state[j].vel_cmd = state[j].acc_cmd = state[j].jerk_cmd = 0;
   }
 }
 
 void Guard::check(std::size_t joints, Joint* state, const MachineConfig& config, double dt,
-                  const SourceTag& tag, FaultList& faults) noexcept {
+                  std::uint32_t led, const SourceTag& tag, FaultList& faults) noexcept {
   const double rate = 1.0 / dt;
   for (std::size_t j = 0; j < joints; ++j) {
     Joint& joint = state[j];
     const JointConfig& c = config.joint[j];
     const double step = joint.pos_cmd - joint.last_pos;
     joint.vel_cmd = step * rate;
+    const double acc_before = joint.acc_cmd;
     joint.acc_cmd = (joint.vel_cmd - joint.last_vel) * rate;
+    joint.jerk_cmd = (joint.acc_cmd - acc_before) * rate;
     joint.last_pos = joint.pos_cmd;
     joint.last_vel = joint.vel_cmd;
     if (broken_) continue;
     const double vel = std::abs(joint.vel_cmd), acc = std::abs(joint.acc_cmd);
     const double vel_limit = c.max_vel * kVelocityAllowance + kRounding * rate;
     const double acc_limit = c.max_acc * kAccelerationAllowance + kRounding * rate * rate;
-    if (vel <= vel_limit && acc <= acc_limit) continue;
-    // A step of several cycles' travel is a jump, not a speed.
-    const Fault fault = !(vel <= 4 * vel_limit) ? Fault::limit_continuity
-                        : vel > vel_limit       ? Fault::limit_velocity
-                                                : Fault::limit_acceleration;
-    raise(faults, fault, static_cast<std::int32_t>(j),
-          fault == Fault::limit_acceleration ? acc : vel,
-          fault == Fault::limit_acceleration ? c.max_acc : c.max_vel, tag);
+    const double jerk = std::abs(joint.jerk_cmd);
+    const double jerk_limit = c.max_jerk * kJerkAllowance + kRounding * rate * rate * rate;
+    const bool jerky = (led >> j & 1U) == 0 && c.max_jerk > 0 && !(jerk <= jerk_limit);
+    if (vel <= vel_limit && acc <= acc_limit && !jerky) continue;
     broken_ = true;
+    const auto index = static_cast<std::int32_t>(j);
+    // A step of several cycles' travel is a jump, not a speed.
+    if (!(vel <= 4 * vel_limit))
+      raise(faults, Fault::limit_continuity, index, vel, c.max_vel, tag);
+    else if (vel > vel_limit)
+      raise(faults, Fault::limit_velocity, index, vel, c.max_vel, tag);
+    else if (!(acc <= acc_limit))
+      raise(faults, Fault::limit_acceleration, index, acc, c.max_acc, tag);
+    else
+      raise(faults, Fault::limit_jerk, index, jerk, c.max_jerk, tag);
   }
 }
 

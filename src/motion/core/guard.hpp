@@ -15,14 +15,16 @@ class Guard {
  public:
   static constexpr double kVelocityAllowance = 1.0001;
   static constexpr double kAccelerationAllowance = 1.001;
+  static constexpr double kJerkAllowance = 1.01;
 
   /// Forgets the latched break; the present positions are taken as at rest.
   void reset(std::size_t joints, Joint* state) noexcept;
   /// The positions may jump in this cycle (disabled, following feedback).
   void follow(std::size_t joints, Joint* state) noexcept;
-  /// Fills in vel_cmd and acc_cmd, then checks.
+  /// Fills in vel_cmd, acc_cmd and jerk_cmd, then checks.
+  /// `led`: bits of joints whose jerk is not judged, since a spindle or a pin leads them.
   void check(std::size_t joints, Joint* state, const MachineConfig& config, double dt,
-             const SourceTag& tag, FaultList& faults) noexcept;
+             std::uint32_t led, const SourceTag& tag, FaultList& faults) noexcept;
   [[nodiscard]] bool broken() const noexcept { return broken_; }
 
  private:

@@ -48,7 +48,7 @@ struct Orders {
   std::uint32_t abort_epoch{1};
   bool enable{false}, hold{false};
   std::uint32_t enable_request{0};  ///< number of the request that enable stands for
-  bool path_ring_empty{true};  ///< nothing waits before the planner
+  bool path_ring_empty{true};       ///< nothing waits before the planner
   std::uint64_t heartbeat{0};
   const Intent* values{nullptr};
 };

@@ -15,7 +15,7 @@ struct Joint {
   double pos_cmd{0}, pos_fb{0};
   double motor_pos_fb{0}, motor_offset{0};
   double last_pos{0}, last_vel{0};  ///< what the guard saw in the last cycle
-  double vel_cmd{0}, acc_cmd{0};
+  double vel_cmd{0}, acc_cmd{0}, jerk_cmd{0};
   double ferror{0}, ferror_limit{0}, ferror_high{0};
   bool home_switch{false}, neg_limit{false}, pos_limit{false}, amp_fault{false};
   bool homed{false}, homing{false}, faulted{false}, ferrored{false}, error{false};

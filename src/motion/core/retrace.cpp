@@ -56,7 +56,7 @@ double Executor::run_track(const PathInputs& in, double dt, FaultList& faults) n
   distance_ = left_ + track_.move.to_move_end;
   if (left_ <= 0) {
     const bool begins = track_.back && track_.behind >= history_.size();
-    if (begins) sigma_speed_ = 0;  // its bound there is 0
+    if (begins) sigma_speed_ = sigma_acc_ = 0;  // its bound there is 0
     if (begins) return dt;
     end_of_track();
   }
@@ -113,10 +113,10 @@ void Executor::turn_track() noexcept {
 void Executor::end_of_track() noexcept {
   half_way_ = 0;
   if (track_.back) {
-    if (history_.last(track_.behind + 1).span.stop_at_end) sigma_speed_ = 0;
+    if (history_.last(track_.behind + 1).span.stop_at_end) sigma_speed_ = sigma_acc_ = 0;
     track_.move = path::reversed(history_.last(++track_.behind).span);
   } else {
-    if (track_.move.stop_at_end) sigma_speed_ = 0;
+    if (track_.move.stop_at_end) sigma_speed_ = sigma_acc_ = 0;
     if (--track_.behind == 0) {
       left_ = 0;
       if (started_) left_ = std::get<PathSpan>(spans_.front()->body).length;

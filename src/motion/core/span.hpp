@@ -41,6 +41,7 @@ struct PathSpan {
   SyncBounds sync;
   double even_acc{
       0};  ///< above 0: |dx/dsigma|/2 is bounded by this all along (a straight); else by rows of the piece
+  double even_jerk{0};      ///< above 0: with jerk limits, and even_acc bounds the stretch too
   double requested{0};      ///< mm/s (deg/s) as programmed; rapids: what the axes can do
   double to_move_end{0};    ///< sigma from the end of this stretch to the end of its move
   Pose end;                 ///< of its move, as programmed
@@ -89,7 +90,16 @@ using FaultRing = rtapi::SpscRing<FaultRecord, 16>;
 /// only grows. The planner raises it from the last span to the first with release stores, and the servo reads with acquire: who sees the
 /// new value of one span sees the new values of all behind it. So whatever mixture the servo meets, it can always stop in time.
 /// `soft` is the same with programmed feeds at the override in force; it may change either way, and nothing depends on it but the feed.
+///
+/// With jerk limits (ahead.hpp) `hard` is 0 where the path stands, the largest x with acceleration 0 where the limits along the path change, and
+/// only above 0 elsewhere; `soft` is 0 where it is to stand and kNoLimit elsewhere; and `ahead` says of each span what the servo needs to look
+/// ahead. It is written before the `hard` of the span before it rises above 0.
 struct PlanSlots {
+  struct Ahead {
+    rtapi::Word<double> length, acc, jerk, cap, feed_cap, slope, rps;
+    rtapi::Word<std::int32_t> rapid, per_rev;
+  };
+  Ahead ahead[kSpans];
   rtapi::Word<double> hard[kSpans];
   rtapi::Word<double> soft[kSpans];
   /// 1 while the planner holds items that are in neither ring. Published before an item leaves the path ring, and taken back after

@@ -72,7 +72,7 @@ struct JointPins {
   Out<Bit> pos_hard_limit{pin<Out<Bit>>("pos-hard-limit", "On the positive limit switch")};
   Out<std::int32_t> home_state{pin<Out<std::int32_t>>("home-state", "Step of homing, 0: none")};
   Out<double> acc_cmd{pin<Out<double>>("acc-cmd", "Commanded acceleration")};
-  Out<double> jerk_cmd{pin<Out<double>>("jerk-cmd", "Commanded jerk (0: not planned)")};
+  Out<double> jerk_cmd{pin<Out<double>>("jerk-cmd", "Commanded jerk")};
   Out<double> vel_cmd{pin<Out<double>>("vel-cmd", "Commanded velocity")};
   Out<double> pos_cmd{pin<Out<double>>("pos-cmd", "Commanded joint position")};
   Out<double> pos_fb{pin<Out<double>>("pos-fb", "Actual joint position")};

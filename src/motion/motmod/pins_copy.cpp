@@ -90,6 +90,7 @@ void Motmod::write_joint(std::size_t j) noexcept {
   p.pos_hard_limit = s.max_hard_limit;
   p.home_state = s.home_state;
   p.acc_cmd = s.acc_cmd * k;
+  p.jerk_cmd = s.jerk_cmd * k;
   p.vel_cmd = s.vel_cmd * k;
   p.pos_cmd = s.pos_cmd * k;
   p.coarse_pos_cmd = s.pos_cmd * k;

@@ -18,25 +18,30 @@ namespace {
 
 using motion::test::Rig;
 
+/// The machine of the jerk-limited runs [mm/s3, deg/s3].
+constexpr double kJerk = 50000;
+
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 struct Result {
-  double seconds{0}, length{0}, vel{0}, acc{0}, planner_s{0}, servo_s{0};
+  double seconds{0}, length{0}, vel{0}, acc{0}, jerk{0}, planner_s{0}, servo_s{0};
   std::size_t moves{0}, cycles{0}, faults{0};
 };
 
-Result run(const bench::Program& program, bool replan, std::uint64_t seed) {
+/// jerk 0: limited in acceleration only.
+Result run(const bench::Program& program, bool replan, double jerk, std::uint64_t seed) {
   Rig rig({0, 1, 2, 3});
   bench::reference_machine(rig.config);
+  for (auto& j : rig.config.joint) j.max_jerk = jerk;
   rig.config.max_feed_override = 2;
   rig.apply_config();
   rig.ready();
   Result out;
   std::mt19937_64 random(seed);
   std::size_t next = 0;
-  double p1[4]{}, p2[4]{};
+  double p1[4]{}, p2[4]{}, p3[4]{};
   const auto limit = [&](std::size_t j) -> const motion::JointConfig& {
     return rig.config.joint[j];
   };
@@ -62,6 +67,10 @@ Result run(const bench::Program& program, bool replan, std::uint64_t seed) {
         out.acc = std::max(out.acc, std::abs(p - 2 * p1[j] + p2[j]) /
                                         (Rig::kPeriod * Rig::kPeriod) / limit(j).max_acc);
       }
+      if (out.cycles > 2 && jerk > 0)
+        out.jerk = std::max(out.jerk, std::abs(p - 3 * p1[j] + 3 * p2[j] - p3[j]) /
+                                          (Rig::kPeriod * Rig::kPeriod * Rig::kPeriod) / jerk);
+      p3[j] = p2[j];
       p2[j] = p1[j];
       p1[j] = p;
     }
@@ -70,7 +79,7 @@ Result run(const bench::Program& program, bool replan, std::uint64_t seed) {
     before = s.pos_cmd;
     ++out.cycles;
     if (next == program.items.size() && s.executed_seq == rig.seq && s.path_empty) break;
-    if (out.cycles > 10'000'000 || !rig.faults.empty()) break;
+    if (out.cycles > 3'000'000 || !rig.faults.empty()) break;
   }
   out.seconds = (static_cast<double>(rig.now_ns) - start) * 1e-9;
   out.moves = program.items.size() - 1;
@@ -78,10 +87,14 @@ Result run(const bench::Program& program, bool replan, std::uint64_t seed) {
   return out;
 }
 
-void print(const bench::Program& program, const Result& r) {
-  std::printf("%-26s %6zu %9.3f %7.1f %8.5f %8.5f %8.2f %8.2f%s\n", program.name.c_str(), r.moves,
-              r.seconds, r.length / r.seconds, r.vel, r.acc,
-              r.planner_s * 1e6 / static_cast<double>(r.moves),
+void print(const bench::Program& program, const Result& r, double other_s) {
+  std::printf("%-26s %6zu %9.3f %7.1f %8.5f %8.5f %8.5f", program.name.c_str(), r.moves, r.seconds,
+              r.length / r.seconds, r.vel, r.acc, r.jerk);
+  if (other_s > 0)
+    std::printf(" %7.3f", r.seconds / other_s);
+  else
+    std::printf(" %7s", "");
+  std::printf(" %8.2f %8.2f%s\n", r.planner_s * 1e6 / static_cast<double>(r.moves),
               r.servo_s * 1e6 / static_cast<double>(r.cycles), r.faults > 0 ? "  FAULT" : "");
 }
 
@@ -112,14 +125,21 @@ int main_of(int argc, char** argv) {
   for (std::uint64_t i = 0; i < (quick ? 2 : 12); ++i)
     programs.push_back(bench::mixture(400, seed + i));
   int bad = 0;
-  for (const bool replan : {false, true}) {
-    std::printf("\n%s\n%-26s %6s %9s %7s %8s %8s %8s %8s\n",
-                replan ? "feed override 5..200 %, changed at random" : "feed override 100 %",
-                "program", "moves", "time s", "mm/s", "v share", "a share", "us/move", "us/cycle");
-    for (const auto& program : programs) {
-      const Result r = run(program, replan, seed);
-      print(program, r);
-      if (r.faults > 0 || r.vel > 1.0001 || r.acc > 1.001) ++bad;
+  std::vector<double> seconds(programs.size());
+  for (const double jerk : {0.0, kJerk}) {
+    for (const bool replan : {false, true}) {
+      std::printf("\n%s, %s\n%-26s %6s %9s %7s %8s %8s %8s %7s %8s %8s\n",
+                  jerk > 0 ? "limited in jerk" : "limited in acceleration",
+                  replan ? "feed override 5..200 %, changed at random" : "feed override 100 %",
+                  "program", "moves", "time s", "mm/s", "v share", "a share", "j share", "ratio",
+                  "us/move", "us/cycle");
+      for (std::size_t i = 0; i < programs.size(); ++i) {
+        const Result r = run(programs[i], replan, jerk, seed);
+        if (jerk <= 0 && !replan) seconds[i] = r.seconds;
+        print(programs[i], r, jerk > 0 && !replan ? seconds[i] : 0);
+        std::fflush(stdout);
+        if (r.faults > 0 || r.vel > 1.0001 || r.acc > 1.001 || r.jerk > 1.01) ++bad;
+      }
     }
   }
   return bad == 0 ? 0 : 1;

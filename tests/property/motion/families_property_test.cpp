@@ -13,10 +13,11 @@ namespace {
 
 using motion::test::Rig;
 
-void run(const bench::Program& program, std::uint64_t seed) {
+void run(const bench::Program& program, std::uint64_t seed, double jerk = 0) {
   SCOPED_TRACE(program.name + ", seed " + std::to_string(seed));
   Rig rig({0, 1, 2, 3});
   bench::reference_machine(rig.config);
+  for (auto& j : rig.config.joint) j.max_jerk = jerk;
   rig.config.max_feed_override = 2;
   rig.apply_config();
   rig.ready();
@@ -42,6 +43,7 @@ void run(const bench::Program& program, std::uint64_t seed) {
   EXPECT_EQ(rig.status().executed_seq, rig.seq) << "the end was not reached";
   EXPECT_LE(oracle.vel, 1.0001);
   EXPECT_LE(oracle.acc, 1.001);
+  EXPECT_LE(oracle.jerk, 1.01);
 }
 
 TEST(Families, KeepTheLimitsUnderChangingOverrides) {
@@ -52,6 +54,19 @@ TEST(Families, KeepTheLimitsUnderChangingOverrides) {
     run(bench::freeform(800, 0.01, 100, seed), seed);
     run(bench::arc_spiral(0.1, 80), seed);
     run(bench::four_axis(60, 0.02, 100, i % 2 == 0, seed), seed);
+  }
+}
+
+TEST(Families, KeepJerkLimitsUnderChangingOverrides) {
+  const int count = motion::test::property_count(3);
+  for (int i = 1; i <= count && !testing::Test::HasFailure(); ++i) {
+    const auto seed = static_cast<std::uint64_t>(i);
+    const double jerk = i % 3 == 0 ? 5000 : i % 3 == 1 ? 50000 : 1e6;
+    run(bench::mixture(60, seed), seed, jerk);
+    run(bench::freeform(800, 0.01, 100, seed), seed, jerk);
+    run(bench::arc_spiral(0.1, 80), seed, jerk);
+    run(bench::fractal(4, 0.5, 0.05, 100), seed, jerk);
+    run(bench::four_axis(60, 0.02, 100, i % 2 == 0, seed), seed, jerk);
   }
 }
 

@@ -40,13 +40,19 @@ double off(const Program& program, std::size_t i, const Pose& at, double allowed
   return best;
 }
 
+/// Of a joint at half of its acceleration; with a jerk limit along the parts of the path that leave the least of both to braking.
+double stop_time(const JointConfig& c) {
+  if (!(c.max_jerk > 0)) return 2 * c.max_vel / c.max_acc;
+  return c.max_vel / (0.06 * c.max_acc) + c.max_acc / (0.08 * c.max_jerk);
+}
+
 /// One program on one machine; operators meddle.
-void run_program(unsigned seed, bool core_xy = false) {
+void run_program(unsigned seed, bool core_xy = false, bool jerks = false) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   Random r(seed);
   Rig rig(test::random_axes(r));
   rig.kinematics.core_xy = core_xy;
-  test::random_limits(rig, r);
+  test::random_limits(rig, r, jerks);
   rig.ready();
   Oracle oracle;
   oracle.watch(rig);
@@ -54,7 +60,7 @@ void run_program(unsigned seed, bool core_xy = false) {
   // Any joint stops within this, at half of its acceleration: the path shares it with curvature, kinematics that mix axes keep a reserve.
   double stop_s = 0;
   for (std::size_t j = 0; j < rig.controller->joints(); ++j)
-    stop_s = std::max(stop_s, 2 * rig.config.joint[j].max_vel / rig.config.joint[j].max_acc);
+    stop_s = std::max(stop_s, stop_time(rig.config.joint[j]));
   // Kinematics that mix axes stop at every corner.
   const double p = core_xy || r.chance(0.3) ? 0.0 : r.log(0.002, 0.5);
   PathControl control;
@@ -71,7 +77,7 @@ void run_program(unsigned seed, bool core_xy = false) {
       rig.intent.feed_override = r.chance(0.1) ? 0.0 : r.uniform(0.05, 2.5);
     if (meddle && r.chance(0.01)) rig.intent.rapid_override = r.uniform(0.1, 1);
     if (meddle && r.chance(0.003)) rig.orders.hold = !rig.orders.hold;
-    if (cycle == 20000) {
+    if (cycle == (jerks ? 60000 : 20000)) {
       meddle = rig.orders.hold = false;
       rig.intent.feed_override = rig.intent.rapid_override = 1;
     }
@@ -107,6 +113,7 @@ void run_program(unsigned seed, bool core_xy = false) {
   EXPECT_EQ(rig.status().pos_cmd, program.end.back());
   EXPECT_LE(oracle.vel, 1.0001);
   EXPECT_LE(oracle.acc, 1.001);
+  EXPECT_LE(oracle.jerk, 1.01);
   EXPECT_LE(worst, p + 1e-6) << "P " << p;
   EXPECT_TRUE(rig.faults.empty()) << static_cast<int>(rig.faults[0].fault) << " value "
                                   << rig.faults[0].value << " limit " << rig.faults[0].limit;
@@ -116,6 +123,22 @@ TEST(PathProperty, AnyProgramKeepsLimitsAndPathAndReachesItsEnd) {
   const int count = test::property_count(300);
   for (int i = 1; i <= count; ++i) {
     run_program(static_cast<unsigned>(i));
+    if (HasFatalFailure() || HasNonfatalFailure()) break;
+  }
+}
+
+TEST(PathProperty, WithJerkLimitsToo) {
+  const int count = test::property_count(200);
+  for (int i = 1; i <= count; ++i) {
+    run_program(static_cast<unsigned>(i), false, true);
+    if (HasFatalFailure() || HasNonfatalFailure()) break;
+  }
+}
+
+TEST(PathProperty, KinematicsThatMixAxesWithJerkLimits) {
+  const int count = test::property_count(60);
+  for (int i = 1; i <= count; ++i) {
+    run_program(static_cast<unsigned>(i), true, true);
     if (HasFatalFailure() || HasNonfatalFailure()) break;
   }
 }

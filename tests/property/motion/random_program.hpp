@@ -41,12 +41,15 @@ inline std::vector<int> random_axes(Random& r) {
   return axes;
 }
 
-inline void random_limits(Rig& rig, Random& r) {
+/// `jerks`: with jerk limits that are reached within some cycles to half a second.
+inline void random_limits(Rig& rig, Random& r, bool jerks = false) {
   const double acc = r.log(100, 5000), vel = r.log(10, 300);
+  const double jerk = jerks ? acc / r.log(0.004, 0.5) : 0.0;
   for (std::size_t j = 0; j < rig.controller->joints(); ++j) {
     JointConfig& c = rig.config.joint[j];
     c.max_vel = vel * r.log(0.5, 2);
     c.max_acc = acc * r.log(0.5, 2);
+    if (jerks) c.max_jerk = jerk * r.log(0.5, 2);
     c.min_limit = -1e5;
     c.max_limit = 1e5;
     c.ferror = c.min_ferror = 1e9;
@@ -228,16 +231,21 @@ class Oracle {
       const double p = s.joint[j].pos_cmd, v = (p - p1_[j]) / Rig::kPeriod,
                    a = (p - 2 * p1_[j] + p2_[j]) / (Rig::kPeriod * Rig::kPeriod);
       if (seen_ >= 1) vel = std::max(vel, (std::abs(v) - 1e-8) / rig.config.joint[j].max_vel);
+      const double third = (p - 3 * p1_[j] + 3 * p2_[j] - p3_[j]) /
+                          (Rig::kPeriod * Rig::kPeriod * Rig::kPeriod),
+                   most = rig.config.joint[j].max_jerk;
+      if (seen_ >= 3 && most > 0) jerk = std::max(jerk, (std::abs(third) - 10) / most);
       if (seen_ >= 2) acc = std::max(acc, (std::abs(a) - 1e-2) / rig.config.joint[j].max_acc);
+      p3_[j] = p2_[j];
       p2_[j] = p1_[j];
       p1_[j] = p;
     }
     ++seen_;
   }
-  double vel{0}, acc{0};  ///< largest share of a limit
+  double vel{0}, acc{0}, jerk{0};  ///< largest share of a limit
 
  private:
-  double p1_[kMaxJoints]{}, p2_[kMaxJoints]{};
+  double p1_[kMaxJoints]{}, p2_[kMaxJoints]{}, p3_[kMaxJoints]{};
   int seen_{0};
 };
 

@@ -70,7 +70,7 @@ TEST(Profile, StandsWhenNothingIsWanted) {
 
 TEST(AxisMover, ReachesTheTargetExactlyAndTurnsRound) {
   AxisMover m;
-  m.set_acc(1000);
+  m.set_limits(1000, 0);
   m.place(5);
   m.go_to(105, 50);
   double last = 5, last_v = 0;
@@ -91,7 +91,7 @@ TEST(AxisMover, ReachesTheTargetExactlyAndTurnsRound) {
 
 TEST(AxisMover, StopTakesTheBrakingDistance) {
   AxisMover m;
-  m.set_acc(1000);
+  m.set_limits(1000, 0);
   m.go_to(1e6, 100);
   for (int i = 0; i < 500; ++i) m.step(0.001);
   const double from = m.position();

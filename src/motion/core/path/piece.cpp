@@ -52,6 +52,13 @@ Vec Piece::second(double s) const noexcept {
          (rate * rate);
 }
 
+Vec Piece::third(double s) const noexcept {
+  if (shape == Shape::cubic) return d;
+  const double phi = phi0 + rate * s;
+  return turned(*this, -3 * growth, -(radius + growth * phi), std::cos(phi), std::sin(phi)) *
+         (rate * rate * rate);
+}
+
 Piece straight_piece(const Vec& from, const Vec& direction, double length,
                      const Feed& feed) noexcept {
   Piece p;

@@ -41,6 +41,7 @@ struct Piece {
   [[nodiscard]] Vec point(double s) const noexcept;
   [[nodiscard]] Vec first(double s) const noexcept;
   [[nodiscard]] Vec second(double s) const noexcept;
+  [[nodiscard]] Vec third(double s) const noexcept;
 };
 
 [[nodiscard]] Piece straight_piece(const Vec& from, const Vec& direction, double length,

@@ -8,6 +8,8 @@ namespace {
 constexpr double kNoPace = 1e6;  ///< mm/s: nothing holds it back
 /// Directions this near to each other are one: the rounding of whoever computed the points.
 constexpr double kTangent = 1e-9;
+/// With jerk limits curvature has to go on too (1/mm).
+constexpr double kSameBend = 1e-9;
 constexpr std::size_t kBlendPieces = 4;
 
 /// The rate at which sigma is meant to advance: the feed, or what the axes of its metric can do.
@@ -70,7 +72,9 @@ bool ProgramPath::create(Memory& memory, std::size_t moves) noexcept {
 ProgramPath::Joint ProgramPath::joint_between(const Move& a, const Move& b) const noexcept {
   if (a.stop_at_end || a.mode.corners == PathMode::Corners::exact_stop) return Joint::stop;
   const bool lines = a.piece.shape == Piece::Shape::cubic && b.piece.shape == Piece::Shape::cubic;
-  const bool tangent = max_abs(b.piece.first(0) - a.piece.first(a.piece.length)) < kTangent;
+  const bool tangent =
+      max_abs(b.piece.first(0) - a.piece.first(a.piece.length)) < kTangent &&
+      (!settings_.jerks || max_abs(b.piece.second(0) - a.piece.second(a.piece.length)) < kSameBend);
   if (a.mode.corners == PathMode::Corners::exact_path || !(a.mode.tolerance.mm > 0))
     return tangent ? Joint::pass : Joint::stop;
   if (lines) return Joint::chain;
@@ -130,6 +134,7 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
       chain_.at.push_back(tail.piece.point(tail.piece.length - l));
       chain_.sigma.push_back(sigma);
       s.widest = settings_.widest;
+      s.peaked = settings_.jerks;
       const std::size_t before = out.size();
       if (smoother_.smooth(chain_, s, out) > 1.0) {
         // Has never been seen; the programmed corners with stops are always right.

@@ -24,7 +24,8 @@ struct Move {
 struct PathSettings {
   double widest{2};  ///< see SmoothingSettings; a good value is 20 ms of feed
   double widest_junction{4};
-  Vec low, high;  ///< blends stay in this box
+  Vec low, high;      ///< blends stay in this box
+  bool jerks{false};  ///< the path needs continuous curvature: tangent joints are blended too
 };
 
 class ProgramPath {

@@ -22,7 +22,7 @@ double triangle_off(double s, double h) noexcept {
 }
 
 /// The same at its vertex for the trapezoid with plateau of half-width h/2 (R(0) of docs/planner.md).
-constexpr double kTrapezoidAtVertex = 1.75 / 9.0;
+constexpr double kTrapezoidAtVertex = 1.75 / 9.0, kTriangleAtVertex = 1.0 / 6.0;
 
 }  // namespace
 
@@ -48,7 +48,7 @@ double Smoother::smooth(const Chain& chain, const SmoothingSettings& settings,
   double worst = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
     slope_widths(chain);
-    request_knots(chain);
+    request_knots(chain, settings.peaked);
     distribute(chain);
     out.truncate(first_piece);
     integrate(chain, out);
@@ -70,7 +70,8 @@ void Smoother::first_widths(const Chain& chain, const SmoothingSettings& setting
     const double at = chain.sigma[v];
     const double room = std::min({at - begin, end - at, settings.widest});
     const double near = std::min(at - chain.sigma[v - 1], chain.sigma[v + 1] - at);
-    const double alone = settings.tolerance.share(kink_[v]) * kTrapezoidAtVertex;
+    const double alone = settings.tolerance.share(kink_[v]) *
+                         (settings.peaked ? kTriangleAtVertex : kTrapezoidAtVertex);
     double h = std::min(kAim / alone, room);
     if (h <= near) {
       width_[v] = h;
@@ -119,7 +120,7 @@ void Smoother::add_knot(double at, double apart) noexcept {
   knot_.insert(after, at);
 }
 
-void Smoother::request_knots(const Chain& chain) noexcept {
+void Smoother::request_knots(const Chain& chain, bool peaked) noexcept {
   const std::size_t lines = chain.lines();
   order_.clear();
   for (std::size_t v = 1; v < lines; ++v)
@@ -136,7 +137,7 @@ void Smoother::request_knots(const Chain& chain) noexcept {
     });
     for (const std::size_t v : order_) {
       const double h = width_[v], at = chain.sigma[v], apart = kKnotsApart * h;
-      const bool lone = at - chain.sigma[v - 1] >= h && chain.sigma[v + 1] - at >= h;
+      const bool lone = !peaked && at - chain.sigma[v - 1] >= h && chain.sigma[v + 1] - at >= h;
       if (!lone) add_knot(at, apart);  // alone: a trapezoid
       add_knot(at - h / 2, apart);
       add_knot(at + h / 2, apart);

@@ -38,6 +38,8 @@ struct Chain {
 struct SmoothingSettings {
   Tolerance tolerance;
   double widest{2};  ///< no kink is spread further than this to each side (sigma)
+  bool peaked{
+      false};  ///< lone kinks become triangles of q'', which ask for the least jerk; else trapezoids
 };
 
 class Smoother {
@@ -50,7 +52,7 @@ class Smoother {
  private:
   void first_widths(const Chain& chain, const SmoothingSettings& settings) noexcept;
   void slope_widths(const Chain& chain) noexcept;
-  void request_knots(const Chain& chain) noexcept;
+  void request_knots(const Chain& chain, bool peaked) noexcept;
   void add_knot(double at, double apart) noexcept;
   void distribute(const Chain& chain) noexcept;
   void integrate(const Chain& chain, Buffer<Piece>& out) const noexcept;

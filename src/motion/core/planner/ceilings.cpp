@@ -13,6 +13,7 @@ constexpr double kTangentialShare = 0.6;
 constexpr double kSampleAngle = 0.1;  ///< rad between samples of an arc
 constexpr int kMostSamples = 4096;
 constexpr int kGeneralSamples = 65;  ///< of any curve under kinematics that mix axes
+constexpr double kJerkShare = 0.85;  ///< the same of jerk limits, with third differences
 constexpr double kGeneralShare =
     0.95;  ///< of the limits used there, since differences between samples are not bounded
 
@@ -21,6 +22,8 @@ struct Row {
   double rate{0};  ///< |q'|
   double curl{0};  ///< |q''|
   double max_vel{0}, max_acc{0};
+  double max_jerk{0};  ///< 0: none
+  double twist{0};     ///< |q'''|; only where kinematics mix axes
 };
 constexpr std::size_t kRows = kMaxJoints + rtapi::kAxes;
 
@@ -58,8 +61,10 @@ class Sampler {
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
       if ((axes_of(kinematics_.axis_mask(), config_) >> i & 1U) == 0) continue;
       const AxisConfig& a = config_.axis[i];
-      rows[count++] = {std::abs(d1[i]) + rate_between_[i], std::abs(d2[i]) + curl_between_[i],
-                       a.max_vel, a.max_acc};
+      rows[count] = {std::abs(d1[i]) + rate_between_[i], std::abs(d2[i]) + curl_between_[i],
+                     a.max_vel, a.max_acc, a.max_jerk};
+      if (!trivial_) rows[count].twist = axis_twist(s, i);
+      ++count;
     }
     return true;
   }
@@ -112,7 +117,8 @@ class Sampler {
             static_cast<std::size_t>(kinematics_.axis_of_joint(static_cast<std::int32_t>(j)));
         const JointConfig& c = config_.joint[j];
         rows[count++] = {std::abs(d1[axis]) + rate_between_[axis],
-                         std::abs(d2[axis]) + curl_between_[axis], c.max_vel, c.max_acc};
+                         std::abs(d2[axis]) + curl_between_[axis], c.max_vel, c.max_acc,
+                         c.max_jerk};
       }
       return true;
     }
@@ -127,9 +133,35 @@ class Sampler {
     for (std::size_t j = 0; j < n; ++j) {
       const JointConfig& c = config_.joint[j];
       rows[count++] = {std::abs(after[j] - before[j]) / (2 * h),
-                       std::abs(after[j] - 2 * at[j] + before[j]) / (h * h), c.max_vel, c.max_acc};
+                       std::abs(after[j] - 2 * at[j] + before[j]) / (h * h), c.max_vel, c.max_acc,
+                       c.max_jerk};
     }
+    return joint_twists(s, rows + (count - n));
+  }
+
+  /// Third differences over a step that is wide enough for them.
+  bool joint_twists(double s, Row* rows) const noexcept {
+    const auto n = static_cast<std::size_t>(joints_of(kinematics_.joints(), config_));
+    const double h = curve_.length / kGeneralSamples;
+    const double mid = std::clamp(s, 2 * h, curve_.length - 2 * h);
+    JointVector q[4]{};
+    for (int k = 0; k < 4; ++k) {
+      if (k > 0) q[k] = q[k - 1];
+      constexpr double kAt[] = {-2, -1, 1, 2};
+      if (!kinematics_.inverse(point_at(curve_, mid + kAt[k] * h), q[k])) return false;
+    }
+    for (std::size_t j = 0; j < n; ++j)
+      rows[j].twist = std::abs(q[3][j] - 2 * q[2][j] + 2 * q[1][j] - q[0][j]) / (2 * h * h * h);
     return true;
+  }
+
+  [[nodiscard]] double axis_twist(double s, std::size_t axis) const noexcept {
+    const double h = curve_.length / kGeneralSamples;
+    const double mid = std::clamp(s, h, curve_.length - h);
+    Pose first, before, after;
+    derivatives_at(curve_, mid - h, first, before);
+    derivatives_at(curve_, mid + h, first, after);
+    return std::abs(after[axis] - before[axis]) / (2 * h);
   }
 
   const Curve& curve_;
@@ -186,6 +218,7 @@ PathLimits path_limits_of(const Kinematics& kinematics, const MachineConfig& con
     const bool exists = (axes_of(kinematics.axis_mask(), config) >> i & 1U) != 0;
     out.axes.vel[i] = exists ? a.max_vel : path::kNoLimit;
     out.axes.acc[i] = exists ? a.max_acc : path::kNoLimit;
+    out.axes.jerk[i] = exists && a.max_jerk > 0 ? a.max_jerk : path::kNoLimit;
     out.low[i] = exists ? a.min_limit : -path::kNoLimit;
     out.high[i] = exists ? a.max_limit : path::kNoLimit;
   }
@@ -199,14 +232,47 @@ PathLimits path_limits_of(const Kinematics& kinematics, const MachineConfig& con
     const auto i = static_cast<std::size_t>(axis);
     out.axes.vel[i] = std::min(out.axes.vel[i], c.max_vel);
     out.axes.acc[i] = std::min(out.axes.acc[i], c.max_acc);
+    if (c.max_jerk > 0) out.axes.jerk[i] = std::min(out.axes.jerk[i], c.max_jerk);
     out.low[i] = std::max(out.low[i], c.min_limit);
     out.high[i] = std::min(out.high[i], c.max_limit);
   }
   out.axes.path_vel = config.traj_max_vel_mm_s;
   out.axes.path_acc = config.traj_max_acc_mm_s2;
   out.axes.turn_vel = config.traj_max_ang_vel_deg_s;
+  if (config.traj_max_jerk_mm_s3 > 0) out.axes.path_jerk = config.traj_max_jerk_mm_s3;
+  out.axes.jerks = out.axes.path_jerk < path::kNoLimit;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    out.axes.jerks = out.axes.jerks || out.axes.jerk[i] < path::kNoLimit;
+  for (std::int32_t j = 0; j < joints_of(kinematics.joints(), config); ++j)
+    out.axes.jerks = out.axes.jerks || config.joint[j].max_jerk > 0;
   return out;
 }
+
+namespace {
+
+/// Jerk along the curve, and speed and acceleration lowered until each joint's q' j + 3 q'' v a + q''' v^3 keeps its limit: scaling v, a and j
+/// by k, k^2 and k^3 scales the sum by k^3.
+void limit_jerk(const Sampler& sampler, double traj_jerk, Ceilings& out) noexcept {
+  double even = traj_jerk > 0 ? traj_jerk : 0.0;
+  (void)for_each_row(sampler, [&](const Row& r) {
+    if (r.max_jerk > 0 && r.rate > 0) even = least_jerk(even, kJerkShare * r.max_jerk / r.rate);
+  });
+  if (!(even > 0)) return;
+  out.jerk = even;
+  double most = 1;
+  (void)for_each_row(sampler, [&](const Row& r) {
+    if (!(r.max_jerk > 0)) return;
+    const double sum = r.rate * even + 3 * r.curl * out.speed * out.acc +
+                       r.twist * out.speed * out.speed * out.speed;
+    most = std::max(most, sum / (kJerkShare * r.max_jerk));
+  });
+  const double k = std::cbrt(1 / most);
+  out.speed *= k;
+  out.acc *= k * k;
+  out.jerk *= k * k * k;
+}
+
+}  // namespace
 
 bool ceilings_of(const Curve& curve, const Kinematics& kinematics, const MachineConfig& config,
                  double wanted_speed, Ceilings& out) noexcept {
@@ -223,8 +289,12 @@ bool ceilings_of(const Curve& curve, const Kinematics& kinematics, const Machine
     largest_curl = std::max(largest_curl, r.curl);
   });
   if (!solved) return false;
-  out = {speed, straight_acc};
-  if (largest_curl <= 0) return true;
+  out = {speed, straight_acc, 0};
+  const double traj_jerk = curve.metric == FeedMetric::abc ? 0.0 : config.traj_max_jerk_mm_s3;
+  if (largest_curl <= 0) {
+    limit_jerk(sampler, traj_jerk, out);
+    return true;
+  }
   const double feed = std::min(speed, wanted_speed), x = feed * feed;
   // Either the whole feed with what it leaves for speeding up, or the tangential share with what that leaves for curvature.
   const double tangential = kTangentialShare * straight_acc;
@@ -238,9 +308,10 @@ bool ceilings_of(const Curve& curve, const Kinematics& kinematics, const Machine
     if (r.curl > 0) most = std::min(most, (usable - tangential * r.rate) / r.curl);
   });
   if (left >= tangential)
-    out = {feed, left};
+    out = {feed, left, 0};
   else
-    out = {std::sqrt(std::max(most, 0.0)), tangential};
+    out = {std::sqrt(std::max(most, 0.0)), tangential, 0};
+  limit_jerk(sampler, traj_jerk, out);
   return true;
 }
 

@@ -35,6 +35,7 @@ struct PathLimits {
 struct Ceilings {
   double speed{0};  ///< along the curve
   double acc{0};    ///< along the curve, at any speed up to `speed`
+  double jerk{0};  ///< the same, at any acceleration up to `acc`; 0: no joint and no axis limits it
 };
 
 /// `wanted_speed`: the highest speed anybody may ask for (feed at the largest override). On a curve the acceleration

@@ -53,7 +53,8 @@ void unstretch(const Curve& curve, path::Piece& piece) noexcept {
 bool Planner::create(path::Memory& memory) noexcept {
   return moves_.create(memory, kMoves) && meta_.create(memory, kMoves) &&
          events_.create(memory, kEvents) && pieces_.create(memory, kPieces) &&
-         sent_.create(memory, kSpans) && program_path_.create(memory, kMoves);
+         boxes_.create(memory, kPieces) && sent_.create(memory, kSpans) &&
+         program_path_.create(memory, kMoves);
 }
 
 void Planner::configure(const MachineConfig& config) noexcept {
@@ -64,6 +65,7 @@ void Planner::configure(const MachineConfig& config) noexcept {
   path::PathSettings settings;
   low_ = settings.low = limits.low;
   high_ = settings.high = limits.high;
+  settings.jerks = limits.axes.jerks;
   program_path_.configure(settings);
 }
 
@@ -279,6 +281,11 @@ bool Planner::limits_of(const PathItem& item, const Curve& curve, double speed, 
     even = std::min(curve.radius, last) / std::max(curve.radius, last);
   }
   meta.even_acc = ceilings.acc * even;
+  if (ceilings.jerk > 0) {
+    // q'' and q''' of a spiral in sigma have more terms.
+    meta.even_acc *= even;
+    meta.even_jerk = ceilings.jerk * even * even * even;
+  }
   meta.cap = ceilings.speed * ceilings.speed * even * even;
   if (!(meta.cap > 0)) {
     fault.fault = Fault::bad_item;

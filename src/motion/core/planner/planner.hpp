@@ -11,6 +11,7 @@
 #include "motion/api/config.hpp"
 #include "motion/api/kinematics.hpp"
 #include "motion/core/geometry.hpp"
+#include "motion/core/path/boxes.hpp"
 #include "motion/core/path/program_path.hpp"
 #include "motion/core/path/reach.hpp"
 #include "motion/core/span.hpp"
@@ -56,8 +57,9 @@ class Planner {
     std::uint64_t seq{0};
     SourceTag tag;
     Pose end;
-    double even_acc{0}, cap{0};  ///< above 0: limits for the whole move (kinematics that mix axes)
-    double sigma_end{0};         ///< while it is being sent: from the start of what is sent
+    double even_acc{0}, even_jerk{0},
+        cap{0};           ///< above 0: limits for the whole move (kinematics that mix axes)
+    double sigma_end{0};  ///< while it is being sent: from the start of what is sent
     MotionKind kind{MotionKind::feed};
     SyncBounds sync;   ///< per_rev above 0: it follows a spindle
     bool part{false};  ///< the rest of the move comes later
@@ -70,7 +72,7 @@ class Planner {
   };
   /// What the pass from the end needs of a span that was sent.
   struct Sent {
-    double length{0}, even_acc{0};
+    double length{0}, even_acc{0}, even_jerk{0};
     SpeedBounds speed;
     std::uint64_t place{0};  ///< in the ring
     path::Rows rows;
@@ -122,6 +124,7 @@ class Planner {
   [[nodiscard]] bool send_stretch(const path::Piece& piece, double from, double to) noexcept;
   void finish_sending() noexcept;
   void plan(bool all) noexcept;
+  [[nodiscard]] bool plan_ramps(std::uint64_t n, int& unchanged) noexcept;
   [[nodiscard]] double seconds_ahead() const noexcept;
 
   const Kinematics& kinematics_;
@@ -163,6 +166,7 @@ class Planner {
   // being sent
   path::ProgramPath program_path_;
   path::Buffer<path::Piece> pieces_;
+  path::Boxes boxes_;       ///< of the pieces, with jerk limits
   std::size_t sending_{0};  ///< moves of which pieces_ were made; 0: none
   std::size_t events_sending_{0}, events_sent_{0};
   std::size_t piece_{0}, stretch_{0}, move_{0}, done_{0};

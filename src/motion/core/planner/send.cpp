@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/core/ahead.hpp"
 #include "motion/core/planner/planner.hpp"
 
 namespace kerf::motion {
@@ -20,6 +21,7 @@ constexpr std::size_t kHandOverLeast = 16;
 /// A stretch that takes longer is divided where moves end, so that the shown line is right.
 constexpr double kLineLag = 0.01;  // s
 constexpr double kRounding = 1.0 - 1e-7;
+constexpr int kGroupsTogether = 3;
 
 }  // namespace
 
@@ -87,6 +89,7 @@ void Planner::commit(std::size_t moves, bool hand_over) noexcept {
     double sigma = 0;
     for (std::size_t i = 0; i < moves; ++i) meta_[i].sigma_end = sigma += moves_[i].piece.length;
     program_path_.make(moves_.begin(), moves, pieces_);
+    if (plain_ && limits_.jerks) boxes_.make(pieces_, limits_);
     if (hand_over) {
       moves_[moves - 1].piece =
           path::part_of(whole.piece, whole.piece.length / 2, whole.piece.length);
@@ -208,9 +211,15 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   if (meta.even_acc > 0) {
     speed.cap = meta.cap;
     body.even_acc = meta.even_acc;
+    body.even_jerk = piece.feed.sync ? 0.0 : meta.even_jerk;
   } else {
     speed.cap = path::axis_cap(piece, from, to, limits_);
-    if (piece.straight())
+    if (limits_.jerks && !piece.feed.sync) {
+      const path::Box& box = boxes_[piece_];
+      body.even_acc = box.acc;
+      body.even_jerk = box.jerk;
+      speed.cap = std::min(speed.cap, path::box_cap(piece, from, to, box, limits_));
+    } else if (piece.straight())
       body.even_acc = path::straight_acc(piece, limits_);
     else
       path::rows_of(piece, from, to, limits_, sent.rows);
@@ -222,9 +231,20 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
                        : std::sqrt(speed.cap) * path::slope_of(piece, from, to);
   sent.speed = speed;
   sent.even_acc = body.even_acc;
+  sent.even_jerk = body.even_jerk;
   sent.place = spans_.pushed();
   span.body = body;
   // Until the pass from the end has been made it ends in a stop.
+  PlanSlots::Ahead& ahead = slots_.ahead[next_number_ % kSpans];
+  ahead.length.set(body.length);
+  ahead.acc.set(body.even_acc);
+  ahead.jerk.set(body.even_jerk);
+  ahead.cap.set(speed.cap);
+  ahead.feed_cap.set(speed.feed_cap);
+  ahead.slope.set(speed.slope);
+  ahead.rps.set(speed.rps);
+  ahead.rapid.set(speed.rapid ? 1 : 0);
+  ahead.per_rev.set(speed.per_rev);
   slots_.hard[next_number_ % kSpans].set(0);
   slots_.soft[next_number_ % kSpans].set(0);
   if (!spans_.push(span)) return false;
@@ -255,9 +275,17 @@ void Planner::finish_sending() noexcept {
 /// From the last span to the first that the servo has not begun; `all`: all of them, else only where more has become possible.
 void Planner::plan(bool all) noexcept {
   double hard = 0, soft = 0;
+  int unchanged = 0;  // ends of groups in a row
   for (std::uint64_t n = next_number_; n-- > 0 && next_number_ - n <= kSpans;) {
     const Sent& s = sent_[n % kSpans];
     if (s.place < spans_.popped()) break;
+    if (s.even_jerk > 0) {
+      hard = soft = 0;
+      // More groups than are ever looked at together are as they were.
+      if (!plan_ramps(n, unchanged) && !all && unchanged > kGroupsTogether) break;
+      if (s.begins) break;
+      continue;
+    }
     const double cap = s.speed.cap, wanted = wanted_x(s.speed, scale_);
     const double hard_end = s.stop_at_end ? 0.0 : std::min(hard, cap);
     const bool stands = s.stop_at_end || (single_step_ && s.block_end && !s.speed.sync);
@@ -275,12 +303,33 @@ void Planner::plan(bool all) noexcept {
       hard = std::min(cap, path::largest_x0(s.rows.all(), hard_end));
       soft = std::min(wanted, path::largest_x0(s.rows.all(), soft_end));
     }
-    if (s.begins) {
-      hard = soft = 0;
-      break;
-    }
+    if (s.begins) break;
   }
   first_new_ = next_number_;
+}
+
+/// Span n, with jerk limits: only where the limits along the path change there is a speed to find (ahead.hpp). Counts the ends of groups that stayed
+/// as they were; true: this one is none, or changed.
+bool Planner::plan_ramps(std::uint64_t n, int& unchanged) noexcept {
+  const Sent& s = sent_[n % kSpans];
+  const Sent& next = sent_[(n + 1) % kSpans];
+  const bool ends = s.stop_at_end || n + 1 == next_number_ || next.begins || !(next.even_jerk > 0);
+  const bool group_end = ends || next.even_acc != s.even_acc || next.even_jerk != s.even_jerk;
+  double hard = 0;
+  if (!ends) {
+    hard = std::min(s.speed.cap, next.speed.cap);
+    if (group_end) {
+      const double v = highest_level_speed(slots_, n + 1);
+      hard = std::min(hard, v * v);
+    }
+  }
+  rtapi::Word<double>& slot = slots_.hard[n % kSpans];
+  slots_.soft[n % kSpans].set(single_step_ && s.block_end ? 0.0 : path::kNoLimit);
+  const bool same = group_end && n < first_new_ && slot.get() == hard;
+  if (group_end) unchanged = same ? unchanged + 1 : 0;
+  // Release, last span first: see PlanSlots.
+  slot.publish(hard);
+  return !same;
 }
 
 }  // namespace kerf::motion

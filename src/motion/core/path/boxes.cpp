@@ -1,0 +1,199 @@
+#include "motion/core/path/boxes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf::motion::path {
+namespace {
+
+/// Shares of what a straight could do that a region leaves to speeding up and braking, of acceleration and of jerk. The rest is for
+/// turning. The pair with the least estimated time is taken.
+struct Share {
+  double acc, jerk;
+};
+constexpr Share kShares[] = {{0.06, 0.08}, {0.12, 0.16}, {0.2, 0.25},
+                             {0.32, 0.35}, {0.5, 0.5},   {0.75, 0.7}};
+/// A straight on which full acceleration can just be reached and left again is this long at least (times acc^3 / jerk^2); a good part
+/// of it is worth a region of its own.
+constexpr double kOwnRegion = 0.25;
+/// Rounding, and the error of the quadratics on arcs.
+constexpr double kReserve = 1.0 - 1e-5;
+constexpr int kSteps = 24;
+constexpr int kEstimateStretches = 8;
+
+/// Largest |q'|, |q''| and |q'''| of an axis on a stretch.
+struct Bends {
+  Vec p, e, c;
+};
+
+Bends bends_of(const Piece& piece, double s0, double s1) noexcept {
+  Bends out;
+  const double sm = (s0 + s1) / 2;
+  const auto hull = [](const Vec& a, const Vec& m, const Vec& b) {
+    Vec top;
+    for (std::size_t i = 0; i < kAxes; ++i)
+      top[i] = std::max({std::abs(a[i]), std::abs(2 * m[i] - 0.5 * (a[i] + b[i])), std::abs(b[i])});
+    return top;
+  };
+  if (piece.straight()) {
+    for (std::size_t i = 0; i < kAxes; ++i) out.p[i] = std::abs(piece.b[i]);
+    return out;
+  }
+  out.p = hull(piece.first(s0), piece.first(sm), piece.first(s1));
+  if (piece.shape == Piece::Shape::arc) {
+    out.e = hull(piece.second(s0), piece.second(sm), piece.second(s1));
+    out.c = hull(piece.third(s0), piece.third(sm), piece.third(s1));
+    return out;
+  }
+  const Vec e0 = piece.second(s0), e1 = piece.second(s1);
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    out.e[i] = std::max(std::abs(e0[i]), std::abs(e1[i]));
+    out.c[i] = std::abs(piece.d[i]);
+  }
+  return out;
+}
+
+/// The largest v with c v^3 + 3 e a v <= room: Newton from above on a convex function stays above the root, so a hair is taken off.
+double jerk_speed(double c, double ea, double room) noexcept {
+  if (!(room > 0)) return 0;
+  double v = kNoLimit;
+  if (c > 0) v = std::cbrt(room / c);
+  if (ea > 0) v = std::min(v, room / (3 * ea));
+  if (!(c > 0) || !(ea > 0)) return v;
+  for (int i = 0; i < kSteps; ++i) {
+    const double off = v * (c * v * v + 3 * ea) - room;
+    if (off <= 1e-12 * room) break;
+    v -= off / (3 * (c * v * v + ea));
+  }
+  return v * (1 - 1e-9);
+}
+
+/// Largest |q'| on a whole piece, however far an arc turns.
+Vec steepest(const Piece& piece) noexcept {
+  if (piece.shape != Piece::Shape::arc) return bends_of(piece, 0, piece.length).p;
+  const double end = piece.radius + piece.growth * piece.rate * piece.length;
+  const double begin = piece.radius + piece.growth * piece.phi0;
+  const double radius = std::max({std::abs(piece.radius), std::abs(end), std::abs(begin),
+                                  std::abs(end + piece.growth * piece.phi0)});
+  Vec out;
+  for (std::size_t i = 0; i < kAxes; ++i)
+    out[i] = std::abs(piece.rate) * (std::abs(piece.b[i]) + std::hypot(piece.c[i], piece.d[i]) *
+                                                                std::hypot(radius, piece.growth));
+  return out;
+}
+
+/// What all pieces of a region could do if they were straight.
+Box straightest(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
+                const AxisLimits& limits) noexcept {
+  Box out{kNoLimit, kNoLimit};
+  for (std::size_t k = begin; k < end; ++k) {
+    const Piece& piece = pieces[k];
+    const Vec p = steepest(piece);
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      if (p[i] <= 0) continue;
+      out.acc = std::min(out.acc, limits.acc[i] / p[i]);
+      out.jerk = std::min(out.jerk, limits.jerk[i] / p[i]);
+    }
+    const double xyz = norm3(p, 0);
+    if (xyz > 0) {
+      out.acc = std::min(out.acc, limits.path_acc / xyz);
+      out.jerk = std::min(out.jerk, limits.path_jerk / xyz);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Box straight_box(const Piece& piece, const AxisLimits& limits) noexcept {
+  Box out{straight_acc(piece, limits), kNoLimit};
+  for (std::size_t i = 0; i < kAxes; ++i)
+    if (piece.b[i] != 0) out.jerk = std::min(out.jerk, limits.jerk[i] / std::abs(piece.b[i]));
+  const double xyz = norm3(piece.b, 0);
+  if (xyz > 0) out.jerk = std::min(out.jerk, limits.path_jerk / xyz);
+  return out;
+}
+
+double box_cap(const Piece& piece, double s0, double s1, const Box& box,
+               const AxisLimits& limits) noexcept {
+  if (piece.straight()) return kNoLimit;
+  const Bends b = bends_of(piece, s0, s1);
+  double v = kNoLimit;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    if (b.e[i] > 0) {
+      const double room = limits.acc[i] * kReserve - b.p[i] * box.acc;
+      v = room > 0 ? std::min(v, std::sqrt(room / b.e[i])) : 0.0;
+    }
+    if (limits.jerk[i] < kNoLimit && (b.e[i] > 0 || b.c[i] > 0))
+      v = std::min(
+          v, jerk_speed(b.c[i], b.e[i] * box.acc, limits.jerk[i] * kReserve - b.p[i] * box.jerk));
+  }
+  return v < 1e49 ? v * v : kNoLimit;
+}
+
+/// Estimate: speeds by acceleration alone; each end of the region costs a ramp of acceleration.
+double Boxes::seconds(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
+                      const Box& box, const AxisLimits& limits) noexcept {
+  for (std::size_t k = begin; k < end; ++k) {
+    const Piece& p = pieces[k];
+    double cap = std::min(axis_cap(p, 0, p.length, limits), feed_cap(p, 0, p.length));
+    const int n = p.straight() ? 1 : std::min(divisions(p), kEstimateStretches);
+    for (int i = 0; i < n; ++i) {
+      // Of a long arc a few stretches stand for the others.
+      const double step = p.length / divisions(p),
+                   from = (p.length - step) * i / std::max(1, n - 1);
+      cap = std::min(cap,
+                     box_cap(p, n == 1 ? 0 : from, n == 1 ? p.length : from + step, box, limits));
+    }
+    cap_[k] = cap;
+  }
+  double total = 0, x = cap_[end - 1];
+  if (pieces[end - 1].stop_at_end) x = 0;
+  for (std::size_t k = end; k-- > begin;) {
+    x = std::min(cap_[k], x + 2 * box.acc * pieces[k].length);
+    cap_[k] = x;
+  }
+  x = begin == 0 ? 0.0 : cap_[begin];
+  for (std::size_t k = begin; k < end; ++k) {
+    const double next =
+        std::min(k + 1 < end ? cap_[k + 1] : cap_[k], x + 2 * box.acc * pieces[k].length);
+    const double sum = std::sqrt(x) + std::sqrt(std::max(next, 0.0));
+    if (sum > 0) total += 2 * pieces[k].length / sum;
+    x = next;
+  }
+  return total + 2 * box.acc / box.jerk;
+}
+
+void Boxes::make_region(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
+                        const AxisLimits& limits) noexcept {
+  const Box whole = straightest(pieces, begin, end, limits);
+  Box best;
+  double least = 0;
+  for (const Share& share : kShares) {
+    const Box box{whole.acc * share.acc, whole.jerk * share.jerk};
+    const double t = seconds(pieces, begin, end, box, limits);
+    if (best.acc > 0 && t >= least) continue;
+    best = box;
+    least = t;
+  }
+  for (std::size_t k = begin; k < end; ++k) box_[k] = best;
+}
+
+void Boxes::make(const Buffer<Piece>& pieces, const AxisLimits& limits) noexcept {
+  box_.assign(pieces.size(), Box{});
+  cap_.assign(pieces.size(), 0.0);
+  std::size_t begin = 0;
+  for (std::size_t k = 0; k <= pieces.size(); ++k) {
+    bool own = false;
+    if (k < pieces.size() && pieces[k].straight()) {
+      const Box box = straight_box(pieces[k], limits);
+      own = pieces[k].length >= kOwnRegion * box.acc * box.acc * box.acc / (box.jerk * box.jerk);
+      if (own) box_[k] = box;
+    }
+    if (k < pieces.size() && !own && !(k > begin && pieces[k - 1].stop_at_end)) continue;
+    if (k > begin) make_region(pieces, begin, k, limits);
+    begin = own ? k + 1 : k;
+  }
+}
+
+}  // namespace kerf::motion::path

@@ -1,0 +1,48 @@
+// Boxes: jerk limits along a path. Pure arithmetic, @rt.
+//
+// With v = dsigma/dt, a = dv/dt and j = da/dt the jerk of an axis is q' j + 3 q'' v a + q''' v^3, its acceleration q' a + q'' v^2. On a stretch
+// the pieces get a box |v| <= V, |a| <= A, |j| <= J such that
+//   |q'| A + |q''| V^2 <= acceleration limit        |q'| J + 3 |q''| V A + |q'''| V^3 <= jerk limit
+// with the largest |q'|, |q''| and |q'''| on the stretch. So whatever motion stays within the box keeps all limits of all axes on the
+// whole stretch, and differences of positions at any sampling keep them too as long as q'' goes on without jumps: the third difference
+// is an average of the third derivative. A and J are the same over neighbouring pieces (a region), so that they change seldom; each
+// stretch has a V of its own. On straights A and J are all that the axes can do.
+#pragma once
+
+#include "motion/core/path/buffer.hpp"
+#include "motion/core/path/limits.hpp"
+#include "motion/core/path/piece.hpp"
+
+namespace kerf::motion::path {
+
+struct Box {
+  double acc{0}, jerk{0};  ///< of sigma
+};
+
+/// Straights only: what all axes can do.
+[[nodiscard]] Box straight_box(const Piece& piece, const AxisLimits& limits) noexcept;
+/// Largest v^2 on [s0, s1] for which the box keeps the acceleration and jerk limits of all axes (not their velocities).
+[[nodiscard]] double box_cap(const Piece& piece, double s0, double s1, const Box& box,
+                             const AxisLimits& limits) noexcept;
+
+class Boxes {
+ public:
+  /// For up to `pieces` pieces.
+  [[nodiscard]] bool create(Memory& memory, std::size_t pieces) noexcept {
+    return box_.create(memory, pieces) && cap_.create(memory, pieces);
+  }
+  /// A box for each piece.
+  void make(const Buffer<Piece>& pieces, const AxisLimits& limits) noexcept;
+  [[nodiscard]] const Box& operator[](std::size_t piece) const noexcept { return box_[piece]; }
+
+ private:
+  void make_region(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
+                   const AxisLimits& limits) noexcept;
+  [[nodiscard]] double seconds(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
+                               const Box& box, const AxisLimits& limits) noexcept;
+
+  Buffer<Box> box_;
+  Buffer<double> cap_;
+};
+
+}  // namespace kerf::motion::path

@@ -1,0 +1,163 @@
+// Jerk limits on the whole controller: every cycle against the limit, and the times of what has a closed form.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "unit/motion/rig.hpp"
+
+namespace kerf::motion {
+namespace {
+
+using test::Rig;
+
+constexpr double kJerk = 20000, kAcc = 1000, kSpeed = 80;
+
+class Jerk : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (auto& j : rig.config.joint) j.max_jerk = kJerk;
+    rig.apply_config();
+    rig.ready();
+  }
+  /// From rest to rest, or from `speed` to rest with `distance` 0.
+  static double seven_phases(double distance, double speed) {
+    const double up =
+        speed >= kAcc * kAcc / kJerk ? speed / kAcc + kAcc / kJerk : 2 * std::sqrt(speed / kJerk);
+    return distance > 0 ? distance / speed + up : up;
+  }
+  void cycle() {
+    rig.cycle();
+    for (std::size_t j = 0; j < 3; ++j) {
+      const double p = rig.status().joint[j].pos_cmd;
+      const double third = (p - 3 * before[j][0] + 3 * before[j][1] - before[j][2]) / 1e-9;
+      if (++seen > 9) {
+        ASSERT_LE(std::abs(third), kJerk * 1.001 + 5) << "joint " << j;
+      }
+      before[j][2] = before[j][1];
+      before[j][1] = before[j][0];
+      before[j][0] = p;
+    }
+  }
+  template <class F>
+  int run_until(F&& done, int most = 100000) {
+    for (int i = 0; i < most && !HasFatalFailure(); ++i) {
+      cycle();
+      if (done()) return i + 1;
+    }
+    return -1;
+  }
+  int finish() {
+    return run_until(
+        [&] { return rig.status().executed_seq >= rig.seq && rig.status().path_empty; });
+  }
+  [[nodiscard]] bool stands() const { return rig.status().vel_mm_s == 0; }
+  void expect_no_fault() const {
+    for (const auto& f : rig.faults)
+      ADD_FAILURE() << "fault " << static_cast<int>(f.fault) << " value " << f.value;
+  }
+
+  Rig rig;
+  double before[3][3]{};
+  int seen{0};
+};
+
+TEST_F(Jerk, AnExactStopTakesTheSevenPhases) {
+  rig.push(PathControl{.mode = PathControl::Mode::exact_stop});
+  rig.line({.x = 20}, kSpeed);
+  rig.line({.x = 20, .y = 30}, kSpeed);
+  const double least = seven_phases(20, kSpeed) + seven_phases(30, kSpeed);
+  EXPECT_NEAR(finish() * Rig::kPeriod, least, 0.012);
+  expect_no_fault();
+}
+
+TEST_F(Jerk, AHoldStopsAtOnceInTheLeastTimeAndResumes) {
+  rig.line({.x = 200}, kSpeed);
+  run_until([&] { return rig.status().pos_cmd.x > 50; });
+  rig.orders.hold = true;
+  const int cycles = run_until([&] { return stands(); });
+  EXPECT_LE(cycles * Rig::kPeriod, seven_phases(0, kSpeed) * 1.02 + 2 * Rig::kPeriod);
+  run_until([] { return false; }, 50);
+  EXPECT_TRUE(stands());
+  rig.orders.hold = false;
+  EXPECT_GT(finish(), 0);
+  EXPECT_EQ(rig.status().pos_cmd.x, 200);
+  expect_no_fault();
+}
+
+TEST_F(Jerk, AHoldWhileItSpeedsUpAndOneWhileItBrakes) {
+  for (const double share : {0.02, 0.1, 0.9, 0.98}) {
+    const double from = rig.status().pos_cmd.x, to = from + 12;
+    rig.line({.x = to}, kSpeed);
+    run_until([&] { return rig.status().pos_cmd.x > from + 12 * share; });
+    rig.orders.hold = true;
+    run_until([&] { return stands(); });
+    EXPECT_LE(rig.status().pos_cmd.x, to);
+    rig.orders.hold = false;
+    EXPECT_GT(finish(), 0);
+    EXPECT_EQ(rig.status().pos_cmd.x, to);
+  }
+  expect_no_fault();
+}
+
+TEST_F(Jerk, ALineThatRunsIntoAnArcIsBlendedOrStops) {
+  for (const double p : {0.02, 0.0}) {
+    PathControl control;
+    control.mode = p > 0 ? PathControl::Mode::continuous : PathControl::Mode::exact_path;
+    control.tolerance_mm = p;
+    rig.push(control);
+    const Pose at = rig.status().pos_cmd;
+    rig.line({.x = at.x + 10, .y = at.y}, 40);
+    ArcMove arc;
+    arc.end = {.x = at.x + 10, .y = at.y + 8};
+    arc.centre[0] = at.x + 10;
+    arc.centre[1] = at.y + 4;
+    arc.normal[2] = 1;
+    arc.vel_mm_s = 40;
+    rig.push(arc);
+    double slowest = 1e9;
+    run_until([&] {
+      const Pose& now = rig.status().pos_cmd;
+      if (std::hypot(now.x - at.x - 10, now.y - at.y) < 0.3)
+        slowest = std::min(slowest, rig.status().vel_mm_s);
+      return rig.status().executed_seq >= rig.seq && rig.status().path_empty;
+    });
+    if (p > 0) {
+      EXPECT_GT(slowest, 8);
+    } else {
+      EXPECT_LT(slowest, 1);
+    }
+  }
+  expect_no_fault();
+}
+
+TEST_F(Jerk, ANegativeAdaptiveFeedTurnsBackWithinTheLimit) {
+  OverrideEnable e;
+  e.feed = e.feed_hold = e.adaptive = true;
+  rig.push(e);
+  rig.push(PathControl{.mode = PathControl::Mode::continuous, .tolerance_mm = 0.2});
+  for (int i = 1; i < 6; ++i) rig.line({.x = 6.0 * i, .y = i % 2 != 0 ? 7.0 : 0.0}, 40);
+  run_until([&] { return rig.status().pos_cmd.x > 20; });
+  rig.in.adaptive_feed = -0.7;
+  run_until([&] { return rig.status().pos_cmd.x < 8; });
+  EXPECT_LT(rig.status().pos_cmd.x, 8);
+  rig.in.adaptive_feed = 1;
+  EXPECT_GT(finish(), 0);
+  EXPECT_EQ(rig.status().pos_cmd.x, 30);
+  expect_no_fault();
+}
+
+TEST_F(Jerk, TheGuardLatchesAJumpOfAcceleration) {
+  rig.line({.x = 50}, 40);
+  // The guard goes by its own limits, so a lower one than was planned with is a break.
+  MachineConfig lower = rig.config;
+  lower.joint[0].max_jerk = kJerk / 2;
+  rig.controller->configure(lower);
+  rig.run(50);
+  ASSERT_TRUE(rig.saw(Fault::limit_jerk));
+  EXPECT_EQ(rig.faults.front().index, 0);
+  EXPECT_EQ(rig.faults.front().tag.line, 1);
+}
+
+}  // namespace
+}  // namespace kerf::motion
