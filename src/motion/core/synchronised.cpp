@@ -32,7 +32,7 @@ constexpr double kStands = 0.02;
 /// A tap that is stopped follows its spindle while that slows down at least so fast; after `kGrace` it has to have begun.
 constexpr double kGrace = 0.3, kLongestStop = 6;  // s
 /// The way back to the start of a tap has ended where the rest is this part of what a cycle can change.
-constexpr double kLanding = 0.1;
+constexpr double kLanding = 0.05;
 constexpr double kFeedFilter = 0.02;  // s
 constexpr double kFeedStep = 0.01;
 
@@ -271,9 +271,9 @@ Synchroniser::Tap Synchroniser::tap(const TapSpan& tap, bool stop, double dt, co
   if (stop) return stop_tap(tap, dt);
   const SpindleObserver& o = observer_[spindle_];
   if (phase_ == TapPhase::home) {
+    const double before = speed_, still = kLanding * tap.acc * dt;
     move_tap(tap, following_speed(place_, 0, kShare * tap.acc, dt), dt);
-    if (std::abs(speed_) > kLanding * tap.acc * dt ||
-        std::abs(place_) > kLanding * tap.acc * dt * dt)
+    if (std::max(std::abs(before), std::abs(speed_)) > still || std::abs(place_) > still * dt)
       return Tap::goes_on;
     place_ = speed_ = 0;
     return Tap::done;

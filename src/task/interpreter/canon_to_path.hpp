@@ -58,6 +58,9 @@ class CanonToPath final : public interp::Canon {
   /// Queues path control, override switches and tool offset again, as they are now.
   void announce(std::uint64_t tag_id);
 
+  /// How feeds are meant as things are now (G95).
+  [[nodiscard]] motion::FeedPerRev feed_per_rev() const;
+
   /// The tag of the block in delivery; ids come from `next_tag_id`.
   [[nodiscard]] const motion::SourceTag& tag() const noexcept { return tag_; }
   /// A new id, for a block that is about to be executed.
@@ -157,7 +160,6 @@ class CanonToPath final : public interp::Canon {
   void frame_changed();
   [[nodiscard]] double feed_mm_s(const motion::Pose& end) const;
   [[nodiscard]] double linear_mm_s() const;
-  [[nodiscard]] motion::FeedPerRev feed_per_rev() const;
   [[nodiscard]] double nominal_rpm() const;
   [[nodiscard]] motion::SpindleChange spindle_change(int spindle,
                                                      motion::SpindleChange::Action action) const;

@@ -136,6 +136,7 @@ void InterpreterParticipant::approach() {
   sharp.mode = motion::PathControl::Mode::exact_stop;
   add(sharp);
   add(motion::OverrideEnable{});
+  if (from.feed_mode == interp::FeedMode::per_revolution) add(motion::FeedPerRev{});
   add(motion::ToolOffset{from.frame.tool()});
   const int retract = retract_axis();
   const auto up = [&] {
@@ -191,6 +192,7 @@ void InterpreterParticipant::approach() {
   }
   add(wanted.path);
   add(wanted.overrides);
+  if (wanted.feed_mode == interp::FeedMode::per_revolution) add(canon_.feed_per_rev());
   if (seek_->end() == SeekEnd::hold) add_own(ProgramPause{false});
   for (const auto& [which, output] : seek_->outputs())
     if (output.pending)

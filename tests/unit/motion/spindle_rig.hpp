@@ -18,7 +18,7 @@ struct SpindleRig : Rig {
   bool zero_at_index{true};
   std::int32_t passed{0};  ///< index pulses that were asked for
 
-  SpindleRig() {
+  explicit SpindleRig(std::vector<int> axes = {0, 1, 2}) : Rig(std::move(axes)) {
     for (auto& s : config.spindle) s = SpindleConfig{};
     config.spindles = 2;
     apply_config();
