@@ -15,7 +15,10 @@ class SimSpindle final : public hal::Component<SimSpindle> {
           "speed-out, which is in revolutions per minute, scale is 1/60. Without acceleration the "
           "spindle has the wanted speed at once. position-fb counts revolutions; when index-enable "
           "is true as the spindle passes its index (a whole revolution), position-fb starts from "
-          "zero there and index-enable is cleared. While orient is true and the spindle is told to "
+          "zero there and index-enable is cleared. With encoder-counts position-fb goes in the "
+          "steps "
+          "that a quadrature encoder of that many counts gives. While orient is true and the "
+          "spindle is told to "
           "stand, it turns the short way to orient-angle and then holds."};
   using Component::Component;
 
@@ -45,6 +48,9 @@ class SimSpindle final : public hal::Component<SimSpindle> {
   hal::Param<double> orient_speed_{param<hal::Param<double>>(
       "orient-speed", "Speed of turning to orient-angle [revolutions per second]", 1.0)};
 
+  hal::Param<double> encoder_counts_{param<hal::Param<double>>(
+      "encoder-counts", "Counts a revolution in which position-fb goes; 0: it is exact", 0.0)};
+
   double velocity_rev_s_{0.0};
   double angle_rev_{0.0};  // from the index, counted through since the start
   double zero_rev_{0.0};   // angle_rev_ where position-fb is zero: always whole
@@ -58,7 +64,8 @@ class SimSpindle final : public hal::Component<SimSpindle> {
     const bool standing = wanted == 0.0 && velocity_rev_s_ == 0.0;
     is_oriented_ = orient_ && standing && turn_to_angle(dt);
     watch_index(before);
-    position_fb_ = angle_rev_ - zero_rev_;
+    const double turned = angle_rev_ - zero_rev_, counts = encoder_counts_;
+    position_fb_ = counts > 0.0 ? std::floor(turned * counts) / counts : turned;
     velocity_fb_ = (angle_rev_ - before) / dt;
     at_speed_ = std::fabs(velocity_rev_s_ - wanted) <= std::fabs(wanted) * tolerance_;
   }

@@ -15,9 +15,9 @@ source [file join [file dirname [info script]] sim_lib.tcl]
 # The keys, by name, so that `kerf check` finds a wrong one.
 set sim_joint_keys {
   SIM_HOME_SWITCH_POS SIM_HOME_SWITCH_WIDTH SIM_HOME_SWITCH_POSITIVE SIM_HOME_SWITCH_HYSTERESIS SIM_NEG_LIMIT_POS SIM_POS_LIMIT_POS
-  SIM_INDEX_PITCH SIM_LAG SIM_MAX_VELOCITY
+  SIM_SWITCH_BOUNCE SIM_INDEX_PITCH SIM_LAG SIM_MAX_VELOCITY SIM_INERTIA SIM_BANDWIDTH SIM_MAX_FORCE SIM_FRICTION SIM_DAMPING
 }
-set sim_spindle_keys {SIM_ACCELERATION SIM_AT_SPEED_TOLERANCE SIM_ORIENT_SPEED}
+set sim_spindle_keys {SIM_ACCELERATION SIM_AT_SPEED_TOLERANCE SIM_ORIENT_SPEED SIM_ENCODER_COUNTS}
 
 # Gives the parameters of `component` what the keys of `section` say.
 proc sim_parameters {section keys component} {

@@ -286,3 +286,159 @@ TEST_F(AxisTest, CountsFromTheIndexOnRequest) {
 
 }  // namespace
 }  // namespace kerf::components
+
+namespace kerf::components {
+namespace {
+
+class MassTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(hal.create(module("sim-axis"), "m"));
+    hal.set("m.inertia", 20.0);
+    hal.set("m.bandwidth", 100.0);
+  }
+  double at() { return hal.get<double>("m.pos-fb"); }
+  /// Commands a steady velocity for a while; gives the following error at its end.
+  double follow(double vel, int cycles) {
+    for (int i = 0; i < cycles; ++i) {
+      command_ += vel * 1e-3;
+      hal.set("m.pos-cmd", command_);
+      hal.run("m");
+    }
+    return command_ - at();
+  }
+  double command_{0.0};
+  hal::TestBuilder hal;
+};
+
+TEST_F(MassTest, FollowsWithTheErrorThatFrictionAndDampingMake) {
+  EXPECT_NEAR(follow(50.0, 1000), 0.0, 1e-6);
+  hal.set("m.friction", 300.0);
+  hal.set("m.damping", 8.0);
+  EXPECT_NEAR(follow(50.0, 1000), (300.0 + 8.0 * 50.0) / (20.0 * 100.0 * 100.0), 1e-6);
+  EXPECT_NEAR(follow(-50.0, 1000), -(300.0 + 8.0 * 50.0) / (20.0 * 100.0 * 100.0), 1e-6);
+  EXPECT_NEAR(hal.get<double>("m.force"), -(300.0 + 8.0 * 50.0), 0.1);
+  // At rest friction holds it beside its place, and not farther off than it can.
+  follow(0.0, 2000);
+  EXPECT_LE(std::fabs(command_ - at()), 300.0 / (20.0 * 100.0 * 100.0) + 1e-6);
+  EXPECT_EQ(hal.get<double>("m.vel-fb"), 0.0);
+}
+
+TEST_F(MassTest, FallsBehindWhenTheForceDoesNotDo) {
+  hal.set("m.max-force", 1000.0);  // 50 units per second^2
+  double before = 0.0;
+  for (int i = 0; i < 500; ++i) {
+    command_ += 100.0 * 1e-3;
+    hal.set("m.pos-cmd", command_);
+    hal.run("m");
+    const double vel = hal.get<double>("m.vel-fb");
+    ASSERT_LE(std::fabs(vel - before), 50.0 * 1e-3 * 1.001) << i;
+    before = vel;
+  }
+  EXPECT_GT(command_ - at(), 20.0);
+}
+
+TEST_F(MassTest, RunsOutWithoutPowerAndStandsWhenStuck) {
+  hal.set("m.friction", 200.0);  // 10 units per second^2
+  follow(40.0, 1000);
+  hal.set("m.enable", false);
+  const double from = at();
+  hal.run("m", 1'000'000, 5000);
+  EXPECT_NEAR(at() - from, 40.0 * 40.0 / (2 * 10.0), 0.5);
+  EXPECT_EQ(hal.get<double>("m.vel-fb"), 0.0);
+  // Back on: no jump, within what the drive can do.
+  hal.set("m.max-force", 2000.0);
+  hal.set("m.enable", true);
+  hal.run("m");
+  EXPECT_LE(std::fabs(hal.get<double>("m.vel-fb")), 0.11);
+  hal.set("m.stuck", true);
+  hal.run("m", 1'000'000, 10);
+  EXPECT_EQ(hal.get<double>("m.vel-fb"), 0.0);
+}
+
+TEST(SwitchBounce, IsUnsteadyForItsTimeAndAlwaysTheSame) {
+  std::string first;
+  for (int turn = 0; turn < 2; ++turn) {
+    hal::TestBuilder hal;
+    ASSERT_TRUE(hal.create(module("sim-axis"), "m"));
+    hal.set("m.home-switch-pos", -5.0);
+    hal.set("m.neg-limit-pos", -6.0);
+    hal.set("m.switch-bounce", 0.012);
+    hal.set("m.pos-cmd", -5.5);
+    std::string seen;
+    for (int i = 0; i < 40; ++i) {
+      hal.run("m");
+      seen += hal.get<bool>("m.home-sw") ? '1' : '0';
+      EXPECT_FALSE(hal.get<bool>("m.neg-lim-sw"));
+    }
+    EXPECT_EQ(seen[0], '1');
+    EXPECT_NE(seen.substr(0, 13).find("01"), std::string::npos) << seen;
+    EXPECT_NE(seen.substr(0, 13).find("10"), std::string::npos) << seen;
+    EXPECT_EQ(seen.substr(13), std::string(27, '1'));
+    if (turn == 1) {
+      EXPECT_EQ(seen, first);
+    }
+    first = seen;
+  }
+}
+
+TEST(SpindleEncoder, CountsInSteps) {
+  hal::TestBuilder hal;
+  ASSERT_TRUE(hal.create(module("sim_spindle"), "sp"));
+  hal.set("sp.velocity-cmd", 1.0);
+  hal.set("sp.encoder-counts", 400.0);
+  for (int i = 1; i <= 2000; ++i) {
+    hal.run("sp");
+    const double counts = hal.get<double>("sp.position-fb") * 400.0;
+    ASSERT_NEAR(counts, std::round(counts), 1e-9);
+    ASSERT_LE(std::fabs(counts / 400.0 - 0.001 * i), 1.0 / 400.0 + 1e-9);
+  }
+}
+
+class ProbeTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(hal.create(module("sim_probe"), "p"));
+    hal.set("p.max-x", 10.0);
+    hal.set("p.max-y", 10.0);
+    hal.set("p.max-z", 10.0);
+    hal.set("p.radius", 1.0);
+    hal.set("p.z", 20.0);
+  }
+  bool at(double x, double y, double z) {
+    hal.set("p.x", x);
+    hal.set("p.y", y);
+    hal.set("p.z", z);
+    hal.run("p");
+    return hal.get<bool>("p.tripped");
+  }
+  hal::TestBuilder hal;
+};
+
+TEST_F(ProbeTest, TouchesWithTheRadiusOfItsTip) {
+  EXPECT_FALSE(at(5, 5, 11.001));
+  EXPECT_TRUE(at(5, 5, 10.999));
+  EXPECT_TRUE(at(-0.7, 5, 10.7));
+  EXPECT_FALSE(at(-0.72, 5, 10.72)) << "around the edge";
+  EXPECT_EQ(hal.get<std::uint32_t>("p.contacts"), 1U);
+  hal.set("p.connected", false);
+  EXPECT_FALSE(at(5, 5, 5));
+  EXPECT_TRUE(hal.get<bool>("p.contact"));
+  hal.set("p.stuck", true);
+  EXPECT_TRUE(at(5, 5, 50));
+}
+
+TEST_F(ProbeTest, AnswersLateAndBounces) {
+  hal.set("p.delay", 0.003);
+  hal.set("p.bounce", 0.008);
+  int cycles = 0;
+  while (!at(5, 5, 10.5) && cycles < 20) ++cycles;
+  EXPECT_EQ(cycles, 3);
+  std::string seen;
+  for (int i = 0; i < 20; ++i) seen += at(5, 5, 10.5) ? '1' : '0';
+  EXPECT_NE(seen.substr(0, 8).find('0'), std::string::npos) << seen;
+  EXPECT_EQ(seen.substr(8), std::string(12, '1'));
+}
+
+}  // namespace
+}  // namespace kerf::components
