@@ -58,8 +58,9 @@ class LabelTable {
   [[nodiscard]] bool has_room(std::string_view text) const { return names_.has_room(text); }
   /// Of <name>; `text` has the brackets.
   [[nodiscard]] Label named(std::string_view text) { return named_label(text); }
-  /// "100" or "<name>".
+  /// "100" or "<name>"; of no label "".
   [[nodiscard]] std::string text(Label label) const {
+    if (label == Label::none || label == Label::nested) return {};
     const auto n = static_cast<std::uint32_t>(label);
     return (n & kNamed) == 0 ? std::to_string(n) : names_.text(n & ~kNamed);
   }

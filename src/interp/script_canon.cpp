@@ -85,7 +85,30 @@ void motion_control(Core& c, const Arguments& a) {
   c.out.call<&Canon::set_motion_control_mode>(c.state.path, mode == 3 ? c.state.tolerance_mm : 0.0);
 }
 
+/// As if the program had this G-code here.
+void g_code(Core& c, int code) {
+  const Block none;
+  if (const CodeRow* r = c.row('g', code); r != nullptr) (void)r->run(c, none, code);
+}
+
+void select_plane(Core& c, const Arguments& a) {
+  constexpr int kPlanes[] = {170, 190, 180, 171, 191, 181};  // XY YZ XZ UV VW UW
+  if (const int n = a.whole(0); n >= 1 && n <= 6) g_code(c, kPlanes[n - 1]);
+}
+
+void speed_override(Core& c, const Arguments& a, bool on) {
+  const int n = a.whole(0);
+  if (n < 0 || n >= c.settings.spindles) return;
+  c.state.speed_override[static_cast<std::size_t>(n)] = on;
+  c.out.call<&Canon::enable_speed_override>(n, on);
+}
+
 constexpr Row kRows[] = {
+    {"SELECT_PLANE", 1, select_plane},
+    {"USE_LENGTH_UNITS", 1,
+     [](Core& c, const Arguments& a) { g_code(c, a.whole(0) == 1 ? 200 : 210); }},
+    {"ENABLE_SPEED_OVERRIDE", 0, [](Core& c, const Arguments& a) { speed_override(c, a, true); }},
+    {"DISABLE_SPEED_OVERRIDE", 0, [](Core& c, const Arguments& a) { speed_override(c, a, false); }},
     {"STRAIGHT_TRAVERSE", 4, [](Core& c, const Arguments& a) { straight(c, a, false); }},
     {"STRAIGHT_FEED", 4, [](Core& c, const Arguments& a) { straight(c, a, true); }},
     {"STRAIGHT_PROBE", 4,

@@ -36,6 +36,8 @@ class Compensation {
   /// The next move leads from the compensated path back to the programmed one; it must be straight.
   [[nodiscard]] bool leaving() const noexcept { return current().leaving; }
   void left() { edit().leaving = false; }
+  /// Of the tool while compensation is on, else 0.
+  [[nodiscard]] double radius_mm() const noexcept { return bends() ? current().radius_mm : 0; }
   /// G41, G42. `diameter_mm` < 0 changes the side. `orientation`: of a lathe tool, 0-9; its tip lies beside the centre.
   void turn_on(bool left_side, double diameter_mm, int orientation);
   /// G40: the open move ends as it stands.

@@ -19,12 +19,15 @@ class InterpReturn(enum.IntEnum):
     INTERP_ERROR = 5
 
 
-globals().update(InterpReturn.__members__)
+FEED_MODE = enum.IntEnum("FEED_MODE", "UNITS_PER_MINUTE INVERSE_TIME UNITS_PER_REVOLUTION", start=0)
+SPINDLE_MODE = enum.IntEnum("SPINDLE_MODE", "CONSTANT_RPM CONSTANT_SURFACE", start=0)
+DISTANCE_MODE = enum.IntEnum("DISTANCE_MODE", "MODE_ABSOLUTE MODE_INCREMENTAL", start=0)
+RETRACT_MODE = enum.IntEnum("RETRACT_MODE", "R_PLANE OLD_Z", start=0)
+CUTTER_COMP_DIRECTION = enum.IntEnum("CUTTER_COMP_DIRECTION", "RIGHT LEFT")
+for _e in (InterpReturn, FEED_MODE, SPINDLE_MODE, DISTANCE_MODE, RETRACT_MODE, CUTTER_COMP_DIRECTION):
+    globals().update(_e.__members__)
 INTERP_MIN_ERROR = 3
 TOLERANCE_EQUAL = 0.0001
-MODE_ABSOLUTE, MODE_INCREMENTAL = 0, 1
-R_PLANE, OLD_Z = 0, 1
-RIGHT, LEFT = 1, 2
 throw_exceptions = 1
 
 
@@ -79,14 +82,14 @@ class _Array:
             raise AttributeError(f"{self._name} is read-only")
 
 
-class Cartesian:
+class PmCartesian:
     def __init__(self, x, y, z):
         self.x, self.y, self.z = x, y, z
 
 
 class EmcPose:
     def __init__(self, v):
-        self.tran = Cartesian(v[0], v[1], v[2])
+        self.tran = PmCartesian(v[0], v[1], v[2])
         self.x, self.y, self.z, self.a, self.b, self.c, self.u, self.v, self.w = v
 
 
@@ -274,13 +277,21 @@ this = Interp()
 
 inline constexpr const char* kCanonModule = R"PY(
 """Canonical functions. What is called here is queued like the calls of G-code."""
+import enum as _enum
 import _kerf_interp as _k
-from interpreter import this as _this
+from interpreter import EmcPose as _EmcPose, this as _this
 
-CANON_UNITS_INCHES, CANON_UNITS_MM, CANON_UNITS_CM = 1, 2, 3
-CANON_PLANE_XY, CANON_PLANE_YZ, CANON_PLANE_XZ = 1, 2, 3
-CANON_EXACT_STOP, CANON_EXACT_PATH, CANON_CONTINUOUS = 1, 2, 3
-CANON_STOPPED, CANON_CLOCKWISE, CANON_COUNTERCLOCKWISE = 1, 2, 3
+for _name, _members in {
+        "CANON_UNITS": "UNITS_INCHES UNITS_MM UNITS_CM",
+        "CANON_PLANE": "PLANE_XY PLANE_YZ PLANE_XZ PLANE_UV PLANE_VW PLANE_UW",
+        "CANON_MOTION_MODE": "EXACT_STOP EXACT_PATH CONTINUOUS",
+        "CANON_DIRECTION": "STOPPED CLOCKWISE COUNTERCLOCKWISE",
+        "CANON_SIDE": "SIDE_RIGHT SIDE_LEFT SIDE_OFF",
+        "CANON_FEED_REFERENCE": "WORKPIECE XYZ",
+        "CANON_FEED_SPEED_MODE": "SYNCHED INDEPENDENT",
+        "CANON_AXIS": "AXIS_X AXIS_Y AXIS_Z AXIS_A AXIS_B AXIS_C AXIS_U AXIS_V AXIS_W"}.items():
+    globals()[_name] = _enum.IntEnum(_name, ["CANON_" + m for m in _members.split()])
+    globals().update(globals()[_name].__members__)
 
 
 def _function(name):
@@ -321,8 +332,64 @@ for _i, _axis in enumerate("XYZABCUVW"):
     globals()["GET_EXTERNAL_POSITION_" + _axis] = (lambda a: lambda: _k.named_parameter("_abs_" + a))(_axis.lower())
 
 
+for _i, _axis in enumerate("XYZABCUVW"):
+    globals()["GET_EXTERNAL_TOOL_LENGTH_" + _axis + "OFFSET"] = (lambda i: lambda: _k.number("tool_offset", i)[1])(_i)
+
+
 def GET_EXTERNAL_PROBE_TRIPPED_VALUE():
     return int(_k.parameter(5070))
+
+
+def GET_EXTERNAL_OFFSETS():
+    return _EmcPose([_k.number("tool_offset", i)[1] for i in range(9)])
+
+
+def GET_EXTERNAL_FEED_RATE():
+    return _this.feed_rate
+
+
+def GET_EXTERNAL_SPEED(spindle=0):
+    return _this.speed[spindle]
+
+
+def GET_EXTERNAL_SPINDLE(spindle=0):
+    return CANON_DIRECTION(_this.spindle_turning[spindle])
+
+
+def GET_EXTERNAL_SPINDLE_OVERRIDE_ENABLE(spindle=0):
+    return int(_this.speed_override[spindle])
+
+
+def GET_EXTERNAL_FEED_OVERRIDE_ENABLE():
+    return int(_this.feed_override)
+
+
+def GET_EXTERNAL_PLANE():
+    return CANON_PLANE(_this.plane)
+
+
+def GET_EXTERNAL_FLOOD():
+    return int(_this.flood)
+
+
+def GET_EXTERNAL_MIST():
+    return int(_this.mist)
+
+
+def GET_EXTERNAL_TOOL_SLOT():
+    return _this.current_pocket
+
+
+def GET_EXTERNAL_SELECTED_TOOL_SLOT():
+    return _this.selected_pocket
+
+
+def GET_EXTERNAL_TC_FAULT():
+    return int(_k.parameter(5600))
+
+
+def GET_EXTERNAL_TOOL_TABLE(pocket):
+    return _this.tool_table[pocket]
 
 
 def GET_EXTERNAL_QUEUE_EMPTY():

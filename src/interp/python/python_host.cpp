@@ -450,6 +450,10 @@ class PythonHost final : public ScriptHost {
         add_module("interpreter", kInterpreterModule);
         add_module("emccanon", kCanonModule);
       }
+      // What functions of the interpreter before have added to `self` goes.
+      const py::object self = py::module_::import("interpreter").attr("this");
+      self.attr("__dict__").attr("clear")();
+      self.attr("__init__")();
       const py::module_ sys = py::module_::import("sys");
       // Compiled files know the time of their source in whole seconds; a second change within one would not be seen.
       if (options_.reload_on_change) sys.attr("dont_write_bytecode") = true;

@@ -105,6 +105,12 @@ def attributes(self, **words):
     self.selected_tool = 5
     return "%d %d %d %g %s %d" % (self.own, self.selected_tool, self.task, self.speed[0], self.motion_mode,
                                   self.find_tool_pocket(99)[0])
+def enums(self, **words):
+    emccanon.SELECT_PLANE(emccanon.CANON_PLANE_XZ)
+    emccanon.DISABLE_SPEED_OVERRIDE(0)
+    return "%s %d %s %r %s %s" % (emccanon.GET_EXTERNAL_PLANE().name, emccanon.CANON_AXIS_W,
+                               interpreter.FEED_MODE(self.feed_mode).name, self.blocks[0].o_name,
+                               [s for _, s in self.stack()], emccanon.GET_EXTERNAL_SPINDLE_OVERRIDE_ENABLE(0))
 def misspelt(self, **words):
     return self.curent_x
 def readonly(self, **words):
@@ -200,6 +206,7 @@ def mover(self, *args):
                              "G88.6 modalgroup=1 python=block",
                              "M414 python=attributes",
                              "M415 python=misspelt",
+                             "M432 python=enums",
                              "M416 prolog=waiting_prolog ngc=ab epilog=good_epilog",
                              "M417 python=number",
                              "M418 python=returns_status",
@@ -327,6 +334,10 @@ TEST_F(PythonTest, BlockAndAttributes) {
   EXPECT_THAT(mdi("M415"), HasSubstr("did you mean current_x?"));
   EXPECT_THAT(mdi("M419"), HasSubstr("call_level is read-only"));
   EXPECT_EQ(mdi("M420"), "error: no such parameter");
+}
+
+TEST_F(PythonTest, EnumsAndBlocksWithoutALabel) {
+  EXPECT_EQ(mdi("M432"), "error: CANON_PLANE_XZ 9 UNITS_PER_MINUTE '' ['', 'enums'] 0");
 }
 
 TEST_F(PythonTest, OwordSubs) {
