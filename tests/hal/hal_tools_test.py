@@ -26,6 +26,8 @@ class HalTools(unittest.TestCase):
         for name in ("DISPLAY", "KERF_RUN_ID", "EDITOR"):
             cls.env.pop(name, None)
         cls.host = subprocess.Popen([BIN / "rtapi_app"], env=cls.env, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        cls.addClassCleanup(cls.host.wait)
+        cls.addClassCleanup(cls.host.terminate)
         for _ in range(500):
             if cls.run_program("halcmd", "-Q", "status").returncode == 0:
                 break
@@ -38,11 +40,6 @@ class HalTools(unittest.TestCase):
             file.flush()
             done = cls.run_program("halcmd", "-f", file.name)
         assert done.returncode == 0, done.stderr
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.host.terminate()
-        cls.host.wait()
 
     @classmethod
     def run_program(cls, name, *words, given=""):

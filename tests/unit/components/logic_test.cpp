@@ -136,5 +136,28 @@ TEST(Logic, TimedelayPassesOnWhatLasts) {
   EXPECT_EQ(trace(hal, "0101"), "0111");
 }
 
+TEST(Tp, APulseLastsItsTimeWhateverTheInputDoes) {
+  hal::TestBuilder hal;
+  ASSERT_TRUE(hal.create(module("tp"), "tp"));
+  hal.set("tp.pt", 0.0045);
+  const auto step = [&](bool in) {
+    hal.set("tp.in", in);
+    hal.run("tp");
+    return hal.get<bool>("tp.q");
+  };
+  EXPECT_FALSE(step(false));
+  // Short input, long input, and an edge within the pulse: five periods reach 4.5 ms.
+  for (const int on : {1, 3, 20}) {
+    int length = 0;
+    for (int i = 0; i < 20; ++i) length += step(i < on || i == 4) ? 1 : 0;
+    EXPECT_EQ(length, 5) << on;
+    if (on == 20) {
+      EXPECT_NEAR(hal.get<double>("tp.et"), 0.005, 1e-9) << "until in is false";
+    }
+    for (int i = 0; i < 3; ++i) EXPECT_FALSE(step(false));
+    EXPECT_EQ(hal.get<double>("tp.et"), 0.0);
+  }
+}
+
 }  // namespace
 }  // namespace kerf::components
