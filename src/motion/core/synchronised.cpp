@@ -22,6 +22,7 @@ constexpr double kInStep = 2e-5;
 constexpr double kNear = 1e-6;  // mm
 /// From the switching curve into step.
 constexpr double kTail = 0.02;  // s
+constexpr double kTailCycles = 8;
 /// Lag that is told, as a part of the pitch, and at least [mm].
 constexpr double kLagShare = 0.25;
 constexpr double kLeastLag = 0.1;
@@ -188,7 +189,7 @@ Synchroniser::Ready Synchroniser::prepare(const Wish& wish, PathWait& why, const
     raise(faults, Fault::sync_too_fast, n, v * wish.factor * wish.mm, wish.speed * wish.mm, tag);
     return Ready::refused;
   }
-  const double in = v * v / (2 * kShare * wish.acc) + kTail * v;
+  const double in = v * v / (2 * kShare * wish.acc) + std::max(kTail, kTailCycles * dt_) * v;
   const double need = wish.ends ? in + v * v / (2 * wish.acc) : in;
   if (need > wish.to_end) {
     raise(faults, Fault::sync_too_short, n, need * wish.mm, wish.to_end * wish.mm, tag);
