@@ -204,5 +204,23 @@ TEST(Math, ConvertsFloatsAndIntegers) {
   EXPECT_EQ(hal.get<double>("sf.out"), -2147483648.0);
 }
 
+TEST(AbsS64, TellsSizeAndSignBeyond32Bits) {
+  hal::TestBuilder hal;
+  ASSERT_TRUE(hal.create(module("abs_s64"), "a"));
+  struct Row {
+    std::int64_t in, out;
+  };
+  for (const Row& row :
+       {Row{0, 0}, Row{5'000'000'000, 5'000'000'000}, Row{-5'000'000'000, 5'000'000'000},
+        Row{INT64_MAX, INT64_MAX}, Row{INT64_MIN, INT64_MIN}}) {
+    hal.set("a.in", row.in);
+    hal.run("a");
+    EXPECT_EQ(hal.get<std::int64_t>("a.out"), row.out);
+    EXPECT_EQ(hal.get<bool>("a.sign"), row.in < 0);
+    EXPECT_EQ(hal.get<bool>("a.is-negative"), row.in < 0);
+    EXPECT_EQ(hal.get<bool>("a.is-positive"), row.in > 0);
+  }
+}
+
 }  // namespace
 }  // namespace kerf::components
