@@ -279,8 +279,11 @@ void CommandParticipant::do_spindle(Ticket ticket, const Request& request) {
   char line[96];
   const bool turn = action == "forward" || action == "reverse";
   const char* code = action == "reverse" || (turn && speed < 0) ? "M4" : "M3";
-  if (turn)
-    std::snprintf(line, sizeof line, "S%.6f %s $%d", std::fabs(speed), code, spindle);
+  // Without a speed it turns as it last did, at constant surface speed too; a speed in rpm ends that.
+  if (turn && !request.has("speed"))
+    std::snprintf(line, sizeof line, "%s $%d", code, spindle);
+  else if (turn)
+    std::snprintf(line, sizeof line, "G97 S%.6f %s $%d", std::fabs(speed), code, spindle);
   else
     std::snprintf(line, sizeof line, "S%.6f $%d", std::fabs(speed), spindle);
   do_mdi(ticket, line, true);
