@@ -136,6 +136,11 @@ class Builder {
   /// Objects that one component offers to those loaded later (kinematics).
   virtual void provide(std::string_view service, void* object) noexcept = 0;
   virtual void* find_service(std::string_view service) noexcept = 0;
+  /// A function that a loaded module in C exports (kinematics), of the module loaded last; nullptr: none does. That module stays
+  /// loaded as long as this component.
+  virtual void* find_c_function(std::string_view /*name*/) noexcept { return nullptr; }
+  /// Calls code that belongs to the module of the function found last: it may make pins as in its rtapi_app_main.
+  virtual void call_c(void (*code)(void*), void* argument) noexcept { code(argument); }
   /// A machine of the non-realtime kind that the host runs beside the realtime threads (the planner).
   virtual void add_participant(rtapi::Participant& participant) noexcept = 0;
   /// Makes a realtime thread. The fastest first.
@@ -474,7 +479,7 @@ struct Module {
       nullptr};  ///< set by the loader: a module of the C API, for dlsym; the rest of it is empty
 };
 /// Raised when Builder, Module, Info or the handles change.
-inline constexpr std::uint64_t kModuleAbi = 5;
+inline constexpr std::uint64_t kModuleAbi = 6;
 
 /// Name of the symbol for component file ID (dashes as underscores): kerf_hal_module_ID.
 inline constexpr std::string_view kModuleSymbolPrefix = "kerf_hal_module_";

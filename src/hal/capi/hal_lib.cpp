@@ -201,9 +201,9 @@ const char* hal_strerror(int error) { return ::strerrordesc_np(error < 0 ? -erro
 
 hal_realtime_type_t hal_get_realtime_type(void) { return rtapi_get_realtime_type(); }
 
+int hal_set_unready(int comp_id) { return set_component_ready(comp_id, false); }
 #ifdef ULAPI
 int hal_unready(int comp_id) { return set_component_ready(comp_id, false); }
-int hal_set_unready(int comp_id) { return set_component_ready(comp_id, false); }
 #endif
 
 // ---- signals ------------------------------------------------------------------------------------

@@ -166,6 +166,21 @@ Status CModules::stop(Host::Loaded& l) {
   return {};
 }
 
+std::pair<void*, Host::Loaded*> CModules::find_function(const std::string& name) const {
+  for (auto it = host_.loaded_.rbegin(); it != host_.loaded_.rend(); ++it) {
+    Host::Loaded& l = **it;
+    if (l.c == nullptr) continue;
+    if (void* const found = ::dlsym(l.c->library, name.c_str()); found != nullptr)
+      return {found, &l};
+  }
+  return {};
+}
+
+void CModules::run_as(Host::Loaded& module, void (*code)(void*), void* argument) {
+  const Running running(*this, module);
+  code(argument);
+}
+
 bool CModules::has_component(const Host::Loaded& module, std::string_view name) {
   return std::any_of(module.c->components.begin(), module.c->components.end(),
                      [&](const CComponent& c) { return same_name(c.record->name, name); });

@@ -52,6 +52,10 @@ class CModules {
   rtapi::Status stop(Host::Loaded& module);
   /// busy, before anything is undone: the code of one of the module's realtime tasks does not come to rtapi_wait.
   [[nodiscard]] rtapi::Status check_tasks(const Host::Loaded& module) const;
+  /// What a loaded module exports by this name, and whose it is; of several the one loaded last. {}: none does.
+  [[nodiscard]] std::pair<void*, Host::Loaded*> find_function(const std::string& name) const;
+  /// Calls code of the module, which may use the C API as in its rtapi_app_main.
+  void run_as(Host::Loaded& module, void (*code)(void*), void* argument);
   [[nodiscard]] static bool has_component(const Host::Loaded& module, std::string_view name);
 
   // ---- the C API's side

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "hal/core/value_access.hpp"
+#include "hal/loader/c_modules.hpp"
 #include "rtapi/base/suggest.hpp"
 
 namespace kerf::hal {
@@ -124,6 +125,18 @@ void* LiveBuilder::find_service(std::string_view service) noexcept {
   if (it == host_.services_.end()) return nullptr;
   if (it->second.provider != &loaded_) loaded_.uses.insert(it->second.provider);
   return it->second.object;
+}
+
+void* LiveBuilder::find_c_function(std::string_view name) noexcept {
+  const auto [function, owner] = host_.c_modules_->find_function(std::string(name));
+  if (function == nullptr) return nullptr;
+  c_module_ = owner;
+  loaded_.uses.insert(owner);
+  return function;
+}
+
+void LiveBuilder::call_c(void (*code)(void*), void* argument) noexcept {
+  if (c_module_ != nullptr) host_.c_modules_->run_as(*c_module_, code, argument);
 }
 
 void LiveBuilder::add_participant(rtapi::Participant& participant) noexcept {

@@ -47,6 +47,8 @@ class LiveBuilder final : public Builder {
                           std::uint64_t abi) noexcept override;
   void provide(std::string_view service, void* object) noexcept override;
   void* find_service(std::string_view service) noexcept override;
+  void* find_c_function(std::string_view name) noexcept override;
+  void call_c(void (*code)(void*), void* argument) noexcept override;
   void add_participant(rtapi::Participant& participant) noexcept override;
   void add_thread(std::string_view name, std::int64_t period_ns) noexcept override;
   [[nodiscard]] const rtapi::Clock& clock() const noexcept override { return host_.clock(); }
@@ -66,7 +68,8 @@ class LiveBuilder final : public Builder {
   std::vector<ThreadWish> threads_;
   std::string error_;
   std::vector<FunctionRecord*> without_times_;
-  std::uint64_t dummy_{0};  ///< the slot that handles lead to after an error
+  Host::Loaded* c_module_{nullptr};  ///< of the function found last
+  std::uint64_t dummy_{0};           ///< the slot that handles lead to after an error
 };
 
 }  // namespace kerf::hal

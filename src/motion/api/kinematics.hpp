@@ -40,6 +40,11 @@ class Kinematics {
   virtual bool switch_to(std::int32_t kind) noexcept { return kind == 0; }
   /// Told before the first cycle: mm in one machine unit, for modules whose HAL pins are lengths.
   virtual void use_unit(double /*unit_mm*/) noexcept {}
+  /// Told with it: which joints turn, and which axes the machine has (a bit each); for modules that cannot know.
+  virtual void use_machine(std::uint32_t /*rotary_joints*/, std::uint32_t /*axes*/) noexcept {}
+  /// For who asks inverse() many times over: true when all answers since the last complete() were real. False: some have yet to be
+  /// worked out, and the same must be asked again later. Only for the planner; false only for modules in C.
+  [[nodiscard]] virtual bool complete() const noexcept { return true; }
   /// The axis that joint j moves alone (index in XYZABCUVW), or -1 when it moves several.
   [[nodiscard]] virtual std::int32_t axis_of_joint(std::int32_t joint) const noexcept = 0;
   /// Bit i: axis i of XYZABCUVW exists.

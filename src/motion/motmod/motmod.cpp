@@ -134,6 +134,14 @@ void Motmod::create_unlock_pins(hal::Builder& b) noexcept {
 
 void Motmod::create_parts(hal::Builder& b) noexcept {
   auto* kinematics = static_cast<Kinematics*>(b.find_service(kKinematicsService));
+  auto* in_c = kinematics == nullptr
+                   ? make_part<CKinematics>(b, b, args_.joints - args_.extra_joints)
+                   : nullptr;
+  if (in_c != nullptr && in_c->found()) {
+    kinematics = in_c;
+    asked_ = make_part<AskedKinematics>(b, *in_c);
+  }
+  if (b.failed()) return;
   if (kinematics == nullptr) {
     b.fail(
         "motmod: no kinematics are loaded; load a kinematics module first, for example: loadrt "
@@ -154,7 +162,9 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
   if (block == nullptr || link_ == nullptr) return;
   shared_ = new (block) MotionShared();
   b.provide(kMotionService, shared_);
-  planner_ = make_part<PlannerParticipant>(b, *kinematics, *shared_, *link_);
+  const Kinematics& asked =
+      asked_ != nullptr ? static_cast<const Kinematics&>(*asked_) : *kinematics;
+  planner_ = make_part<PlannerParticipant>(b, asked, *shared_, *link_);
   controller_ = make_part<Controller>(b, *kinematics, link_->spans, link_->slots, link_->faults,
                                       args_.joints, args_.spindles);
   BuilderMemory memory(b);
@@ -202,6 +212,9 @@ void Motmod::take_config() noexcept {
   config_wish_ = 0;
   scale_ = config.linear_units_per_mm > 0 ? config.linear_units_per_mm : 1.0;
   kinematics_->use_unit(1.0 / scale_);
+  std::uint32_t rotary = 0;
+  for (std::size_t j = 0; j < kMaxJoints; ++j) rotary |= config.joint[j].rotary ? 1U << j : 0U;
+  kinematics_->use_machine(rotary, config.axis_mask);
   for (std::size_t j = 0; j < kMaxJoints; ++j)
     joint_scale_[j] = config.joint[j].rotary ? 1.0 : scale_;
   if (config.axis_mask != 0) axis_mask_ = config.axis_mask;
@@ -249,7 +262,15 @@ void Motmod::motion_controller(const hal::Period& period) noexcept {
   }
   for (std::size_t i = 0; i < io_.analog_count(); ++i)
     status.analog_out[i] = controller_->outputs().analog[i];
+  answer_planner();
   publish();
+}
+
+void Motmod::answer_planner() noexcept {
+  if (asked_ == nullptr) return;
+  JointVector joint{};
+  for (std::size_t j = 0; j < controller_->joints(); ++j) joint[j] = controller_->joint(j).pos_cmd;
+  if (asked_->serve(joint)) link_->cell.notify();
 }
 
 void Motmod::publish() noexcept {

@@ -6,6 +6,7 @@
 #include "hal/component.hpp"
 #include "motion/core/controller.hpp"
 #include "motion/motmod/args.hpp"
+#include "motion/motmod/c_kinematics.hpp"
 #include "motion/motmod/pins.hpp"
 #include "motion/motmod/planner_participant.hpp"
 #include "rtapi/clock/clock.hpp"
@@ -62,6 +63,7 @@ class Motmod final : public hal::Component<Motmod> {
   [[nodiscard]] double path_scale(const PathSpan* move) const noexcept;
   void write_move(const MotionStatus& s) noexcept;
   void publish() noexcept;
+  void answer_planner() noexcept;
   void take_config() noexcept;
   /// What motion.switchkins-type asks for; true when that is not the kind in force.
   [[nodiscard]] std::int32_t wanted_kind() const noexcept;
@@ -82,6 +84,7 @@ class Motmod final : public hal::Component<Motmod> {
   Controller* controller_{nullptr};
   PlannerParticipant* planner_{nullptr};
   Kinematics* kinematics_{nullptr};
+  AskedKinematics* asked_{nullptr};  ///< the planner's, when the module is in C
   std::uint32_t axis_mask_{0};
 
   Inputs inputs_;

@@ -128,9 +128,10 @@ extern int hal_is_init(void);
 /* Text for a negative errno of these calls. */
 extern const char* hal_strerror(int error);
 extern hal_realtime_type_t hal_get_realtime_type(void);
+/* For more pins after hal_ready (kinematics that make them when motion asks for their type); then hal_ready again. */
+extern int hal_set_unready(int comp_id);
 #ifdef ULAPI
 extern int hal_unready(int comp_id);
-extern int hal_set_unready(int comp_id);
 extern int hal_lib_init(void);
 extern void hal_lib_exit(void);
 #endif

@@ -331,7 +331,9 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
     return result;
   }
   FaultRecord fault;
-  if (!limits_of(item, curve, speed, traverse, meta, fault)) return refuse(item, fault);
+  const bool within = limits_of(item, curve, speed, traverse, meta, fault);
+  if (!kinematics_.complete()) return Take::wait_servo;
+  if (!within) return refuse(item, fault);
   // The first feed move after a change of a spindle waits for it at rest; at constant surface speed also the first after a rapid.
   const bool css = std::any_of(std::begin(css_), std::end(css_), [](bool on) { return on; });
   if (!traverse && (spindle_changed_ || (after_traverse_ && css))) stop_here();

@@ -109,8 +109,9 @@ Planner::Take Planner::take_tap(const PathItem& item, const TapMove& tap,
   FaultRecord fault;
   const double rps = commanded_rps(tap.spindle), v = tap.per_rev_mm * rps;
   const double fastest = v * std::max(tap.return_factor, 1.0);
-  if (!limits_of(item, curve, std::max(fastest, 1e-3), false, meta, fault))
-    return refuse(item, fault);
+  const bool within = limits_of(item, curve, std::max(fastest, 1e-3), false, meta, fault);
+  if (!kinematics_.complete()) return Take::wait_servo;
+  if (!within) return refuse(item, fault);
   stop_here();
   const path::Vec from = path::to_vec(curve.start), to = path::to_vec(curve.end);
   TapSpan span;
