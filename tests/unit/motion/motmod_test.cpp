@@ -298,9 +298,9 @@ TEST(Motmod, ThePlannerSleepsWhenThereIsNothingToDo) {
 struct AbortingCell {
   struct Word {
     const AbortingCell* cell;
-    std::uint64_t before, after;
-    [[nodiscard]] std::uint64_t get() const { return cell->aborted++ == 0 ? before : after; }
-    [[nodiscard]] std::uint64_t observe() const { return get(); }
+    std::uint32_t before, after;
+    [[nodiscard]] std::uint32_t get() const { return cell->aborted++ == 0 ? before : after; }
+    [[nodiscard]] std::uint32_t observe() const { return get(); }
   };
   struct Beat {
     [[nodiscard]] std::uint64_t get() const { return 0; }
