@@ -168,4 +168,19 @@ double highest_start(double cap, const RampBound& bound, const RampLimits& limit
   return largest(std::min(bound.speed, cap), cap, holds);
 }
 
+double level_time(double length, double from, double to, double cap,
+                  const RampLimits& limits) noexcept {
+  from = std::min(from, cap);
+  to = std::min(to, cap);
+  const auto way = [&](double peak) {
+    return ramp_distance({from, 0}, peak, limits) + ramp_distance({peak, 0}, to, limits);
+  };
+  const double least = std::max(from, to);
+  if (way(least) > length) return 2 * length / std::max(from + to, 1e-9);
+  const double peak =
+      way(cap) <= length ? cap : largest(least, cap, [&](double v) { return way(v) <= length; });
+  return ramp_to({from, 0}, peak, limits).duration() + ramp_to({peak, 0}, to, limits).duration() +
+         (peak > 0 ? (length - way(peak)) / peak : 0.0);
+}
+
 }  // namespace kerf::motion

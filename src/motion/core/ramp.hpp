@@ -54,4 +54,9 @@ struct RampBound {
 [[nodiscard]] double highest_start(double cap, const RampBound& bound,
                                    const RampLimits& limits) noexcept;
 
+/// Seconds for `length` from cruising at `from` to cruising at `to`, at speeds of at most `cap`; where the length does not suffice for that,
+/// an estimate.
+[[nodiscard]] double level_time(double length, double from, double to, double cap,
+                                const RampLimits& limits) noexcept;
+
 }  // namespace kerf::motion

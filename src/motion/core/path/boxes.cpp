@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/core/ramp.hpp"
+
 namespace kerf::motion::path {
 namespace {
 
@@ -18,6 +20,7 @@ constexpr Share kShares[] = {{0.06, 0.08}, {0.12, 0.16}, {0.2, 0.25},
 constexpr double kOwnRegion = 0.25;
 /// Rounding, and the error of the quadratics on arcs.
 constexpr double kReserve = 1.0 - 1e-5;
+constexpr double kArcShares[] = {0.06, 0.15, 0.3, 0.5, 0.7, 0.9};
 constexpr int kSteps = 24;
 constexpr int kEstimateStretches = 8;
 
@@ -82,6 +85,18 @@ Vec steepest(const Piece& piece) noexcept {
   return out;
 }
 
+/// What a box allows all along an arc, by some stretches of it.
+double arc_cap(const Piece& p, const Box& box, const AxisLimits& limits) noexcept {
+  const int all = divisions(p), n = std::min(all, kEstimateStretches);
+  const double step = p.length / all;
+  double cap = kNoLimit;
+  for (int i = 0; i < n; ++i) {
+    const double from = (p.length - step) * i / std::max(1, n - 1);
+    cap = std::min(cap, box_cap(p, from, from + step, box, limits));
+  }
+  return cap;
+}
+
 /// What all pieces of a region could do if they were straight.
 Box straightest(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
                 const AxisLimits& limits) noexcept {
@@ -137,14 +152,13 @@ double Boxes::seconds(const Buffer<Piece>& pieces, std::size_t begin, std::size_
   for (std::size_t k = begin; k < end; ++k) {
     const Piece& p = pieces[k];
     double cap = std::min(axis_cap(p, 0, p.length, limits), feed_cap(p, 0, p.length));
-    const int n = p.straight() ? 1 : std::min(divisions(p), kEstimateStretches);
-    for (int i = 0; i < n; ++i) {
-      // Of a long arc a few stretches stand for the others.
-      const double step = p.length / divisions(p),
-                   from = (p.length - step) * i / std::max(1, n - 1);
-      cap = std::min(cap,
-                     box_cap(p, n == 1 ? 0 : from, n == 1 ? p.length : from + step, box, limits));
+    if (p.shape == Piece::Shape::arc) {
+      cap_[k] = std::min(cap, arc_cap(p, box, limits));
+      continue;
     }
+    const int n = p.straight() ? 1 : divisions(p);
+    for (int i = 0; i < n; ++i)
+      cap = std::min(cap, box_cap(p, p.length * i / n, p.length * (i + 1) / n, box, limits));
     cap_[k] = cap;
   }
   double total = 0, x = cap_[end - 1];
@@ -177,22 +191,54 @@ void Boxes::make_region(const Buffer<Piece>& pieces, std::size_t begin, std::siz
     least = t;
   }
   for (std::size_t k = begin; k < end; ++k) box_[k] = best;
+  (void)seconds(pieces, begin, end, best, limits);  // leaves its speeds in cap_
+}
+
+/// A long arc by itself: sped up on and braked on as its neighbours' speeds ask.
+void Boxes::make_arc(const Buffer<Piece>& pieces, std::size_t k,
+                     const AxisLimits& limits) noexcept {
+  const Piece& piece = pieces[k];
+  const Box whole = straightest(pieces, k, k + 1, limits);
+  const double from = k == 0 || pieces[k - 1].stop_at_end ? 0.0 : std::sqrt(cap_[k - 1]);
+  const double to = k + 1 >= pieces.size() || piece.stop_at_end ? 0.0 : std::sqrt(cap_[k + 1]);
+  const double axes =
+      std::min(axis_cap(piece, 0, piece.length, limits), feed_cap(piece, 0, piece.length));
+  double least = 0;
+  for (const double acc : kArcShares)
+    for (const double jerk : kArcShares) {
+      const Box box{whole.acc * acc, whole.jerk * jerk};
+      const double cap = std::sqrt(std::min(axes, arc_cap(piece, box, limits)));
+      const double t = level_time(piece.length, from, to, cap, {box.acc, box.jerk});
+      if (box_[k].acc > 0 && t >= least) continue;
+      box_[k] = box;
+      least = t;
+    }
 }
 
 void Boxes::make(const Buffer<Piece>& pieces, const AxisLimits& limits) noexcept {
   box_.assign(pieces.size(), Box{});
-  cap_.assign(pieces.size(), 0.0);
+  // Nothing is known yet of neighbours that have no cap: they are what straights are.
+  cap_.assign(pieces.size(), kNoLimit);
+  const auto own = [&](std::size_t k) {
+    const Piece& piece = pieces[k];
+    const bool arc = piece.shape == Piece::Shape::arc;
+    if (!arc && !piece.straight()) return false;
+    const Box box = arc ? straightest(pieces, k, k + 1, limits) : straight_box(piece, limits);
+    return piece.length >= kOwnRegion * box.acc * box.acc * box.acc / (box.jerk * box.jerk);
+  };
   std::size_t begin = 0;
   for (std::size_t k = 0; k <= pieces.size(); ++k) {
-    bool own = false;
-    if (k < pieces.size() && pieces[k].straight()) {
-      const Box box = straight_box(pieces[k], limits);
-      own = pieces[k].length >= kOwnRegion * box.acc * box.acc * box.acc / (box.jerk * box.jerk);
-      if (own) box_[k] = box;
-    }
-    if (k < pieces.size() && !own && !(k > begin && pieces[k - 1].stop_at_end)) continue;
+    const bool alone = k < pieces.size() && own(k);
+    if (k < pieces.size() && !alone && !(k > begin && pieces[k - 1].stop_at_end)) continue;
     if (k > begin) make_region(pieces, begin, k, limits);
-    begin = own ? k + 1 : k;
+    begin = alone ? k + 1 : k;
+  }
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    if (box_[k].acc > 0) continue;
+    if (pieces[k].straight())
+      box_[k] = straight_box(pieces[k], limits);
+    else
+      make_arc(pieces, k, limits);
   }
 }
 

@@ -6,7 +6,7 @@
 // with the largest |q'|, |q''| and |q'''| on the stretch. So whatever motion stays within the box keeps all limits of all axes on the
 // whole stretch, and differences of positions at any sampling keep them too as long as q'' goes on without jumps: the third difference
 // is an average of the third derivative. A and J are the same over neighbouring pieces (a region), so that they change seldom; each
-// stretch has a V of its own. On straights A and J are all that the axes can do.
+// stretch has a V of its own. Long straights and arcs are regions of their own; on a straight A and J are all that the axes can do.
 #pragma once
 
 #include "motion/core/path/buffer.hpp"
@@ -38,6 +38,7 @@ class Boxes {
  private:
   void make_region(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
                    const AxisLimits& limits) noexcept;
+  void make_arc(const Buffer<Piece>& pieces, std::size_t k, const AxisLimits& limits) noexcept;
   [[nodiscard]] double seconds(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
                                const Box& box, const AxisLimits& limits) noexcept;
 
