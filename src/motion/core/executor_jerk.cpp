@@ -10,6 +10,8 @@ namespace {
 
 /// What is left to do would be rounding (sigma).
 constexpr double kSamePlace = 1e-9;
+/// Phases shorter than this belong to the next one (s).
+constexpr double kLeastPhase = 1e-9;
 constexpr int kHalvings = 60;
 
 /// When `way` has been driven on the ramp; the speed is never negative on it.
@@ -50,10 +52,15 @@ double Executor::run_ramps(const PathSpan& move, double x_wanted, double dt) noe
   }
   const Ramp ramp = ramp_to(state, target, course.limits);
   const double whole = ramp.duration();
-  double t = std::min(dt, whole);
+  // One phase at a time: where it ends another bound may have become the one that counts.
+  double phase = 0;
+  for (int i = 0; i < 3 && phase < kLeastPhase; ++i) phase += ramp.seconds[i];
+  double t = std::min({dt, phase, whole});
   RampState next = state;
   double way = ramp.advance(next, t);
-  if (way >= left_ && left_ > 0) {
+  // A stop is met with acceleration 0: a hair less of way would leave a good part of the last phase out.
+  const bool lands = target <= 0 && t == whole && way - left_ <= kSamePlace;
+  if (way >= left_ && left_ > 0 && !lands) {
     t = time_at(ramp, state, left_, t);
     next = state;
     (void)ramp.advance(next, t);
@@ -62,7 +69,7 @@ double Executor::run_ramps(const PathSpan& move, double x_wanted, double dt) noe
     next = {target, 0};
   }
   left_ = way == left_ ? 0.0 : left_ - way;
-  if (target <= 0 && t == whole && left_ <= kSamePlace) left_ = 0;
+  if (lands && left_ <= kSamePlace) left_ = 0;
   if (next.speed < 0) next = {0, 0};
   sigma_speed_ = next.speed;
   sigma_acc_ = next.acc;

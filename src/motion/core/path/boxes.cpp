@@ -146,6 +146,36 @@ double box_cap(const Piece& piece, double s0, double s1, const Box& box,
   return v < 1e49 ? v * v : kNoLimit;
 }
 
+double even_speed(const Piece* pieces, std::size_t count, const AxisLimits& limits) noexcept {
+  double cap = kNoLimit;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Piece& p = pieces[k];
+    Box box = straight_box(straight_piece(p.a, p.first(p.length / 2), p.length, p.feed), limits);
+    box.acc *= kShares[0].acc;
+    box.jerk *= kShares[0].jerk;
+    cap = std::min({cap, axis_cap(p, 0, p.length, limits), feed_cap(p, 0, p.length),
+                    box_cap(p, 0, p.length, box, limits)});
+  }
+  return std::sqrt(cap);
+}
+
+bool faster_to_stop(const Piece& a, const Piece& b, double l, double speed,
+                    const AxisLimits& limits) noexcept {
+  double stop = 0, blend = 2 * l / std::max(speed, 1e-9);
+  for (const Piece* p : {&a, &b}) {
+    const Vec direction = p->first(p->length / 2);
+    const Box box = straight_box(straight_piece(p->a, direction, p->length, p->feed), limits);
+    const RampLimits ramp{box.acc, box.jerk};
+    double cap = std::min(axis_cap(*p, 0, p->length, limits), feed_cap(*p, 0, p->length));
+    if (p->shape == Piece::Shape::arc)
+      cap = std::min(cap, arc_cap(*p, {0.15 * box.acc, 0.15 * box.jerk}, limits));
+    const double most = std::sqrt(cap), rest = p->length - 2 * l;
+    stop += 0.5 * level_time(p->length, 0, 0, most, ramp);
+    if (rest > 0) blend += 0.5 * level_time(rest, speed, speed, most, ramp);
+  }
+  return stop < blend;
+}
+
 /// Estimate: speeds by acceleration alone; each end of the region costs a ramp of acceleration.
 double Boxes::seconds(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
                       const Box& box, const AxisLimits& limits) noexcept {

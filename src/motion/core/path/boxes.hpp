@@ -25,6 +25,14 @@ struct Box {
 [[nodiscard]] double box_cap(const Piece& piece, double s0, double s1, const Box& box,
                              const AxisLimits& limits) noexcept;
 
+/// Whether it takes less time to stand between two moves than to drive through a blend that takes `l` of each and may be passed at `speed`.
+/// Both moves are taken as if they began and ended alike.
+[[nodiscard]] bool faster_to_stop(const Piece& a, const Piece& b, double l, double speed,
+                                  const AxisLimits& limits) noexcept;
+/// The speed at which blend pieces can be passed evenly.
+[[nodiscard]] double even_speed(const Piece* pieces, std::size_t count,
+                                const AxisLimits& limits) noexcept;
+
 class Boxes {
  public:
   /// For up to `pieces` pieces.

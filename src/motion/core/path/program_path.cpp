@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "motion/core/path/boxes.hpp"
+
 namespace kerf::motion::path {
 namespace {
 
@@ -11,6 +13,8 @@ constexpr double kTangent = 1e-9;
 /// With jerk limits curvature has to go on too (1/mm).
 constexpr double kSameBend = 1e-9;
 constexpr std::size_t kBlendPieces = 4;
+/// Corners whose blends take less than this part of both lines are looked at alone.
+constexpr double kAloneInLine = 4;
 
 /// The rate at which sigma is meant to advance: the feed, or what the axes of its metric can do.
 double pace(double feed, bool rapid, double measured, double own_time) noexcept {
@@ -69,15 +73,34 @@ bool ProgramPath::create(Memory& memory, std::size_t moves) noexcept {
          smoother_.create(memory, moves);
 }
 
+/// Two lines whose corner would make a blend of its own, which is so narrow that standing takes less time.
+bool ProgramPath::sharp(const Move& a, const Move& b) const noexcept {
+  const Vec kink = b.piece.first(0) - a.piece.first(a.piece.length);
+  const double share = a.mode.tolerance.share(kink);
+  if (!(share > 0)) return false;
+  // A triangle of q'' with half-width l deviates by l/6 of the kink.
+  const double l = std::min({6 / share, settings_.widest, a.piece.length / 2, b.piece.length / 2});
+  if (l * kAloneInLine > std::min(a.piece.length, b.piece.length)) return false;
+  Piece half = straight_piece(a.piece.a, a.piece.first(0), l, a.piece.feed);
+  half.d = kink * (1 / (l * l));
+  Piece other = half;
+  other.b = half.first(l);
+  other.c = half.second(l);
+  other.d *= -1.0;
+  const Piece blend[] = {half, other};
+  return faster_to_stop(a.piece, b.piece, l, even_speed(blend, 2, settings_.limits),
+                        settings_.limits);
+}
+
 ProgramPath::Joint ProgramPath::joint_between(const Move& a, const Move& b) const noexcept {
   if (a.stop_at_end || a.mode.corners == PathMode::Corners::exact_stop) return Joint::stop;
   const bool lines = a.piece.shape == Piece::Shape::cubic && b.piece.shape == Piece::Shape::cubic;
-  const bool tangent =
-      max_abs(b.piece.first(0) - a.piece.first(a.piece.length)) < kTangent &&
-      (!settings_.jerks || max_abs(b.piece.second(0) - a.piece.second(a.piece.length)) < kSameBend);
+  const bool tangent = max_abs(b.piece.first(0) - a.piece.first(a.piece.length)) < kTangent &&
+                       (!settings_.limits.jerks ||
+                        max_abs(b.piece.second(0) - a.piece.second(a.piece.length)) < kSameBend);
   if (a.mode.corners == PathMode::Corners::exact_path || !(a.mode.tolerance.mm > 0))
     return tangent ? Joint::pass : Joint::stop;
-  if (lines) return Joint::chain;
+  if (lines) return settings_.limits.jerks && sharp(a, b) ? Joint::stop : Joint::chain;
   return tangent ? Joint::pass : Joint::blend;
 }
 
@@ -110,6 +133,14 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
       s.low = settings_.low;
       s.high = settings_.high;
       l = blend_junction(tail.piece, moves[j + 1].piece, s, blend_);
+      const bool stops = settings_.limits.jerks && l > 0 &&
+                         faster_to_stop(tail.piece, moves[j + 1].piece, l,
+                                        even_speed(blend_.begin(), blend_.size(), settings_.limits),
+                                        settings_.limits);
+      if (stops) {
+        blend_.clear();
+        l = 0;
+      }
     }
     if (i == j) {
       if (tail.piece.length - taken - l > 0)
@@ -134,7 +165,7 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
       chain_.at.push_back(tail.piece.point(tail.piece.length - l));
       chain_.sigma.push_back(sigma);
       s.widest = settings_.widest;
-      s.peaked = settings_.jerks;
+      s.peaked = settings_.limits.jerks;
       const std::size_t before = out.size();
       if (smoother_.smooth(chain_, s, out) > 1.0) {
         // Has never been seen; the programmed corners with stops are always right.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "motion/core/path/junction.hpp"
+#include "motion/core/path/limits.hpp"
 #include "motion/core/path/piece.hpp"
 #include "motion/core/path/smoothing.hpp"
 
@@ -24,8 +25,9 @@ struct Move {
 struct PathSettings {
   double widest{2};  ///< see SmoothingSettings; a good value is 20 ms of feed
   double widest_junction{4};
-  Vec low, high;      ///< blends stay in this box
-  bool jerks{false};  ///< the path needs continuous curvature: tangent joints are blended too
+  Vec low, high;  ///< blends stay in this box
+  /// With jerk limits the path needs continuous curvature: tangent joints are blended too, and sharp corners may be passed faster by stopping.
+  AxisLimits limits;
 };
 
 class ProgramPath {
@@ -41,6 +43,7 @@ class ProgramPath {
  private:
   enum class Joint { stop, pass, chain, blend };
   [[nodiscard]] Joint joint_between(const Move& a, const Move& b) const noexcept;
+  [[nodiscard]] bool sharp(const Move& a, const Move& b) const noexcept;
   void make_run(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept;
 
   PathSettings settings_;

@@ -65,7 +65,7 @@ void Planner::configure(const MachineConfig& config) noexcept {
   path::PathSettings settings;
   low_ = settings.low = limits.low;
   high_ = settings.high = limits.high;
-  settings.jerks = limits.axes.jerks;
+  settings.limits = limits.axes;
   program_path_.configure(settings);
 }
 
