@@ -1,4 +1,6 @@
 // The Python module gcode: programs as calls of a Python object, for previews. Needs no machine.
+#include <pybind11/stl.h>
+
 #include <cstdlib>
 #include <filesystem>
 
@@ -73,7 +75,8 @@ class Parse {
     read_settings(target);
   }
 
-  py::tuple run(const std::string& unit_code, const std::string& init_code) {
+  /// `codes`: blocks executed before the file.
+  py::tuple run(const std::vector<std::string>& codes) {
     last_error().clear();
     std::vector<std::string> folders{fs::path(file_).parent_path().string()};
     if (folders[0].empty()) folders[0] = ".";
@@ -91,7 +94,7 @@ class Parse {
     modal.feed = modal.feed_word = 1;
     interpreter.restore(modal);
     canon_.use(interpreter);
-    for (const std::string& code : {unit_code, init_code}) {
+    for (const std::string& code : codes) {
       if (code.empty()) continue;
       interp::Outcome outcome = interpreter.execute_mdi(code);
       const int result = go(interpreter, outcome, true);
@@ -226,7 +229,13 @@ class Parse {
 
 py::tuple parse(const std::string& file, const py::object& canon, const std::string& unit_code,
                 const std::string& init_code, const std::string& /*interpreter*/) {
-  return Parse(file, canon).run(unit_code, init_code);
+  return Parse(file, canon).run({unit_code, init_code});
+}
+
+/// As AXIS asks: any number of blocks before the file.
+py::tuple parse_after(const std::string& file, const py::object& canon, const py::list& codes,
+                      const std::string& /*interpreter*/) {
+  return Parse(file, canon).run(codes.cast<std::vector<std::string>>());
 }
 
 /// The text of the last error for its own number.
@@ -271,6 +280,9 @@ PYBIND11_MODULE(gcode, m) {
         py::arg("initcode") = "", py::arg("interpname") = "",
         "parse(file, canon, unitcode='', initcode='') -> (result, line). Results above MIN_ERROR "
         "are errors.");
+  m.def("parse", parse_after, py::arg("file"), py::arg("canon"), py::arg("initcodes"),
+        py::arg("interpname") = "",
+        "The same after a list of blocks, which set the preview to the machine's state.");
   m.def("strerror", strerror, py::arg("result"), "The text of a result of parse().");
   m.attr("MIN_ERROR") = kMinError;
   m.attr("MAX_ERROR") = kMaxError;

@@ -10,9 +10,13 @@ namespace kerf::python {
 namespace {
 
 /// What A, B and C turn about; under the GIL.
-std::array<double, 3>& turning_point() {
-  static std::array<double, 3> point{};
-  return point;
+struct Turning {
+  std::array<double, 3> offsets{};  ///< the work offsets, as the screen told them
+  bool about_offsets{false};        ///< else about the machine's origin
+};
+Turning& turning() {
+  static Turning state;
+  return state;
 }
 
 rtapi::Pose pose(const py::handle& values) {
@@ -82,7 +86,8 @@ void draw_dwells(const std::string& geometry, const py::list& dwells, double alp
 
 std::array<double, 3> vertex(std::string_view geometry, const rtapi::Pose& point) {
   std::array<double, 3> p{};
-  const std::array<double, 3>& about = turning_point();
+  const std::array<double, 3> about =
+      turning().about_offsets ? turning().offsets : std::array<double, 3>{};
   const auto turn = [&](std::size_t from, std::size_t to, double degrees) {
     const double angle = degrees * M_PI / 180, c = std::cos(angle), s = std::sin(angle);
     const double a = p[from] - about[from], b = p[to] - about[to];
@@ -128,13 +133,17 @@ void add_geometry(py::module_& m) {
   m.def(
       "gui_rot_offsets",
       [](double x, double y, double z) {
-        turning_point() = {x, y, z};
+        turning().offsets = {x, y, z};
       },
       py::arg("x"), py::arg("y"), py::arg("z"),
-      "The point about which A, B and C turn what is drawn.");
+      "The work offsets, about which A, B and C turn what is drawn after gui_respect_offsets(.., "
+      "1).");
   m.def(
-      "gui_respect_offsets", [](int, int) {}, py::arg("rotations"), py::arg("offsets"),
-      "Taken and without effect: what is drawn turns about the point of gui_rot_offsets.");
+      "gui_respect_offsets",
+      [](const std::string&, int respect) { turning().about_offsets = respect != 0; },
+      py::arg("coordinates"), py::arg("respect"),
+      "Whether A, B and C turn what is drawn about the work offsets ('!' in [DISPLAY]GEOMETRY) or "
+      "about the machine's origin.");
 }
 
 }  // namespace kerf::python

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "python/linuxcnc/geometry.hpp"
@@ -45,18 +46,20 @@ class PositionLogger {
   void clear() {
     const std::lock_guard lock(mutex_);
     points_.clear();
+    drawn_.reset();
   }
   [[nodiscard]] std::size_t count() {
     const std::lock_guard lock(mutex_);
     return points_.size();
   }
-  /// The newest point of the path, or of the second plane.
-  py::object last(int second) {
+  /// (x, y, z, a, -b, c) of the newest point, or of the last one that call() has drawn; None: there is none. With XYUV the second
+  /// three are the point of the second plane.
+  py::object last(int drawn) {
     const std::lock_guard lock(mutex_);
-    if (points_.empty()) return py::none();
-    const Point& p = points_.back();
-    const auto& v = second != 0 ? p.second : p.first;
-    return py::make_tuple(v[0], v[1], v[2]);
+    if (drawn != 0 ? !drawn_.has_value() : points_.empty()) return py::none();
+    const Point& p = drawn != 0 ? *drawn_ : points_.back();
+    const auto& second = xyuv_ ? p.second : p.turned;
+    return py::make_tuple(p.first[0], p.first[1], p.first[2], second[0], second[1], second[2]);
   }
   void set_depth(double z, double w) {
     const std::lock_guard lock(mutex_);
@@ -75,8 +78,9 @@ class PositionLogger {
   /// Draws the path by OpenGL.
   void draw() {
     const Gl* gl = Gl::find();
-    if (gl == nullptr) return;
     const std::lock_guard lock(mutex_);
+    if (!points_.empty()) drawn_ = points_.back();
+    if (gl == nullptr) return;
     // Colours of jog, traverse, feed, arc, tool change, probing.
     const auto draw_path = [&](auto place) {
       gl->begin(Gl::Shape::line_strip);
@@ -100,7 +104,8 @@ class PositionLogger {
  private:
   struct Point {
     std::array<double, 3> first{}, second{};
-    int kind{0};  ///< MOTION_TYPE_*, 0: jog
+    std::array<double, 3> turned{};  ///< how screens draw the tool: A, -B, C in degrees
+    int kind{0};                     ///< MOTION_TYPE_*, 0: jog
   };
 
   bool goes_on() {
@@ -121,6 +126,7 @@ class PositionLogger {
     } else {
       p.first = p.second = vertex(geometry_, at);
     }
+    p.turned = {at.a, -at.b, at.c};
     p.kind = s.motion_type;
     if (!points_.empty() && points_.back().kind == p.kind && close(points_.back(), p)) return;
     if (points_.size() == kMostPoints) points_.erase(points_.begin());
@@ -153,6 +159,7 @@ class PositionLogger {
   bool xyuv_;
   bool running_{false};
   std::vector<Point> points_;
+  std::optional<Point> drawn_;  ///< the newest when call() was last called
 };
 
 std::array<Color, kColors> colors_of(const py::args& args, std::size_t from) {
@@ -185,7 +192,9 @@ void add_logger(py::module_& m) {
            "Looks every `interval` seconds until stop(); for a thread of its own.")
       .def("stop", &PositionLogger::stop)
       .def("clear", &PositionLogger::clear)
-      .def("last", &PositionLogger::last, py::arg("second") = 0)
+      .def("last", &PositionLogger::last, py::arg("drawn") = 1,
+           "(x, y, z, a, -b, c) of the last point that call() has drawn, with 0 of the newest; "
+           "None before the first.")
       .def("call", &PositionLogger::draw, "Draws the path by OpenGL into the current window.")
       .def("set_depth", &PositionLogger::set_depth, py::arg("z"), py::arg("w"))
       .def("set_colors",

@@ -34,11 +34,11 @@ class Translated:
     def rotate_and_translate(self, x, y, z, a, b, c, u, v, w):
         x, y = x + self.g92_offset_x, y + self.g92_offset_y
         x, y = x * self.rotation_cos - y * self.rotation_sin, x * self.rotation_sin + y * self.rotation_cos
-        return [x + self.g5x_offset_x, y + self.g5x_offset_y,
+        return (x + self.g5x_offset_x, y + self.g5x_offset_y,
                 z + self.g92_offset_z + self.g5x_offset_z, a + self.g92_offset_a + self.g5x_offset_a,
                 b + self.g92_offset_b + self.g5x_offset_b, c + self.g92_offset_c + self.g5x_offset_c,
                 u + self.g92_offset_u + self.g5x_offset_u, v + self.g92_offset_v + self.g5x_offset_v,
-                w + self.g92_offset_w + self.g5x_offset_w]
+                w + self.g92_offset_w + self.g5x_offset_w)
 
     def straight_traverse(self, *args):
         self.straight_traverse_translated(*self.rotate_and_translate(*args))

@@ -325,11 +325,14 @@ void CommandParticipant::stop_jogs(int client) {
 
 void CommandParticipant::do_teleop(Ticket ticket, const Request& request) {
   const bool on = request.flag("on");
-  if (mode_ != TaskMode::manual || !view_.idle)
-    return reply(ticket, CommandState::error, "teleop needs manual mode and an idle machine");
+  if (!view_.idle)
+    return reply(ticket, CommandState::error,
+                 "can't change between joint and teleop mode while something runs; abort or wait");
   if (on && !status_.all_homed)
     return reply(ticket, CommandState::error, "teleop needs all joints homed");
   stop_jogs(kNobody);
+  // Both belong to manual mode. Screens ask for them from idle MDI and auto mode too, before they start a program.
+  mode_ = TaskMode::manual;
   want_.mode = on ? MotionMode::teleop : MotionMode::free;
   write_intent();
   if (state_ != TaskState::on) return reply(ticket, CommandState::done);

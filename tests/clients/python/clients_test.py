@@ -192,8 +192,14 @@ class Logger(unittest.TestCase):
         log.stop()
         t.join()
         self.assertGreater(log.npts, 3)
-        self.assertAlmostEqual(log.last()[0], 1.0, places=4)
+        self.assertEqual(len(log.last(0)), 6)
+        self.assertAlmostEqual(log.last(0)[0], 1.0, places=4)
+        # Without an argument: what has been drawn.
+        self.assertIsNone(log.last())
+        log.call()
+        self.assertEqual(log.last(), log.last(0))
         log.clear()
+        self.assertIsNone(log.last(0))
         self.assertEqual(log.npts, 0)
         self.assertEqual(log.get_colors(), (white,) * 6)
 

@@ -87,6 +87,13 @@ class Parse(unittest.TestCase):
         _, canon = parse("G0 X1\nM2\n")
         self.assertEqual([m[1] for m in moves(canon)], [1.0], "without a word programs are in inches")
 
+    def test_a_list_of_blocks_sets_the_state_before_the_file(self):
+        result, canon = parse("G1 X25.4 F100\nM2\n", None, ["G21", "g90", "t0 m6", "G53 G0 X0", "M5", "M0"], "")
+        self.assertEqual(result[0], 1)
+        self.assertAlmostEqual(moves(canon, "straight_feed")[-1][1], 1.0)
+        self.assertGreater(parse("M2\n", None, ["G21", "bad"])[0][0], gcode.MIN_ERROR)
+        self.assertRaises(TypeError, parse, "M2\n", None, ("G21",))
+
     def test_errors(self):
         (result, line), _ = parse("G0 X1\nG1 X2\n")
         self.assertEqual((result, line), (5, 3))
@@ -164,6 +171,13 @@ class Helpers(unittest.TestCase):
         self.assertEqual(box, ([0, 0, 0], [1, 2, 3], [0, 0, 0.5], [1, 2, 3.5]))
         self.assertEqual(gcode.calc_extents()[0], [9e99] * 3)
 
+    def test_a_translated_point_is_a_tuple(self):
+        canon = rs274.interpret.Translated()
+        canon.set_g5x_offset(1, *range(9))
+        canon.set_g92_offset(*[0] * 9)
+        canon.set_xy_rotation(0)
+        self.assertEqual(canon.rotate_and_translate(*[1] * 9), tuple(range(1, 10)))
+
     def test_where_axes_are_drawn(self):
         point = (1, 2, 3, 90, 0, 0, 7, 8, 9)
         self.assertEqual(linuxcnc.vertex9("XYZ", point), (1, 2, 3))
@@ -171,6 +185,18 @@ class Helpers(unittest.TestCase):
         x, y, z = linuxcnc.vertex9("AXYZ", point)
         self.assertAlmostEqual(x, 1)
         self.assertAlmostEqual(y, -3)
+        self.assertAlmostEqual(z, 2)
+
+    def test_rotations_are_about_the_work_offsets_when_asked(self):
+        point = (1, 2, 3, 90, 0, 0, 7, 8, 9)
+        linuxcnc.gui_rot_offsets(0, 1, 1)
+        self.addCleanup(linuxcnc.gui_rot_offsets, 0, 0, 0)
+        linuxcnc.gui_respect_offsets("XYZA", 0)
+        self.assertAlmostEqual(linuxcnc.vertex9("AXYZ", point)[1], -3)
+        linuxcnc.gui_respect_offsets("XYZA", 1)
+        self.addCleanup(linuxcnc.gui_respect_offsets, "XYZA", 0)
+        _, y, z = linuxcnc.vertex9("AXYZ", point)
+        self.assertAlmostEqual(y, -1)
         self.assertAlmostEqual(z, 2)
 
 

@@ -418,6 +418,25 @@ TEST(Program, jogs_stop_on_request_and_need_their_mode) {
   EXPECT_EQ(rig.fake->intent.axis_jog[1].target, -12);
 }
 
+TEST(Program, teleop_and_joint_mode_are_asked_for_in_any_idle_mode) {
+  Rig rig;
+  rig.power_on();
+  rig.does({"home"});
+  for (const char* mode : {"mdi", "auto"}) {
+    for (const char* on : {"off", "on"}) {
+      rig.does({"mode", mode});
+      rig.does({"teleop", on});
+      EXPECT_EQ(rig.status().mode, TaskMode::manual) << mode;
+      EXPECT_EQ(rig.fake->intent.mode,
+                std::string(on) == "on" ? motion::MotionMode::teleop : motion::MotionMode::free);
+    }
+  }
+  rig.start_text("G1 X10 F100\nG4 P5\nM2\n");
+  rig.run_for(0.1);
+  EXPECT_THAT(rig.command({"teleop", "on"}).text, HasSubstr("something runs"));
+  EXPECT_EQ(rig.status().mode, TaskMode::automatic);
+}
+
 TEST(Program, overriding_limits_lasts_one_jog) {
   Rig rig;
   rig.power_on();
