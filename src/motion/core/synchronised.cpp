@@ -10,6 +10,7 @@ namespace {
 constexpr double kLeastMemory = 0.015;  // s
 constexpr double kMostMemory = 0.2;
 constexpr double kCountsRemembered = 6;
+constexpr double kLate = 3;  ///< times the usual time between counts
 /// A counter that is this far (revolutions) from where it should be has been set to another value.
 constexpr double kCounterJump = 0.5;
 /// Residuals decay with this rate where they are small.
@@ -47,8 +48,10 @@ void SpindleObserver::step(double revs, double dt) noexcept {
     since_change_s_ = 0;
     counted_ = revs;
   }
-  const double memory = std::clamp(kCountsRemembered * std::max(between_s_, since_change_s_),
-                                   kLeastMemory, kMostMemory);
+  // Counts that do not come any more are a spindle that stands, and that has to be seen at once.
+  const bool late = since_change_s_ > kLate * between_s_ + 2 * dt;
+  const double memory =
+      late ? kLeastMemory : std::clamp(kCountsRemembered * between_s_, kLeastMemory, kMostMemory);
   const double t = std::exp(-dt / memory), k = 1 - t;
   angle_ += dt * (rps_ + 0.5 * acc_ * dt);
   rps_ += acc_ * dt;

@@ -16,6 +16,7 @@ struct SpindleRig : Rig {
   double disturbance{0};  ///< added to the wanted speed
   bool index{true};       ///< the encoder has one
   bool zero_at_index{true};
+  std::size_t number{0};   ///< which spindle it is
   std::int32_t passed{0};  ///< index pulses that were asked for
 
   explicit SpindleRig(std::vector<int> axes = {0, 1, 2}) : Rig(std::move(axes)) {
@@ -27,8 +28,8 @@ struct SpindleRig : Rig {
   /// One servo cycle of machine and spindle.
   void cycle() {
     Rig::cycle();
-    const SpindleOutputs& out = controller->spindles().outputs(0);
-    SpindleInputs& to = in.spindle[0];
+    const SpindleOutputs& out = controller->spindles().outputs(number);
+    SpindleInputs& to = in.spindle[number];
     if (out.index_order != 0) to.index_enable = out.index_order > 0;
     const double wanted = out.speed_rpm / 60 + (out.on ? disturbance : 0.0);
     const double missing = wanted - rps, step = acceleration * kPeriod;
@@ -63,18 +64,21 @@ struct SpindleRig : Rig {
   void ready() { Rig::ready(); }
   void turn(double rpm, bool forward = true) {
     SpindleChange m;
+    m.spindle = static_cast<std::int32_t>(number);
     m.action = forward ? SpindleChange::Action::forward : SpindleChange::Action::reverse;
     m.speed_rpm = rpm;
     push(m);
   }
   void thread(const Pose& end, double per_rev) {
     SyncMove m;
+    m.spindle = static_cast<std::int32_t>(number);
     m.end = end;
     m.per_rev_mm = per_rev;
     push(m);
   }
   void tap(const Pose& end, double per_rev, double factor = 1) {
     TapMove m;
+    m.spindle = static_cast<std::int32_t>(number);
     m.end = end;
     m.per_rev_mm = per_rev;
     m.return_factor = factor;

@@ -44,6 +44,24 @@ TEST(SpindleObserver, IsExactAtConstantAccelerationAndQuietBehindCoarseCounts) {
   EXPECT_NEAR(coarse.rps(), 10, 0.1);
 }
 
+TEST(SpindleObserver, SeesAtOnceThatASpindleStands) {
+  constexpr double kDt = 0.001;
+  for (const double counts : {100.0, 1024.0, 1e6}) {
+    SpindleObserver o;
+    double angle = 0, rps = 5, worst = 0;
+    for (int i = 0; i < 1500; ++i) {
+      if (i > 500) rps = std::max(0.0, rps - 50 * kDt);
+      angle += rps * kDt;
+      o.step(std::floor(angle * counts) / counts, kDt);
+      if (i > 600) worst = std::max(worst, std::abs(o.angle() - angle));
+      if (i > 700) {
+        EXPECT_NEAR(o.rps(), 0, 0.05) << counts << " cycle " << i;
+      }
+    }
+    EXPECT_LT(worst, 0.005 + 1.5 / counts) << counts;
+  }
+}
+
 TEST(SpindleObserver, RecoversFromACounterThatIsSet) {
   constexpr double kDt = 0.001;
   for (const double jump : {0.3, 0.49, 0.7, 100.0, -3.3}) {
@@ -293,6 +311,58 @@ TEST(Thread, AbortInEachPhaseStopsAtTheLimitsAndTheNextThreadBeginsAfresh) {
     EXPECT_LE(fastest, 15.5) << "no catching up from " << at;
     EXPECT_TRUE(rig.faults.empty()) << fault_text(rig.faults[0], rig.config);
   }
+}
+
+TEST(Thread, AndTapFollowTheSpindleThatTheyName) {
+  SpindleRig rig;
+  rig.number = 1;
+  rig.counts = 1024;
+  rig.acceleration = 40;
+  rig.ready();
+  rig.turn(400);
+  const Trace t = cut(rig, {.z = -20}, 1.5);
+  ASSERT_TRUE(t.joined);
+  EXPECT_NEAR(t.phase, 0.75 / 1024, 0.75 / 1024);
+  rig.tap({.z = -30}, 1.25);
+  ASSERT_GT(rig.finish(), 0);
+  EXPECT_EQ(rig.status().pos_cmd.z, -20);
+  EXPECT_EQ(rig.status().spindle[1].direction, 1);
+  EXPECT_EQ(rig.status().spindle[0].direction, 0);
+  EXPECT_TRUE(rig.faults.empty()) << fault_text(rig.faults[0], rig.config);
+}
+
+TEST(Tap, HoldWaitsForItsEndAndALostHeartbeatStopsTheSpindleWithTheAxis) {
+  SpindleRig rig;
+  rig.acceleration = 50;
+  rig.ready();
+  rig.turn(300);
+  rig.tap({.z = -8}, 1);
+  rig.line({.x = 5}, 50);
+  ASSERT_GT(rig.run_until([&] { return rig.status().pos_cmd.z < -3; }), 0);
+  rig.orders.hold = true;
+  ASSERT_GT(rig.run_until([&] { return rig.status().executed_seq >= 2; }, 20000), 0);
+  EXPECT_EQ(rig.status().pos_cmd.z, 0);
+  rig.run(300);
+  EXPECT_EQ(rig.status().pos_cmd.x, 0);
+  rig.orders.hold = false;
+  ASSERT_GT(rig.finish(), 0);
+  rig.tap({.x = 5, .z = -8}, 1);
+  ASSERT_GT(rig.run_until([&] { return rig.status().pos_cmd.z < -3; }), 0);
+  const double step = rig.status().pos_cmd.z + rig.angle;
+  rig.heart = false;
+  double lag = 0;
+  ASSERT_GT(rig.run_until(
+                [&] {
+                  if (rig.status().enabled)
+                    lag = std::max(lag, std::abs(rig.status().pos_cmd.z + rig.angle - step));
+                  return !rig.status().enabled;
+                },
+                3000),
+            0);
+  EXPECT_LT(lag, 0.1);
+  EXPECT_LT(std::abs(rig.rps), 0.1) << "the machine goes off when both stand";
+  ASSERT_EQ(rig.faults.size(), 1U);
+  EXPECT_EQ(rig.faults[0].fault, Fault::heartbeat_lost);
 }
 
 TEST(Thread, AndTapOnAMachineWithJerkLimits) {
