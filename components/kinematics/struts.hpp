@@ -16,33 +16,33 @@ struct StrutSearch {
 };
 
 /// Gaussian elimination with pivots. False: singular.
-template <int N>
+template <std::size_t N>
 bool solve(double (&m)[N][N + 1], std::array<double, N>& out) noexcept {
-  for (int c = 0; c < N; ++c) {
-    int best = c;
-    for (int r = c + 1; r < N; ++r)
+  for (std::size_t c = 0; c < N; ++c) {
+    std::size_t best = c;
+    for (std::size_t r = c + 1; r < N; ++r)
       if (std::fabs(m[r][c]) > std::fabs(m[best][c])) best = r;
     if (!(std::fabs(m[best][c]) > 1e-10)) return false;
-    for (int k = 0; k <= N; ++k) {
+    for (std::size_t k = 0; k <= N; ++k) {
       const double keep = m[c][k];
       m[c][k] = m[best][k];
       m[best][k] = keep;
     }
-    for (int r = c + 1; r < N; ++r) {
+    for (std::size_t r = c + 1; r < N; ++r) {
       const double factor = m[r][c] / m[c][c];
-      for (int k = c; k <= N; ++k) m[r][k] -= factor * m[c][k];
+      for (std::size_t k = c; k <= N; ++k) m[r][k] -= factor * m[c][k];
     }
   }
-  for (int c = N - 1; c >= 0; --c) {
+  for (std::size_t c = N; c-- > 0;) {
     double sum = m[c][N];
-    for (int k = c + 1; k < N; ++k) sum -= m[c][k] * out[static_cast<std::size_t>(k)];
-    out[static_cast<std::size_t>(c)] = sum / m[c][c];
+    for (std::size_t k = c + 1; k < N; ++k) sum -= m[c][k] * out[k];
+    out[c] = sum / m[c][c];
   }
   return true;
 }
 
 /// `length(pose, lengths)` gives the N struts' lengths; pose holds X Y Z and N - 3 angles. False: no solution from this start.
-template <int N, class Lengths>
+template <std::size_t N, class Lengths>
 bool find_pose(const Lengths& length, const std::array<double, N>& wanted,
                std::array<double, N>& pose, const StrutSearch& search,
                std::int32_t& steps) noexcept {
@@ -51,7 +51,7 @@ bool find_pose(const Lengths& length, const std::array<double, N>& wanted,
     Row now{};
     length(at, now);
     double sum = 0;
-    for (int i = 0; i < N; ++i) {
+    for (std::size_t i = 0; i < N; ++i) {
       error[i] = wanted[i] - now[i];
       sum += std::fabs(error[i]);
     }
@@ -65,26 +65,26 @@ bool find_pose(const Lengths& length, const std::array<double, N>& wanted,
     // One step more than is needed: it takes the rest of the error to the last digits.
     const bool last = sum <= search.good_mm;
     double matrix[N][N + 1];
-    for (int k = 0; k < N; ++k) {
+    for (std::size_t k = 0; k < N; ++k) {
       const double h = k < 3 ? 1e-3 : 1e-2;  // mm, degrees
       Row high = at, low = at, up{}, down{};
       high[k] += h;
       low[k] -= h;
       length(high, up);
       length(low, down);
-      for (int i = 0; i < N; ++i) matrix[i][k] = (up[i] - down[i]) / (2 * h);
+      for (std::size_t i = 0; i < N; ++i) matrix[i][k] = (up[i] - down[i]) / (2 * h);
     }
-    for (int i = 0; i < N; ++i) matrix[i][N] = error[i];
+    for (std::size_t i = 0; i < N; ++i) matrix[i][N] = error[i];
     Row step{};
     if (!solve<N>(matrix, step)) break;
     double part = 1;
-    for (int k = 0; k < N; ++k) {
+    for (std::size_t k = 0; k < N; ++k) {
       constexpr double kLongest = 50, kWidest = 4;  // mm, degrees in a step
       const double limit = k < 3 ? kLongest : kWidest;
       if (std::fabs(step[k]) * part > limit) part = limit / std::fabs(step[k]);
     }
     Row next = at, next_error{};
-    for (int k = 0; k < N; ++k) next[k] += step[k] * part;
+    for (std::size_t k = 0; k < N; ++k) next[k] += step[k] * part;
     const double next_sum = errors(next, next_error);
     if (last) {
       if (next_sum < sum) at = next;
