@@ -99,6 +99,7 @@ struct InterpreterView {
   double rotation_deg{0};
   double spindle_rpm[kMaxSpindles]{};  ///< last S, for spindle commands of clients
   WaitingFor waiting_for;
+  Prompt prompt;
   std::uint32_t settled_epoch{0};  ///< the abort epoch that the interpreter has followed
   bool idle{true};                 ///< no order in progress, nothing queued, all executed
   bool running_program{false};

@@ -92,6 +92,53 @@ TEST_F(MCode, PausesRefuseMdiAndResumeAtTheNextLine) {
   }
 }
 
+TEST_F(MCode, AnyClientMayAnswerWhatTheProgramAsks) {
+  start();
+  m->hal("unlinkp iocontrol.0.tool-changed");
+  EXPECT_EQ(m->command({"answer"}).state, task::CommandState::error) << "nothing is asked";
+  const auto run = m->start_program(m->write_program("M0\nM1\nM60\nT3 M6\nT0 M6\nG0 X7\nM2\n"));
+  struct Row {
+    task::PromptKind kind;
+    const char* text;
+    int tool;
+  };
+  using task::PromptKind;
+  std::uint64_t last = 0;
+  for (const Row& row :
+       {Row{PromptKind::stop, "M0", -1}, Row{PromptKind::optional_stop, "M1", -1},
+        Row{PromptKind::pallet, "pallet", -1}, Row{PromptKind::tool_change, "tool 3 (drill)", 3},
+        Row{PromptKind::tool_change, "no tool", 0}}) {
+    EXPECT_TRUE(m->run_until([&] { return m->task().prompt.number > last; }, 10)) << row.text;
+    const task::Prompt prompt = m->task().prompt;
+    EXPECT_EQ(prompt.kind, row.kind);
+    EXPECT_EQ(prompt.tool, row.tool);
+    EXPECT_NE(prompt.text.view().find(row.text), std::string_view::npos) << prompt.text.c_str();
+    m->run_for(1);
+    EXPECT_EQ(m->task().prompt.number, prompt.number) << "the same question";
+    if (last != 0) {
+      const auto late = m->command({"answer", std::to_string(last)});
+      EXPECT_EQ(late.state, task::CommandState::error) << "to the question before";
+    }
+    last = prompt.number;
+    EXPECT_TRUE(m->does({"answer", std::to_string(last)}));
+  }
+  EXPECT_TRUE(ends(run, 10));
+  EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
+  EXPECT_NEAR(m->joint(0), 7, 1e-9);
+  EXPECT_EQ(m->task().prompt.kind, PromptKind::none);
+  // An abort ends the question; the operator's own pause is not answered.
+  m->start_program(m->write_program("M0\nG0 X30\nM2\n"));
+  m->run_for(0.5);
+  EXPECT_TRUE(m->does({"pause"}));
+  EXPECT_TRUE(m->does({"answer"}));
+  m->run_for(1);
+  EXPECT_NEAR(m->joint(0), 7, 1e-9);
+  EXPECT_TRUE(m->does({"abort"}));
+  m->run_for(0.1);
+  EXPECT_EQ(m->task().prompt.kind, PromptKind::none);
+  EXPECT_EQ(m->command({"answer"}).state, task::CommandState::error);
+}
+
 TEST_F(MCode, M1GoesOnWithTheSwitchOff) {
   start();
   m->does({"optional-stop", "off"});

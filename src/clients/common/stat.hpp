@@ -11,6 +11,7 @@
 
 #include "motion/api/limits.hpp"
 #include "rtapi/base/pose.hpp"
+#include "task/api/status.hpp"
 
 namespace kerf::clients {
 
@@ -58,6 +59,7 @@ struct Stat {
   int queued_mdi_commands{0}, program_units{2}, g5x_index{1};
   std::uint64_t echo_serial_number{0}, heartbeat{0}, taskbeat{0};
   std::string command, file, ini_filename;
+  task::Prompt prompt;  ///< what the program asks the operator
   std::array<int, 17> gcodes{};
   std::array<int, 10> mcodes{};
   std::array<double, 5> settings{};

@@ -11,6 +11,7 @@ using enum ArgumentType;
 constexpr Argument kMdi[]{{"line", rest}};
 constexpr Argument kFile[]{{"file", rest}};
 constexpr Argument kLine[]{{"line", integer, false}};
+constexpr Argument kPrompt[]{{"prompt", integer, false}};
 
 /// "G1 G17 G40 ... F600 S0"
 std::string codes(const clients::Stat& now) {
@@ -67,6 +68,22 @@ constexpr Subcommand kRows[]{
     {.name = "resume",
      .help = "Goes on after PAUSE, STEP, M0 and M1.",
      .set = [](Session& s, const Values&) { return s.task({"resume"}); },
+     .at_once = true},
+    {.name = "prompt",
+     .help = "What the program asks the operator: number, kind and text, or NONE.",
+     .get = [](Session& s, const Values&) -> std::string {
+       const task::Prompt& p = s.stat().prompt;
+       if (p.kind == task::PromptKind::none) return "NONE";
+       return std::to_string(p.number) + " " + task::to_string(p.kind) + " " +
+              std::string(p.text.view());
+     }},
+    {.name = "answer",
+     .help = "Yes to what PROMPT asks; with its number, to that question only.",
+     .set_arguments = kPrompt,
+     .set =
+         [](Session& s, const Values& v) {
+           return v.has(0) ? s.task({"answer", std::to_string(v.index(0))}) : s.task({"answer"});
+         },
      .at_once = true},
     {.name = "step",
      .help = "Executes one block of the program.",

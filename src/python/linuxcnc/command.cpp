@@ -466,6 +466,15 @@ void add_io(Class& c) {
             o.send({{"cmd", "analog-out"}, {"index", index}, {"value", value}});
           },
           py::arg("index"), py::arg("value"))
+      .def(
+          "answer",
+          [](CommandObject& o, std::uint64_t prompt) {
+            if (prompt == 0)
+              o.send({{"cmd", "answer"}});
+            else
+              o.send({{"cmd", "answer"}, {"prompt", prompt}});
+          },
+          py::arg("prompt") = 0, "answer(stat.prompt['number']): yes to what the program asks")
       .def("load_tool_table",
            [](CommandObject& o) {
              o.send({{"cmd", "tool-table"}});

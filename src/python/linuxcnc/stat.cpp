@@ -167,6 +167,16 @@ void add_task(StatClass& c) {
       .KERF_STAT(echo_serial_number)
       .KERF_STAT(heartbeat)
       .KERF_STAT(taskbeat)
+      .add("prompt",
+           [](const Stat& s) -> py::object {
+             if (s.prompt.kind == task::PromptKind::none) return py::none();
+             py::dict d;
+             d["number"] = s.prompt.number;
+             d["kind"] = task::to_string(s.prompt.kind);
+             d["tool"] = s.prompt.tool;
+             d["text"] = std::string(s.prompt.text.view());
+             return d;
+           })
       .KERF_STAT(command)
       .KERF_STAT(file)
       .KERF_STAT(ini_filename)

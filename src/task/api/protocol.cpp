@@ -56,6 +56,8 @@ constexpr ArgumentInfo kSpindleArgs[]{
     {"speed", number, false, nullptr, "rpm; absent: the last S"},
     {"spindle", integer, false, nullptr, "0 (default) and up"}};
 constexpr ArgumentInfo kSwitchArgs[]{{"on", flag, true, kOnOff, ""}};
+constexpr ArgumentInfo kAnswerArgs[]{
+    {"prompt", integer, false, nullptr, "number of the question; absent: whichever is asked"}};
 constexpr ArgumentInfo kOutputArgs[]{
     {"index", integer, true, nullptr, "number of motion.digital-out-NN"},
     {"on", flag, true, kOnOff, ""}};
@@ -135,6 +137,9 @@ constexpr CommandInfo kCommands[]{
      "The operator has changed (or prepared) the tool that is waited for: as "
      "iocontrol.0.tool-changed does.",
      {}},
+    {CommandId::answer, "answer",
+     "The operator's yes to the question of status: M0, M1 and M60 go on, the tool of M6 is there.",
+     kAnswerArgs},
     {CommandId::digital_out, "digital-out", "Sets a motion.digital-out-NN at once.", kOutputArgs},
     {CommandId::analog_out, "analog-out", "Sets a motion.analog-out-NN at once.", kAnalogArgs},
     {CommandId::brake, "brake",

@@ -51,6 +51,7 @@ enum class CommandId : std::uint8_t {
   override_limits,
   tool_table,
   tool_changed,
+  answer,
   digital_out,
   analog_out,
   brake,

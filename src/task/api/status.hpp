@@ -39,6 +39,28 @@ struct WaitingFor {
   std::int64_t since_ns{0};    ///< instance time at which the wait began
 };
 
+enum class PromptKind : std::int32_t {
+  none = 0,
+  stop = 1,           ///< M0
+  optional_stop = 2,  ///< M1
+  pallet = 3,         ///< M60
+  tool_change = 4,    ///< M6
+};
+/// "stop", "optional-stop" ...
+[[nodiscard]] constexpr const char* to_string(PromptKind kind) noexcept {
+  constexpr const char* kNames[] = {"none", "stop", "optional-stop", "pallet", "tool-change"};
+  return kNames[static_cast<int>(kind)];
+}
+
+/// What the program asks the operator. The command `answer` answers it, with its number, so that nobody answers another question than the
+/// one that he has read; `resume`, `tool-changed` and the pins of tool changers do as well.
+struct Prompt {
+  std::uint64_t number{0};  ///< 1, 2, 3 ...
+  PromptKind kind{PromptKind::none};
+  std::int32_t tool{-1};         ///< tool_change: its number
+  rtapi::FixedString<127> text;  ///< "M6: tool 3 (drill) into the spindle"
+};
+
 /// Terminal outcomes of client commands since start. received = done + errors + aborted + those in progress.
 struct CommandCounters {
   std::uint64_t received{0}, done{0}, errors{0}, aborted{0};
@@ -100,6 +122,7 @@ struct TaskStatus {
   double max_vel_mm_s{0};  ///< the operator's limit
 
   WaitingFor waiting_for;
+  Prompt prompt;
   std::uint64_t messages{0};  ///< number of the newest OperatorMessage; 0: none
   std::uint64_t errors{0};    ///< how many of kind `error` there were
   CommandCounters commands;

@@ -394,6 +394,7 @@ void CommandParticipant::write_status() {
   s.max_vel_mm_s = want_.max_vel_mm_s;
   s.waiting_for = view_.waiting_for;
   if (s.waiting_for.object.empty()) path_wait(s.waiting_for);
+  s.prompt = view_.prompt;
   s.messages = messages_;
   s.errors = error_messages_;
   s.commands = counters_;

@@ -155,6 +155,7 @@ class CommandParticipant final : public rtapi::Participant {
   /// `by_hand`: words that move nothing; they keep the mode, and the machine may be moving by hand.
   void do_mdi(Ticket ticket, const std::string& text, bool by_hand);
   void do_step(Ticket ticket);
+  void do_answer(Ticket ticket, const Request& request);
   void do_override(Ticket ticket, const Request& request);
   void do_spindle(Ticket ticket, const Request& request);
   void do_switch(Ticket ticket, const Request& request);

@@ -27,6 +27,7 @@ void CommandParticipant::execute(Ticket ticket, const Request& request, int clie
     case CommandId::resume:
     case CommandId::tool_table: return do_program(ticket, request);
     case CommandId::step: return do_step(ticket);
+    case CommandId::answer: return do_answer(ticket, request);
     case CommandId::tool_changed:
       if (!io_.waiting_changed && !io_.waiting_prepared)
         return reply(ticket, CommandState::error, "no tool change is waited for");
@@ -82,6 +83,26 @@ void CommandParticipant::execute(Ticket ticket, const Request& request, int clie
     case CommandId::help: return reply(ticket, CommandState::done, help_text());
   }
   reply(ticket, CommandState::error, "unknown command");
+}
+
+void CommandParticipant::do_answer(Ticket ticket, const Request& request) {
+  const Prompt& prompt = view_.prompt;
+  if (prompt.kind == PromptKind::none)
+    return reply(ticket, CommandState::error, "nothing is asked");
+  const auto number = static_cast<std::uint64_t>(
+      std::max(0, request.integer("prompt", static_cast<int>(prompt.number))));
+  if (number != prompt.number)
+    return reply(ticket, CommandState::error,
+                 "question " + std::to_string(number) + " is not asked now; the present one is " +
+                     std::to_string(prompt.number) + ": " + std::string(prompt.text.view()));
+  if (prompt.kind == PromptKind::tool_change) {
+    p_.io.confirm();
+  } else {
+    // A pause of the operator's own stays.
+    p_.exchange.resumes.add(1);
+    p_.exchange.wake_interpreter();
+  }
+  reply(ticket, CommandState::done);
 }
 
 void CommandParticipant::post(Order order, Ticket ticket) {

@@ -391,6 +391,7 @@ void CanonToPath::enable_feed_hold(bool on) {
 }
 
 void CanonToPath::program_end() {
+  pallet_ = false;
   if (state_.pending_outputs > 0) {
     add(ShowMessage{
         "the program ends with M62, M63 or M67 and no move behind it: these outputs do not change",

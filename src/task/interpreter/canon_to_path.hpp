@@ -5,6 +5,7 @@
 #include <array>
 #include <deque>
 #include <string>
+#include <utility>
 
 #include "interp/canon.hpp"
 #include "interp/canon_frame.hpp"
@@ -131,9 +132,9 @@ class CanonToPath final : public interp::Canon {
   void enable_speed_override(int spindle, bool on) override;
   void enable_adaptive_feed(bool on) override;
   void enable_feed_hold(bool on) override;
-  void program_stop() override { add(ProgramPause{false}); }
+  void program_stop() override { add(ProgramPause{false, std::exchange(pallet_, false)}); }
   void optional_program_stop() override { add(ProgramPause{true}); }
-  void pallet_shuttle() override {}
+  void pallet_shuttle() override { pallet_ = true; }
   void program_end() override;
   void user_mcode(int number, std::string_view path, double p, double q) override;
   void comment(std::string_view) override {}
@@ -166,6 +167,7 @@ class CanonToPath final : public interp::Canon {
 
   std::deque<TaskItem>& list_;
   const ToolConfig& tools_;
+  bool pallet_{false};  ///< M60: the stop that follows is for the pallets
   CanonState state_;
   motion::SourceTag tag_;
   std::uint64_t last_id_{0};

@@ -86,6 +86,7 @@ class InterpreterParticipant final : public rtapi::Participant {
     std::uint64_t marker_seq{0};
     std::uint64_t order{0};
     std::uint32_t resumes{0};
+    std::uint64_t prompt{0};  ///< number of its question, 0: not asked yet
     rtapi::Nanos since{0};
   };
   struct Aside {
@@ -103,6 +104,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   void take_outcome(interp::Outcome outcome, std::size_t items_before, BlockRecord record);
   /// True when the block changes the tool table.
   bool queue_tool_changes();
+  std::uint64_t prompts_{0};
   void hear_database(rtapi::WaitSpec& next);
   void store_tools(const StoreTools& store);
   rtapi::Status load_tools();
@@ -162,6 +164,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   // view.cpp
   void show();
   void fill_waiting(InterpreterView& view) const;
+  void fill_prompt(InterpreterView& view);
 
   Parts p_;
   std::deque<TaskItem> list_;

@@ -46,7 +46,7 @@ struct UserMcodeRun {
   std::string path, p, q;
 };
 struct ProgramPause {
-  bool optional{false};
+  bool optional{false}, pallet{false};
 };  ///< M0, M60; M1
 struct WaitInput {
   int index{0};

@@ -1,4 +1,5 @@
 // What the interpreter thread shows of itself.
+#include <algorithm>
 #include <cstring>
 
 #include "task/interpreter/interpreter_participant.hpp"
@@ -30,11 +31,44 @@ void InterpreterParticipant::fill_waiting(InterpreterView& view) const {
     view.exec_state = ExecState::waiting_for_spindle_oriented;
 }
 
+void InterpreterParticipant::fill_prompt(InterpreterView& view) {
+  view.prompt = {};
+  if (!run_.active || list_.empty() || !barrier_.begun) return;
+  std::string text;
+  Prompt& prompt = view.prompt;
+  if (const auto* pause = std::get_if<ProgramPause>(&list_.front().body)) {
+    if (!barrier_.pausing) return;
+    prompt.kind = pause->optional ? PromptKind::optional_stop
+                  : pause->pallet ? PromptKind::pallet
+                                  : PromptKind::stop;
+    text = pause->optional ? "M1: the program stands"
+           : pause->pallet ? "M60: change the pallet"
+                           : "M0: the program stands";
+  } else if (const auto* change = std::get_if<ChangeTool>(&list_.front().body)) {
+    if (!p_.io.state().waiting_changed) return;
+    prompt.kind = PromptKind::tool_change;
+    prompt.tool = std::max(change->number, 0);
+    const auto table = p_.tools.table();
+    const io::ToolEntry* tool = table->find(prompt.tool);
+    const bool named = tool != nullptr && !tool->remark.empty();
+    text = prompt.tool == 0 && tool == nullptr
+               ? "M6: no tool in the spindle"
+               : "M6: tool " + std::to_string(prompt.tool) +
+                     (named ? " (" + tool->remark + ")" : "") + " into the spindle";
+  } else {
+    return;
+  }
+  if (barrier_.prompt == 0) barrier_.prompt = ++prompts_;
+  prompt.number = barrier_.prompt;
+  prompt.text = rtapi::FixedString<127>(text);
+}
+
 void InterpreterParticipant::show() {
   const BlockRecord& at = history_.present();
   InterpreterView& view = view_;
   const InterpreterView before = view_;
   fill_waiting(view);
+  fill_prompt(view);
   view.file = rtapi::FixedString<255>(file_);
   view.command = rtapi::FixedString<127>(command_);
   // While a negative adaptive feed runs the path backwards, motion is before the block that it had come to.
