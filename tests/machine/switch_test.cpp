@@ -64,8 +64,9 @@ std::unique_ptr<Machine> machine(const std::string& kinematics, const std::strin
   options.replace.emplace_back("HALFILE = loops.hal", "HALFILE = " + file);
   for (std::size_t j = 0; j < joints; ++j) {
     const std::string n = std::to_string(j);
-    options.hal.push_back("net loop-" + n + " joint." + n + ".motor-pos-cmd => joint." + n +
-                          ".motor-pos-fb");
+    std::string loop = "net loop-";
+    loop.append(n).append(" joint.").append(n).append(".motor-pos-cmd => joint.").append(n);
+    options.hal.push_back(loop.append(".motor-pos-fb"));
   }
   options.hal.emplace_back("net kind motion.analog-out-03 => motion.switchkins-type");
   options.hal.insert(options.hal.end(), hal.begin(), hal.end());

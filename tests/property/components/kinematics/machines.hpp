@@ -28,6 +28,7 @@ struct Machine {
   std::vector<std::pair<std::size_t, Range>> axes;  ///< index of XYZABCUVW
   double size_mm{0};
   std::vector<std::pair<std::size_t, double>> out_of_reach;
+  // NOLINTNEXTLINE(readability-identifier-naming): GoogleTest's name
   friend void PrintTo(const Machine& m, std::ostream* out) { *out << m.name; }
 };
 
