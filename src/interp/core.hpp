@@ -214,6 +214,9 @@ class Core {
   [[nodiscard]] bool begin_label(ParsedBlock& b, Label label);
   [[nodiscard]] bool inside_label(ParsedBlock& b, Label label, FlowMask kinds);
   [[nodiscard]] bool undefined_label(const ParsedBlock& b);
+  [[nodiscard]] bool right_use(ParsedBlock& b, Label label);
+  [[nodiscard]] bool nested_sub();
+  [[nodiscard]] bool passed_over(ParsedBlock& b);
   [[nodiscard]] bool define_sub(ParsedBlock& b, Label label);
   [[nodiscard]] bool end_sub(const ParsedBlock& b, double value);
   [[nodiscard]] bool call_sub(ParsedBlock& b, Label label);

@@ -57,7 +57,7 @@ double compute(Op op, double a, double b) noexcept {
 
 const char* compute(Op op, double& v) noexcept {
   switch (op) {
-    case Op::negate: v = 0 - v; break;
+    case Op::negate: v = -v; break;
     case Op::abs: v = std::fabs(v); break;
     case Op::acos:
       if (v < -1 || v > 1) return "Argument to acos out of range";

@@ -378,9 +378,14 @@ Outcome Core::continue_skip() {
     const Place here = s.place;
     s.place = {next, here.line + 1};
     ParsedBlock& b = scratch_;
-    if (!parser_.peek_flow(line, b) || (s.label == Label::nested && s.passes(b)) ||
-        (flow_bit(b.flow) & s.stop_at) == 0)
+    if (!parser_.peek_flow(line, b) || (s.label == Label::nested && s.passes(b))) continue;
+    if ((flow_bit(b.flow) & s.stop_at) == 0) {
+      b.text = line;
+      b.program = s.program;
+      b.place = here;
+      if (!passed_over(b)) return Outcome::error;
       continue;
+    }
     Label label{};
     if (!flow_label(b, label) || label != s.label) continue;
     b.text = line;
@@ -390,6 +395,21 @@ Outcome Core::continue_skip() {
     return found(b);
   }
   return Outcome::ok;
+}
+
+// A line that is not the one looked for: another use of the label, or a sub inside of a sub.
+bool Core::passed_over(ParsedBlock& b) {
+  Skip& s = flows.skip;
+  if (s.to_sub || b.nested || b.statement || b.label_expr.count != 0) return true;
+  const bool in_sub = s.stop_at == flow_bit(Flow::endsub);
+  if (in_sub ? b.flow != Flow::sub : b.label != s.label) return true;
+  begin_flow();
+  current = &b;
+  state.line = b.place.line + 1;
+  if (in_sub ? nested_sub() : right_use(b, b.label)) return true;
+  s.active = false;
+  undo_block();
+  return false;
 }
 
 // The line that was looked for is read.

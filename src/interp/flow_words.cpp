@@ -142,6 +142,29 @@ bool Core::undefined_label(const ParsedBlock& b) {
       std::to_string(b.place.line + 1) + ": undefined O-word label: '" + written(b) + '\'');
 }
 
+/// A word that is passed over must fit to its label as if it were carried out.
+bool Core::right_use(ParsedBlock& b, Label label) {
+  constexpr FlowMask kWhile = flow_bit(Flow::while_loop), kDo = flow_bit(Flow::do_loop);
+  switch (b.flow) {
+    case Flow::if_block:
+    case Flow::while_loop:
+    case Flow::do_loop:
+    case Flow::repeat_loop: return begin_label(b, label);
+    case Flow::elseif:
+    case Flow::else_block:
+    case Flow::endif: return inside_label(b, label, flow_bit(Flow::if_block));
+    case Flow::endwhile: return inside_label(b, label, kWhile);
+    case Flow::endrepeat: return inside_label(b, label, flow_bit(Flow::repeat_loop));
+    case Flow::break_loop:
+    case Flow::continue_loop: return inside_label(b, label, kWhile | kDo);
+    default: return true;
+  }
+}
+
+bool Core::nested_sub() {
+  return fail(0, "End the sub before the next one begins", "Nested subroutine definition");
+}
+
 // --- blocks ---
 
 bool Core::flow_step(ParsedBlock& b, Label label, double condition) {
@@ -249,8 +272,7 @@ bool Core::loop_end_step(ParsedBlock& b, Label label) {
 
 bool Core::define_sub(ParsedBlock& b, Label label) {
   Frame& f = flows.frames.back();
-  if (f.is_sub())
-    return fail(0, "End the sub before the next one begins", "Nested subroutine definition");
+  if (f.is_sub()) return nested_sub();
   const FileAndPlace here{f.program, b.after, false};
   if (const auto known = flows.subs.find(label); known == flows.subs.end()) {
     if (flows.subs.size() == kMostSubs)

@@ -569,9 +569,13 @@ bool Parser::flow() {
   const std::size_t start = pos_;
   while (peek() >= 'a' && peek() <= 'z') ++pos_;
   const std::string_view word = std::string_view(buffer_).substr(start, pos_ - start);
+  std::size_t length = 0;  // the longest that fits: what stands behind it is one character too many
   for (const FlowRow& row : kFlows) {
-    if (row.name == word) out_->flow = row.flow;
+    if (row.name.size() <= length || !word.starts_with(row.name)) continue;
+    length = row.name.size();
+    out_->flow = row.flow;
   }
+  if (length > 0) pos_ = start + length;
   if (word.empty() && (pos_ == size_ || peek() == '(')) out_->flow = Flow::program_number;
   if (out_->flow == Flow::none) {
     pos_ = start;

@@ -92,13 +92,13 @@ bool wait_input(Core& c, const Block& b, int) {
                   "Need to have either a valid P or a valid E word with M66");
   if (l < 0 || l > 4)
     return c.fail('l', "L goes from 0 to 4", "Invalid wait mode (L word) with M66");
-  if (analog && l != 0)
-    return c.fail('l', "Only L0 works with E",
-                  "Can't select analog input with wait type != immediate return");
   const double timeout = l != 0 ? b.get('q', 0) : 0;  // Q means nothing to L0
   if (l != 0 && timeout <= 0)
     return c.fail(b.has('q') ? 'q' : 'l', "Write Q with the longest wait in seconds",
                   "Zero timeout with wait type != immediate return");
+  if (analog && l != 0)
+    return c.fail('l', "Only L0 works with E",
+                  "Can't select analog input with wait type != immediate return");
   c.out.call<&Canon::wait_input>(analog ? e : p, analog, static_cast<WaitMode>(l), timeout);
   c.ask_sync(SyncReason::wait_input);
   return true;

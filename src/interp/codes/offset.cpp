@@ -112,9 +112,16 @@ bool g10_tool(Core& c, const Block& b, int l) {
   if (!found)
     return c.fail('p', "Add the tool to the tool table, or choose another",
                   "Requested tool %d not found in the tool table", number);
+  bool axes = false;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) axes = axes || b.has_axis(i);
+  if (!axes && !b.has('r') && !b.has('i') && !b.has('j') && !b.has('q'))
+    return c.fail('l', "Write the axis words, R, I, J or Q to set",
+                  "G10 L1 without offsets has no effect");
   Tool t = *found;
-  int orientation = t.orientation;
-  if (!c.integer(b, 'q', t.orientation, orientation)) return false;
+  double q = t.orientation;
+  if (b.has('q') && !near_integer(b['q'], q))
+    return c.fail('q', "Orientations go from 0 to 9", "Q number in G10 is not an integer");
+  const int orientation = static_cast<int>(std::clamp(q, -1.0, 10.0));
   if (orientation < 0 || orientation > 9)
     return c.fail('q', "Orientations go from 0 to 9", "Invalid tool orientation");
   t.orientation = orientation;
