@@ -1,12 +1,9 @@
 // M100 to M199 that misbehave: the machine is idle and safe, and nothing of them is left.
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
-#include <fstream>
 
 #include "harness/machine.hpp"
 
@@ -31,43 +28,8 @@ class UserCode : public testing::Test {
     return n;
   }
   static bool has_children() { return ::waitpid(-1, nullptr, WNOHANG) >= 0 || errno != ECHILD; }
-  /// Gone, or dead and only waiting for init.
-  static bool gone(pid_t pid) {
-    for (int i = 0; i < 100; ++i) {
-      if (::kill(pid, 0) != 0) return true;
-      std::ifstream stat("/proc/" + std::to_string(pid) + "/stat");
-      std::string word, state;
-      stat >> word >> word >> state;
-      if (state == "Z") return true;
-      ::usleep(20000);
-    }
-    return false;
-  }
-  pid_t number_in(const std::string& name) const {
-    std::ifstream in(m->folder() + "/" + name);
-    pid_t pid = 0;
-    in >> pid;
-    return pid;
-  }
   std::unique_ptr<Machine> m;
 };
-
-TEST_F(UserCode, OneThatSleepsForEverIsEndedWithAllItsChildren) {
-  start({{"M151",
-          "cd \"$(dirname \"$0\")\"\ntrap '' TERM\n(trap '' TERM; sleep 1000) &\necho $! >child\n"
-          "echo $$ >parent\nwait\n"}});
-  const auto run = m->start_program(m->write_program("S500 M3\nG1 X5 F600\nM151\nG0 X50\nM2\n"));
-  EXPECT_TRUE(m->run_until([&] { return number_in("parent") > 0; }, 600));
-  EXPECT_FALSE(task::is_terminal(m->outcome(run).state));
-  m->send({"abort"});
-  EXPECT_TRUE(m->run_until([&] { return m->task().idle; }, 10));
-  EXPECT_EQ(m->outcome(run).state, task::CommandState::aborted);
-  EXPECT_TRUE(gone(number_in("parent")));
-  EXPECT_TRUE(gone(number_in("child")));
-  EXPECT_NEAR(m->joint(0), 5, 1e-9);
-  EXPECT_FALSE(m->bit("spindle.0.on"));
-  EXPECT_TRUE(m->mdi("G0 X1")) << m->errors();
-}
 
 TEST_F(UserCode, AHundredInARowLeaveNothing) {
   start({{"M151", "exit 0\n"}});
