@@ -7,10 +7,10 @@ namespace kerf::motion {
 namespace {
 
 /// A bound missed by less than this is met: rounding of where we are (mm, degrees; and a share of the way).
-constexpr double kRounding = 1e-11;
+constexpr double kRounding = 1e-13;
 /// The same for whether it can be met at all: what was just met stays so.
 constexpr double kStillMet = 1e-8;
-constexpr double kShare = 1e-12;
+constexpr double kShare = 1e-14;
 constexpr int kHalvings = 52;
 /// A peak is sought this finely: it costs time only (mm/s).
 constexpr double kSameSpeed = 1e-12;
