@@ -80,9 +80,7 @@ void ProgramRun::watch() {
   progress.lines = status.call_level == 0 ? status.program_lines : 0;
   if (!status.waiting_for.object.empty() &&
       p_.clock.now() - status.waiting_for.since_ns > 2 * rtapi::kSecond) {
-    progress.waiting = std::string(status.waiting_for.object.view());
-    if (!status.waiting_for.pin.empty())
-      progress.waiting += " (" + std::string(status.waiting_for.pin.view()) + ")";
+    progress.waiting = task::wait_text(status.waiting_for);
   }
   p_.console.progress(progress, to_seconds(rtapi::monotonic_now()));
   answer_pause(status);

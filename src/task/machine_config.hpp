@@ -58,6 +58,13 @@ struct MachineSetup {
   double default_vel_mm_s{0}, default_acc_mm_s2{0};     ///< [TRAJ]DEFAULT_LINEAR_...
   double task_cycle_s{0.01};                            ///< [TASK]CYCLE_TIME
   int debug{0};                                         ///< [EMC]DEBUG
+
+  /// Axis along which the tool leaves the work: Z; X of a machine without Y, a lathe. -1: none.
+  [[nodiscard]] int retract_axis() const {
+    const auto has = [this](unsigned a) { return (motion.axis_mask >> a & 1U) != 0; };
+    if (has(0) && has(2) && !has(1)) return 0;
+    return has(2) ? 2 : -1;
+  }
 };
 
 struct SetupResult {

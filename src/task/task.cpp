@@ -73,6 +73,14 @@ HalReader hal_reader(rtapi::Segment& segment) {
   };
 }
 
+std::function<std::string(std::string_view)> net_reader(rtapi::Segment& segment) {
+  return [&segment](std::string_view name) {
+    const hal::View view(segment);
+    const auto pin = view.attached() ? view.find_pin(name) : std::nullopt;
+    return pin ? pin->signal : std::string();
+  };
+}
+
 MachineFacts facts_of(const MachineSetup& setup, const ini::IniFile& ini) {
   MachineFacts f;
   f.ini_file = rtapi::FixedString<511>(ini.name());
@@ -202,9 +210,9 @@ rtapi::Status Task::connect() {
       error.at = {rtapi::FixedString<160>(code->at.file), code->at.line, 0};
     return rtapi::Failure<rtapi::Error>{error};
   }
-  p.command = std::make_unique<CommandParticipant>(
-      CommandParticipant::Parts{*p.motion, *p.shared, *p.exchange, *p.link, p.setup, p.options.pid,
-                                p.tools.get(), p.live.get(), p.ini_pins.get()});
+  p.command = std::make_unique<CommandParticipant>(CommandParticipant::Parts{
+      *p.motion, *p.shared, *p.exchange, *p.link, p.setup, p.options.pid, p.tools.get(),
+      p.live.get(), p.ini_pins.get(), net_reader(p.segment)});
   p.shared->facts.write(facts_of(p.setup, p.ini));
   if (p.options.listen)
     KERF_CHECK(p.command->listen(rtapi::socket_name(p.segment.instance(), kTaskService)));

@@ -168,6 +168,12 @@ class StopInWait : public testing::TestWithParam<Wait> {
     EXPECT_NE(std::string(waiting.object.view()).find(GetParam().object), std::string::npos)
         << waiting.object.c_str();
     EXPECT_EQ(waiting.pin.view(), GetParam().pin);
+    // A pin of a wait names its net, and says so when it has none.
+    if (!waiting.pin.empty()) {
+      EXPECT_NE(task::wait_text(waiting).find(waiting.net.empty() ? "not linked" : ", net "),
+                std::string::npos)
+          << task::wait_text(waiting);
+    }
   }
   void ends_idle(double x) {
     EXPECT_TRUE(m->run_until([&] { return m->task().idle; }, 0.1))
@@ -244,6 +250,18 @@ const Wait kWaits[] = {
 
 INSTANTIATE_TEST_SUITE_P(Waits, StopInWait, testing::ValuesIn(kWaits),
                          [](const auto& wait) { return wait.param.name; });
+
+TEST(Waits, SayThePinAndItsNet) {
+  MachineOptions options;
+  options.hal = {"unlinkp iocontrol.0.tool-changed", "net asked iocontrol.0.tool-changed"};
+  auto m = Machine::start(options);
+  ASSERT_TRUE(m->ready()) << m->errors();
+  ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+  m->start_program(m->write_program("T1 M6\nM2\n"));
+  m->run_for(2);
+  EXPECT_EQ(task::wait_text(m->task().waiting_for),
+            "the tool change: iocontrol.0.tool-changed, net asked");
+}
 
 TEST(Hold, PauseAndResumeFinishTheProgramOnThePath) {
   auto m = homed_machine();

@@ -154,7 +154,7 @@ class Console {
       std::printf("program %s, %d lines, %.0f%%\n", s.file.c_str(), s.program_lines,
                   s.progress * 100);
     if (!s.waiting_for.object.empty())
-      std::printf("waiting for %s %s\n", s.waiting_for.object.c_str(), s.waiting_for.pin.c_str());
+      std::printf("waiting for %s\n", task::wait_text(s.waiting_for).c_str());
   }
 
   task::Client& client_;

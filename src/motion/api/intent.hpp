@@ -47,7 +47,9 @@ struct Intent {
   bool override_limits{false};    ///< jogging off a hard limit
   /// After each release of hold: the items of one block (SourceTag::id), then stand at its end.
   bool single_step{false};
-  bool reserved[6]{};
+  /// Held: axis jogs move the machine beside the path. Ends where it was left, and only there.
+  bool away{false};
+  bool reserved[5]{};
   std::uint32_t spindle_stop_seq
       [kMaxSpindles]{};     ///< a new value stops that spindle at once, whatever the path says
   std::uint32_t wishes{0};  ///< grows with each of the wishes below
@@ -59,6 +61,8 @@ struct Intent {
   Once<bool> spindle_override_enable[kMaxSpindles];
   /// true engages the brake and stops the spindle; false releases it until the next order.
   Once<bool> brake[kMaxSpindles];
+  /// The spindle turns again as the program had it: -1 or 1, at the speed it said last.
+  Once<std::int32_t> spindle_restart[kMaxSpindles];
 };
 
 /// The cell itself. The words stand alone so that a stop never depends on a whole write being finished.

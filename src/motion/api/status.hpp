@@ -110,11 +110,13 @@ struct MotionStatus {
   bool all_homed{false}, homing_active{false}, jogging{false}, soft_limit{false};
   bool probe_tripped{false}, probing{false}, input_timeout{false}, amp_ready{false};
   bool probe_input{false};   ///< motion.probe-input
+  bool away{false};          ///< beside the path, which is held at `place`
   bool reverse{false};       ///< a negative adaptive feed runs the path backwards
   bool sync_in_step{false};  ///< G33, G33.1, G76: the path is where the spindle wants it
   /// motion.switchkins-type asks for other kinematics than those in force, and they come as soon as the machine stands.
   bool kinematics_pending{false};
   Pose pos_cmd, pos_fb;  ///< machine coordinates, mm and degrees
+  Pose place;            ///< where the path stands: pos_cmd, unless `away`
   Pose tool_offset;
   Pose probed;  ///< where the probe tripped
   Pose distance_to_go_axes;

@@ -92,6 +92,7 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
   take_requests(orders);
   stop_everything(orders);
   switch_mode(orders);
+  watch_away(orders);
   watch_jog_stop(in);
   watch_probe(in);
   take_wheels(in, orders);
@@ -297,6 +298,7 @@ void Controller::disable() noexcept {
   homing_.stop(joints_, joint_);
   spindles_.stop_all();
   executor_.void_epoch(std::max(acked_epoch_, std::uint32_t{1}));
+  away_ = false;
   for (std::size_t j = 0; j < joints_; ++j) {
     joint_[j].mover.place(joint_[j].pos_cmd);
     if (config_.joint[j].volatile_home) joint_[j].homed = false;
@@ -345,6 +347,9 @@ void Controller::take_wishes(const Intent& want) noexcept {
       enables.spindle[n] = want.spindle_override_enable[n].value;
     if (fresh(want.brake[n], seen_.brake[n]))
       spindles_.brake(static_cast<std::int32_t>(n), want.brake[n].value);
+    // Never of a machine that stops or is off.
+    if (fresh(want.spindle_restart[n], seen_.restart[n]) && enabled_ && !closing_down_)
+      spindles_.restart(static_cast<std::int32_t>(n), want.spindle_restart[n].value);
   }
   executor_.set_enables(enables);
 }
@@ -361,6 +366,8 @@ void Controller::stop_everything(const Orders& orders) noexcept {
 void Controller::finish_abort(const Orders& orders) noexcept {
   if (orders.abort_epoch == acked_epoch_ || !at_rest()) return;
   executor_.drop_before(orders.abort_epoch);
+  if (away_) executor_.place(pose_);
+  away_ = false;
   spindles_.abort_orient();
   acked_epoch_ = orders.abort_epoch;
 }

@@ -115,6 +115,8 @@ class Controller {
   }
   void take_up_play(double dt) noexcept;
   [[nodiscard]] bool jogging() const noexcept;
+  void watch_away(const Orders& orders) noexcept;
+  [[nodiscard]] bool may_jog_axes() const noexcept { return mode_ == MotionMode::teleop || away_; }
 
   // controller_status.cpp
   void fill_status(const Inputs& in, const Orders& orders, double dt, std::int64_t now_ns) noexcept;
@@ -144,6 +146,7 @@ class Controller {
   bool start_due_{false}, start_taken_{false};
   bool jog_stop_before_{false}, jog_dead_before_{false}, probe_before_{false};
   MotionMode mode_{MotionMode::free}, refused_mode_{MotionMode::free};
+  bool away_{false};  ///< jogs move the machine beside the path, which is held
   Pose pose_, pose_fb_;
   std::uint32_t acked_epoch_{0};
   std::uint64_t heartbeat_{0};
@@ -154,7 +157,7 @@ class Controller {
   struct WishesSeen {
     std::uint32_t digital_out[kMaxDigital]{}, analog_out[kMaxAnalog]{};
     std::uint32_t feed{0}, adaptive{0}, feed_hold{0}, spindle[kMaxSpindles]{},
-        brake[kMaxSpindles]{};
+        brake[kMaxSpindles]{}, restart[kMaxSpindles]{};
   } seen_;
 
   /// Of kinematics that were refused between two cycles.

@@ -36,9 +36,25 @@ bool Controller::jogging() const noexcept {
   return false;
 }
 
+/// Jogs away from a held path and back. The path waits until the machine stands where it was left.
+void Controller::watch_away(const Orders& orders) noexcept {
+  constexpr double kThere = 1e-7;  ///< mm, degrees
+  if (!away_) {
+    away_ = orders.values->away && orders.hold && enabled_ && !closing_down_ &&
+            orders.abort_epoch == acked_epoch_ && mode_ == MotionMode::coordinated && at_rest();
+    for (std::size_t i = 0; away_ && i < rtapi::kAxes; ++i) axis_[i].place(pose_[i]);
+    return;
+  }
+  if (orders.values->away || !at_rest()) return;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    if (std::abs(pose_[i] - executor_.pose()[i]) > kThere) return;
+  away_ = false;
+}
+
 void Controller::switch_mode(const Orders& orders) noexcept {
   MotionMode want = orders.values->mode;
   if (mode_ != MotionMode::free && !may_leave_free()) want = MotionMode::free;
+  if (away_) want = mode_;
   if (want == mode_) {
     refused_mode_ = MotionMode::free;
     return;
@@ -177,8 +193,8 @@ void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
     const Range range = axis_range(i, want);
     axis_wheel_[i].drives = false;
     axis_[i].set_limits(std::max(axis_limit_[i].max_acc, kLeastAcc), axis_limit_[i].max_jerk);
-    take_jog(want.axis_jog[i], axis_jog_seen_[i], ready && exists && mode_ == MotionMode::teleop,
-             axis_[i], static_cast<std::int32_t>(i), axis_limit_[i].max_vel, range.low, range.high);
+    take_jog(want.axis_jog[i], axis_jog_seen_[i], ready && exists && may_jog_axes(), axis_[i],
+             static_cast<std::int32_t>(i), axis_limit_[i].max_vel, range.low, range.high);
   }
 }
 
@@ -191,7 +207,7 @@ void Controller::take_wheels(const Inputs& in, const Orders& orders) noexcept {
                joint_range(j, want));
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     if ((kinematics_.axis_mask() >> i & 1U) == 0) continue;
-    turn_wheel(in.axis_wheel[i], axis_wheel_[i], ready && mode_ == MotionMode::teleop, axis_[i],
+    turn_wheel(in.axis_wheel[i], axis_wheel_[i], ready && may_jog_axes(), axis_[i],
                axis_limit_[i].max_vel, axis_limit_[i].max_acc, axis_limit_[i].max_jerk,
                axis_range(i, want));
   }
@@ -284,7 +300,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   homing_.step(joints_, joint_, config_, faults_);
   PathInputs path;
   path.stop = closing_down_ || orders.abort_epoch != acked_epoch_;
-  path.stand = orders.hold || path.stop;
+  path.stand = orders.hold || path.stop || away_;
   path.single_step = single_step_ = want.single_step;
   path.may_move = mode_ == MotionMode::coordinated;
   path.probe = in.probe;
@@ -305,7 +321,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
     }
     (void)kinematics_.forward(q, pose_);
   } else {
-    if (mode_ == MotionMode::coordinated) {
+    if (mode_ == MotionMode::coordinated && !away_) {
       pose_ = executor_.pose();
     } else {
       for (std::size_t i = 0; i < rtapi::kAxes; ++i) {

@@ -46,6 +46,8 @@ void Controller::fill_status(const Inputs& in, const Orders& orders, double dt,
   s.mode = mode_;
   executor_.fill(s);
   s.pos_cmd = pose_;
+  s.away = away_;
+  s.place = away_ ? executor_.pose() : pose_;
   s.pos_fb = pose_fb_;
   s.enabled = enabled_;
   s.in_position = at_rest();

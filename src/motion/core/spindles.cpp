@@ -48,6 +48,17 @@ void Spindles::apply(const SpindleChange& change) noexcept {
   s.wait = change.wait_at_speed;
 }
 
+void Spindles::restart(std::int32_t n, std::int32_t direction) noexcept {
+  if (n < 0 || n >= count_ || (direction != 1 && direction != -1)) return;
+  State& s = state_[n];
+  if (s.orient_state != kOrientNone) return;
+  s.direction = direction;
+  s.factor = 1;
+  s.released = false;
+  s.age = 0;
+  s.wait = true;
+}
+
 void Spindles::stop(std::int32_t n) noexcept {
   if (n < 0 || n >= count_) return;
   state_[n].direction = 0;

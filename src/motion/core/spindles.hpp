@@ -24,6 +24,8 @@ class Spindles {
   void apply(const SpindleChange& change) noexcept;
   void stop(std::int32_t n) noexcept;
   void stop_all() noexcept;
+  /// At the last speed, in this direction (-1, 1); not while it is being oriented.
+  void restart(std::int32_t n, std::int32_t direction) noexcept;
   /// Engaging stops the spindle; released, the brake stays off until the next order.
   void brake(std::int32_t n, bool engage) noexcept;
   /// Ends orientations in progress; a spindle that turns goes on.

@@ -105,6 +105,17 @@ constexpr CommandInfo kCommands[]{
     {CommandId::run, "run", "Runs the open program. Done when it has ended.", kRunArgs},
     {CommandId::pause, "pause", "Stops motion on the path; resume goes on.", {}},
     {CommandId::resume, "resume", "Goes on after pause, step, M0, M1 and M60.", {}},
+    {CommandId::away,
+     "away",
+     "Pauses and frees the axes for jogs beside the path. Done when they may be jogged; return "
+     "leads "
+     "back.",
+     {}},
+    {CommandId::back,
+     "return",
+     "Back to where away left the path: along the tool axis out, across, and in again. Done there; "
+     "resume goes on.",
+     {}},
     {CommandId::step, "step", "Executes one block of the program and pauses.", {}},
     {CommandId::abort,
      "abort",

@@ -36,6 +36,8 @@ enum class CommandId : std::uint8_t {
   run,
   pause,
   resume,
+  away,
+  back,
   step,
   abort,
   mdi,

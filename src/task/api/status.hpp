@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "rtapi/base/fixed_string.hpp"
 #include "rtapi/base/pose.hpp"
@@ -36,6 +37,7 @@ enum class ExecState : std::int32_t {
 struct WaitingFor {
   rtapi::FixedString<63> object;  ///< "tool 3 in the spindle", "digital input 0 to go high"
   rtapi::FixedString<63> pin;  ///< HAL pin that ends the wait ("iocontrol.0.tool-changed"), or ""
+  rtapi::FixedString<63> net;  ///< the signal that the pin is linked to, or ""
   std::int64_t since_ns{0};    ///< instance time at which the wait began
 };
 
@@ -67,6 +69,15 @@ struct CommandCounters {
 };
 
 inline constexpr std::size_t kMaxSpindles = 8;
+
+/// "the tool change: iocontrol.0.tool-changed, net tool-changed", for all clients; "" when nothing is waited for.
+[[nodiscard]] inline std::string wait_text(const WaitingFor& wait) {
+  std::string text(wait.object.view());
+  if (text.empty() || wait.pin.empty()) return text;
+  text.append(": ").append(wait.pin.view());
+  if (!wait.net.empty()) return text.append(", net ").append(wait.net.view());
+  return text.append(", not linked");
+}
 
 /// Written on every change. Lengths in mm, angles in degrees, speeds in rpm; `settings` as documented for stat.settings.
 struct TaskStatus {

@@ -71,6 +71,7 @@ void CommandParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   take_reports();
   p_.exchange.read_view(view_);
   update_machine();
+  update_away();
   serve_clients();
   update_pending();
   write_status();
@@ -243,6 +244,15 @@ void CommandParticipant::update_pending() {
               homed ? std::string() : homing_failure(pending));
         break;
       }
+      case CommandId::away:
+      case CommandId::back:
+        if (pending.epoch != epoch_)
+          reply(ticket, CommandState::aborted, "aborted");
+        else if (pending.command == CommandId::back && returning_ == Returning::no && !status_.away)
+          reply(ticket, CommandState::done);
+        else if (pending.command == CommandId::away && status_.away)
+          reply(ticket, CommandState::done);
+        break;
       case CommandId::unhome:
         if (status_.cycle >= pending.from_cycle + 3) reply(ticket, CommandState::done);
         break;
@@ -286,6 +296,7 @@ void CommandParticipant::path_wait(WaitingFor& wait) {
     wait.since_ns = wait_since_;
   };
   wait = {};
+  if (status_.away) return say_wait("return to the path, then resume", "");
   switch (last_wait_) {
     case motion::PathWait::none: return;
     case motion::PathWait::spindle_at_speed:
@@ -395,6 +406,12 @@ void CommandParticipant::write_status() {
   s.waiting_for = view_.waiting_for;
   if (s.waiting_for.object.empty()) path_wait(s.waiting_for);
   s.prompt = view_.prompt;
+  if (!(s.waiting_for.pin == wait_pin_)) {
+    wait_pin_ = s.waiting_for.pin;
+    wait_net_ = rtapi::FixedString<63>(p_.net_of && !wait_pin_.empty() ? p_.net_of(wait_pin_.view())
+                                                                       : std::string());
+  }
+  s.waiting_for.net = wait_net_;
   s.messages = messages_;
   s.errors = error_messages_;
   s.commands = counters_;

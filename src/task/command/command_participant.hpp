@@ -4,6 +4,7 @@
 
 #include <array>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -35,6 +36,8 @@ class CommandParticipant final : public rtapi::Participant {
     const io::ToolStore* tools{nullptr};  ///< shown to clients; null: none
     LiveConfig* live{nullptr};  ///< with `ini_pins`: limits that change while the machine runs
     IniPins* ini_pins{nullptr};
+    /// Name of the signal that a pin is linked to, or "".
+    std::function<std::string(std::string_view pin)> net_of{};
   };
   explicit CommandParticipant(const Parts& parts);
   ~CommandParticipant() override;
@@ -149,6 +152,15 @@ class CommandParticipant final : public rtapi::Participant {
   motion::JogIntent* find_jog(const std::string& what, bool& axis, std::size_t& index,
                               std::string& why);
 
+  // away.cpp
+  void do_away(Ticket ticket);
+  void do_back(Ticket ticket);
+  void update_away();
+  void end_away();
+  void go(std::size_t axis, double target);
+  /// True, with an answer, when the machine is not where the path was left.
+  bool refuse_away(Ticket ticket);
+
   // program.cpp
   void execute(Ticket ticket, const Request& request, int client);
   void do_program(Ticket ticket, const Request& request);
@@ -202,6 +214,13 @@ class CommandParticipant final : public rtapi::Participant {
   bool enabling_{false};   ///< drives asked for, not there yet
   bool resetting_{false};  ///< estop reset asked for
   bool was_jogging_{false};
+  /// The way back to the path, in this order.
+  enum class Returning : std::uint8_t { no, out, across, in, there };
+  Returning returning_{Returning::no};
+  std::uint64_t return_since_{0};  ///< motion's cycle from which its standing counts
+  bool left_{false};               ///< away since the program was last resumed
+  std::array<std::int32_t, motion::kMaxSpindles>
+      away_direction_{};  ///< spindles when the machine left
   std::uint64_t block_step_since_{
       0};  ///< while Intent::single_step: motion's cycle from which its standing counts
   CommandCounters counters_;
@@ -217,6 +236,7 @@ class CommandParticipant final : public rtapi::Participant {
   std::map<Ticket, Pending> pending_;
   std::array<int, motion::kMaxJoints> joint_jog_owner_{};
   std::array<int, rtapi::kAxes> axis_jog_owner_{};
+  rtapi::FixedString<63> wait_pin_, wait_net_;  ///< looked up once a wait
   motion::PathWait last_wait_{motion::PathWait::none};
   rtapi::Nanos wait_since_{0};
 };

@@ -105,6 +105,7 @@ void CommandParticipant::abort_all(std::uint32_t reason) {
   p_.motion.intent.abort_epoch.publish(++epoch_);
   for (auto& seq : want_.spindle_stop_seq) ++seq;
   stop_jogs(kNobody);
+  end_away();
   want_.single_step = false;
   write_intent();
   p_.motion.intent.hold.publish(0);
@@ -264,10 +265,11 @@ void CommandParticipant::do_jog(Ticket ticket, const Request& request, int clien
   JogIntent* jog = find_jog(what, axis, index, why);
   if (jog == nullptr) return reply(ticket, CommandState::error, why);
   if (refuse_unless_on(ticket, "jog")) return;
-  if (mode_ != TaskMode::manual || !view_.idle)
+  const bool away = axis && status_.away && returning_ == Returning::no;
+  if (!away && (mode_ != TaskMode::manual || !view_.idle))
     return reply(ticket, CommandState::error,
                  "jog needs manual mode and an idle machine (mode manual)");
-  if (axis && want_.mode != MotionMode::teleop)
+  if (axis && !away && want_.mode != MotionMode::teleop)
     return reply(ticket, CommandState::error,
                  "jogging an axis needs teleop mode and homed joints (home, teleop on)");
   if (!axis && want_.mode != MotionMode::free)

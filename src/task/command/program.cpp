@@ -28,6 +28,8 @@ void CommandParticipant::execute(Ticket ticket, const Request& request, int clie
     case CommandId::tool_table: return do_program(ticket, request);
     case CommandId::step: return do_step(ticket);
     case CommandId::answer: return do_answer(ticket, request);
+    case CommandId::away: return do_away(ticket);
+    case CommandId::back: return do_back(ticket);
     case CommandId::tool_changed:
       if (!io_.waiting_changed && !io_.waiting_prepared)
         return reply(ticket, CommandState::error, "no tool change is waited for");
@@ -192,6 +194,7 @@ void CommandParticipant::do_program(Ticket ticket, const Request& request) {
       p_.exchange.wake_interpreter();
       return reply(ticket, CommandState::done);
     default:  // resume
+      if (refuse_away(ticket)) return;
       end_block_step();
       p_.motion.intent.hold.publish(0);
       p_.exchange.paused.set(0);
@@ -203,6 +206,7 @@ void CommandParticipant::do_program(Ticket ticket, const Request& request) {
 }
 
 void CommandParticipant::do_step(Ticket ticket) {
+  if (refuse_away(ticket)) return;
   if (refuse_unless_on(ticket, "command (EMC_TASK_PLAN_STEP)")) return;
   if (refuse_unless_homed(ticket, "Can't run a program when not homed")) return;
   const bool running = std::any_of(pending_.begin(), pending_.end(), [](const auto& p) {
@@ -290,6 +294,17 @@ void CommandParticipant::do_spindle(Ticket ticket, const Request& request) {
   if (action == "off") {
     ++want_.spindle_stop_seq[spindle];
     write_intent();
+    return reply(ticket, CommandState::done);
+  }
+  // Away from a held path it can only turn again as the program had it.
+  if (left_ && status_.held && (action == "forward" || action == "reverse")) {
+    const std::int32_t direction = action == "forward" ? 1 : -1;
+    if (away_direction_[static_cast<std::size_t>(spindle)] != direction)
+      return reply(ticket, CommandState::error,
+                   "spindle " + std::to_string(spindle) + " did not turn " + action +
+                       " when the machine left the path");
+    want_.spindle_restart[spindle].wish(direction);
+    wish();
     return reply(ticket, CommandState::done);
   }
   double speed = request.number("speed", view_.spindle_rpm[spindle]);

@@ -356,11 +356,11 @@ std::optional<motion::Pose> InterpreterParticipant::moved_position() const {
   // Only a machine that was moved by somebody else is asked where it stands: rounding must not creep into programs. The way to the
   // tool change position is the canon's own; the interpreter knows nothing of it.
   const interp::ModalState& modal = interp_.modal();
-  if (!far_apart(status_.pos_cmd, canon_.state().position) &&
+  if (!far_apart(status_.place, canon_.state().position) &&
       (interp_.beside_path() ||
-       !far_apart(status_.pos_cmd, modal.frame.to_machine(modal.position))))
+       !far_apart(status_.place, modal.frame.to_machine(modal.position))))
     return std::nullopt;
-  return status_.pos_cmd;
+  return status_.place;
 }
 
 void InterpreterParticipant::sync_position() {

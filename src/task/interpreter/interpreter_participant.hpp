@@ -141,7 +141,6 @@ class InterpreterParticipant final : public rtapi::Participant {
   void search(rtapi::WaitSpec& next);
   void end_seek(const std::string& what);
   void approach();
-  [[nodiscard]] int retract_axis() const;
 
   // on_abort.cpp
   void run_on_abort(std::uint32_t reason);

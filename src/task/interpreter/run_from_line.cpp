@@ -90,14 +90,6 @@ void InterpreterParticipant::end_seek(const std::string& what) {
   seek_.reset();
 }
 
-/// Axis along which the tool leaves the work: Z; X of a machine without Y, a lathe. -1: none.
-int InterpreterParticipant::retract_axis() const {
-  const std::uint32_t axes = p_.setup.motion.axis_mask;
-  const auto has = [axes](unsigned a) { return (axes >> a & 1U) != 0; };
-  if (has(0) && has(2) && !has(1)) return 0;
-  return has(2) ? 2 : -1;
-}
-
 /// Queues what brings the machine to the state of canon and interpreter: out of the work, tool, outputs, spindle, coolant, to
 /// the place, and down at feed.
 void InterpreterParticipant::approach() {
@@ -138,7 +130,7 @@ void InterpreterParticipant::approach() {
   add(motion::OverrideEnable{});
   if (from.feed_mode == interp::FeedMode::per_revolution) add(motion::FeedPerRev{});
   add(motion::ToolOffset{from.frame.tool()});
-  const int retract = retract_axis();
+  const int retract = p_.setup.retract_axis();
   const auto up = [&] {
     if (retract < 0) return;
     const auto a = static_cast<std::size_t>(retract);

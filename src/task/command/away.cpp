@@ -1,0 +1,126 @@
+// Away from the path and back: pause, jog, look, change the tool, return, resume. Motion keeps the path; here is the way back.
+#include <algorithm>
+#include <cmath>
+
+#include "task/command/command_participant.hpp"
+
+namespace kerf::task {
+
+using motion::JogIntent;
+
+namespace {
+constexpr double kThere = 1e-7;             ///< mm, degrees
+constexpr std::uint64_t kCyclesToTake = 3;  ///< of motion: by then it has taken an order
+}  // namespace
+
+bool CommandParticipant::refuse_away(Ticket ticket) {
+  if (status_.away || want_.away) {
+    reply(ticket, CommandState::error,
+          "the machine is away from the path: return leads back to it, then resume");
+    return true;
+  }
+  for (std::size_t n = 0; left_ && n < motion::kMaxSpindles; ++n) {
+    if (away_direction_[n] == 0) continue;
+    const auto& spindle = status_.spindle[n];
+    const bool turns = spindle.on && spindle.direction == away_direction_[n];
+    if (turns && spindle.at_speed) continue;
+    const std::string name = "spindle " + std::to_string(n);
+    const std::string way = away_direction_[n] > 0 ? "forward" : "reverse";
+    reply(ticket, CommandState::error,
+          turns ? name + " is not at its speed yet: spindle." + std::to_string(n) + ".at-speed"
+                : name + " turned " + way + " when the machine left the path: start it again (" +
+                      "spindle " + way + ") before resume, or abort");
+    return true;
+  }
+  left_ = false;
+  return false;
+}
+
+void CommandParticipant::do_away(Ticket ticket) {
+  if (refuse_unless_on(ticket, "away")) return;
+  if (view_.idle || status_.mode != motion::MotionMode::coordinated)
+    return reply(ticket, CommandState::error, "nothing runs whose path could be left");
+  if (!left_)
+    for (std::size_t n = 0; n < motion::kMaxSpindles; ++n)
+      away_direction_[n] = status_.spindle[n].on ? status_.spindle[n].direction : 0;
+  left_ = true;
+  p_.motion.intent.hold.publish(1);
+  p_.exchange.paused.set(1);
+  want_.away = true;
+  end_block_step();
+  write_intent();
+  pending_[ticket].epoch = epoch_;
+  p_.exchange.wake_interpreter();
+}
+
+void CommandParticipant::do_back(Ticket ticket) {
+  if (!status_.away)
+    return reply(ticket, CommandState::error, "the machine is not away from the path");
+  if (refuse_unless_on(ticket, "return")) return;
+  stop_jogs(kNobody);
+  pending_[ticket].epoch = epoch_;
+  returning_ = Returning::out;
+  return_since_ = status_.cycle + kCyclesToTake;
+  const auto retract = static_cast<std::size_t>(p_.setup.retract_axis());
+  if (p_.setup.retract_axis() >= 0 && status_.place[retract] > status_.pos_cmd[retract] + kThere)
+    go(retract, status_.place[retract]);
+}
+
+void CommandParticipant::go(std::size_t axis, double target) {
+  JogIntent& jog = want_.axis_jog[axis];
+  ++jog.seq;
+  jog.kind = JogIntent::Kind::absolute;
+  jog.vel = rtapi::is_rotary(axis)
+                ? machine_.axis[axis].max_vel
+                : std::min(machine_.axis[axis].max_vel, p_.setup.default_vel_mm_s > 0
+                                                            ? p_.setup.default_vel_mm_s
+                                                            : machine_.axis[axis].max_vel);
+  jog.target = target;
+  axis_jog_owner_[axis] = kNobody;
+  write_intent();
+}
+
+/// Each leg begins when the one before it stands.
+void CommandParticipant::update_away() {
+  if (returning_ == Returning::no || status_.cycle < return_since_ || status_.jogging) return;
+  return_since_ = status_.cycle + kCyclesToTake;
+  const int retract = p_.setup.retract_axis();
+  if (returning_ == Returning::there) {
+    returning_ = Returning::no;
+    return;
+  }
+  if (returning_ == Returning::in) {
+    returning_ = Returning::there;
+    bool there = true;
+    for (std::size_t a = 0; a < rtapi::kAxes; ++a)
+      there = there && std::fabs(status_.place[a] - status_.pos_cmd[a]) <= kThere;
+    if (there) {
+      want_.away = false;
+      return write_intent();
+    }
+    // Somebody stopped the jog: still away.
+    returning_ = Returning::no;
+    std::vector<Ticket> stopped;
+    for (const auto& [ticket, pending] : pending_)
+      if (pending.command == CommandId::back) stopped.push_back(ticket);
+    for (const Ticket ticket : stopped)
+      reply(ticket, CommandState::error, "the way back was stopped; return tries again");
+    return;
+  }
+  const bool across = returning_ == Returning::out;
+  returning_ = across ? Returning::across : Returning::in;
+  for (std::size_t a = 0; a < rtapi::kAxes; ++a) {
+    const bool in = static_cast<int>(a) == retract;
+    if (in != across && std::fabs(status_.place[a] - status_.pos_cmd[a]) > kThere)
+      go(a, status_.place[a]);
+  }
+}
+
+/// An abort forgets the path.
+void CommandParticipant::end_away() {
+  want_.away = false;
+  returning_ = Returning::no;
+  left_ = false;
+}
+
+}  // namespace kerf::task
