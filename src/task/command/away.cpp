@@ -26,10 +26,18 @@ bool CommandParticipant::refuse_away(Ticket ticket) {
     if (turns && spindle.at_speed) continue;
     const std::string name = "spindle " + std::to_string(n);
     const std::string way = away_direction_[n] > 0 ? "forward" : "reverse";
-    reply(ticket, CommandState::error,
-          turns ? name + " is not at its speed yet: spindle." + std::to_string(n) + ".at-speed"
-                : name + " turned " + way + " when the machine left the path: start it again (" +
-                      "spindle " + way + ") before resume, or abort");
+    std::string why = name;
+    if (turns)
+      why.append(" is not at its speed yet: spindle.")
+          .append(std::to_string(n))
+          .append(".at-speed");
+    else
+      why.append(" turned ")
+          .append(way)
+          .append(" when the machine left the path: start it again (spindle ")
+          .append(way)
+          .append(") before resume, or abort");
+    reply(ticket, CommandState::error, why);
     return true;
   }
   left_ = false;

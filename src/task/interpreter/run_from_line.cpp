@@ -12,7 +12,7 @@ using motion::MotionKind;
 namespace {
 constexpr int kBlocksPerStep = 4096;
 constexpr rtapi::Nanos kSearchTime = 100'000;  ///< these blocks cost this time
-constexpr double kDefaultPlunge_mm_s = 5;
+constexpr double kDefaultPlungeSpeed = 5;      ///< mm/s
 constexpr double kNoLimit = 1e9;
 constexpr double kSamePlace = 1e-6;  ///< mm, degrees
 }  // namespace
@@ -179,7 +179,7 @@ void InterpreterParticipant::approach() {
     const bool per_minute = wanted.feed_mode == interp::FeedMode::per_minute &&
                             wanted.linear_mm_min > 0 &&
                             modal.feed_mode == interp::ProgramFeedMode::per_minute;
-    go(wanted.position, per_minute ? wanted.linear_mm_min / 60.0 : kDefaultPlunge_mm_s,
+    go(wanted.position, per_minute ? wanted.linear_mm_min / 60.0 : kDefaultPlungeSpeed,
        MotionKind::feed);
   }
   add(wanted.path);
