@@ -31,8 +31,7 @@ const char* refusal(Op op, double a, double b) noexcept {
 
 double compute(Op op, double a, double b) noexcept {
   switch (op) {
-    case Op::atan:
-      return degrees(std::atan2(a, b));
+    case Op::atan: return degrees(std::atan2(a, b));
     case Op::power: return std::pow(a, b);
     case Op::times: return a * b;
     case Op::divide: return a / b;

@@ -41,13 +41,13 @@ struct SplineEnd {
 /// Lengths in mm, angles in degrees, feeds in mm/min (degrees/min), speeds in rpm, whatever G20/G21 says.
 /// G-codes are stored times ten (G38.2 = 382), as clients of the status channel know them.
 struct ModalState {
-  Pose position;                       ///< end of the last move, program coordinates
-  CanonFrame frame;                    ///< active work offset, rotation, G92 offset, tool offset
-  std::int32_t line{0};                ///< line of the block that made this state
-  std::int32_t motion{800};            ///< group 1: 0 10 20 30 ... 890; 800 = none; -1: after G5.3
-  std::int32_t plane_code{170};        ///< 170 180 190; 171 181 191: G17.1 ...
-  std::int32_t cutter_comp{400};       ///< 400, 410 left, 420 right; G41.1 and G42.1 too
-  bool comp_own_tool{false};  ///< compensation has a D; else it is of the tool in the spindle
+  Pose position;                  ///< end of the last move, program coordinates
+  CanonFrame frame;               ///< active work offset, rotation, G92 offset, tool offset
+  std::int32_t line{0};           ///< line of the block that made this state
+  std::int32_t motion{800};       ///< group 1: 0 10 20 30 ... 890; 800 = none; -1: after G5.3
+  std::int32_t plane_code{170};   ///< 170 180 190; 171 181 191: G17.1 ...
+  std::int32_t cutter_comp{400};  ///< 400, 410 left, 420 right; G41.1 and G42.1 too
+  bool comp_own_tool{false};      ///< compensation has a D; else it is of the tool in the spindle
   std::int32_t comp_orientation{0};
   double comp_diameter_mm{0};
   std::int32_t tool_offset_code{490};  ///< 430 431 432 490

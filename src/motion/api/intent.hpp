@@ -69,8 +69,9 @@ struct Intent {
 struct IntentCell {
   rtapi::Word<std::uint32_t> abort_epoch{
       1};  ///< raise to stop now and to void everything queued with an older epoch
-  rtapi::Word<std::uint32_t> enable{0};  ///< not 0: drives on wanted; another number is another request
-  rtapi::Word<std::uint32_t> hold{0};    ///< 1: stop on the path and stay (feed hold, pause)
+  rtapi::Word<std::uint32_t> enable{
+      0};  ///< not 0: drives on wanted; another number is another request
+  rtapi::Word<std::uint32_t> hold{0};  ///< 1: stop on the path and stay (feed hold, pause)
   rtapi::Word<std::uint64_t> heartbeat{
       0};  ///< task adds 1 at least every third of heartbeat_timeout_s
   rtapi::SeqCell<Intent> values;

@@ -190,10 +190,10 @@ struct MotionPins {
   Out<Bit> tp_reverse{pin<Out<Bit>>("tp-reverse", "The path runs backwards")};
   Out<double> current_vel{
       pin<Out<double>>("current-vel", "Speed along the path [machine units/s]")};
-  Out<Bit> sync_in_step{pin<Out<Bit>>(
-      "sync-in-step", "G33, G33.1, G76: the path is where the spindle wants it")};
-  Out<double> sync_lag{pin<Out<double>>(
-      "sync-lag", "G33, G33.1, G76: the path behind its spindle [machine units]")};
+  Out<Bit> sync_in_step{
+      pin<Out<Bit>>("sync-in-step", "G33, G33.1, G76: the path is where the spindle wants it")};
+  Out<double> sync_lag{
+      pin<Out<double>>("sync-lag", "G33, G33.1, G76: the path behind its spindle [machine units]")};
   Out<double> sync_run_in{pin<Out<double>>(
       "sync-run-in", "What the last of them needed to come into step [machine units]")};
   Out<double> distance_to_go{

@@ -357,8 +357,7 @@ std::optional<motion::Pose> InterpreterParticipant::moved_position() const {
   // tool change position is the canon's own; the interpreter knows nothing of it.
   const interp::ModalState& modal = interp_.modal();
   if (!far_apart(status_.place, canon_.state().position) &&
-      (interp_.beside_path() ||
-       !far_apart(status_.place, modal.frame.to_machine(modal.position))))
+      (interp_.beside_path() || !far_apart(status_.place, modal.frame.to_machine(modal.position))))
     return std::nullopt;
   return status_.place;
 }

@@ -232,7 +232,7 @@ class Oracle {
                    a = (p - 2 * p1_[j] + p2_[j]) / (Rig::kPeriod * Rig::kPeriod);
       if (seen_ >= 1) vel = std::max(vel, (std::abs(v) - 1e-8) / rig.config.joint[j].max_vel);
       const double third = (p - 3 * p1_[j] + 3 * p2_[j] - p3_[j]) /
-                          (Rig::kPeriod * Rig::kPeriod * Rig::kPeriod),
+                           (Rig::kPeriod * Rig::kPeriod * Rig::kPeriod),
                    most = rig.config.joint[j].max_jerk;
       if (seen_ >= 3 && most > 0) jerk = std::max(jerk, (std::abs(third) - 10) / most);
       if (seen_ >= 2) acc = std::max(acc, (std::abs(a) - 1e-2) / rig.config.joint[j].max_acc);
