@@ -83,7 +83,8 @@ def machine_pins():
             (Path(folder) / name.name).write_bytes(name.read_bytes())
         has_halui = (BUILD / "bin/halui").exists() and not re.search(r"^HALUI *=", ini, re.M)
         ini = re.sub(r"^DISPLAY *=.*$", "", ini, flags=re.M)
-        machine.write_text(f"{ini}\n[DISPLAY]\nDISPLAY = {script}\n"
+        # iov2 has all the pins of a tool changer.
+        machine.write_text(f"{ini}\n[DISPLAY]\nDISPLAY = {script}\n[EMCIO]\nEMCIO = iov2\n"
                            + ("[HAL]\nHALUI = halui\n[HALUI]\nMDI_COMMAND = G0 X0\n" if has_halui else ""))
         env = {**os.environ, "KERF_INSTANCE": f"pins-{os.getpid()}", "PATH": f"{BUILD}/bin:{os.environ['PATH']}"}
         run = subprocess.run([kerf, machine], env=env, capture_output=True, text=True, check=False, timeout=120,

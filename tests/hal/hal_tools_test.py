@@ -29,7 +29,7 @@ class HalTools(unittest.TestCase):
         cls.addClassCleanup(cls.host.wait)
         cls.addClassCleanup(cls.host.terminate)
         for _ in range(500):
-            if cls.run_program("halcmd", "-Q", "status").returncode == 0:
+            if cls.run_program("halcmd", "-Q", "unlock", "all").returncode == 0:
                 break
             try:
                 cls.host.wait(0.02)

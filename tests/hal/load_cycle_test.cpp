@@ -38,6 +38,7 @@ struct Recipe {
 };
 const std::map<std::string, Recipe>& recipes() {
   static const std::map<std::string, Recipe> table = {
+      {"carousel", {{}, {"pockets=10,8"}}},
       {"sampler", {{}, {"depth=16", "cfg=ffbs"}}},
       {"streamer", {{}, {"depth=16", "cfg=ffbs"}}},
       {"motmod", {{{"trivkins"}}, {"servo_period_nsec=1000000", "num_joints=3"}}},

@@ -215,6 +215,23 @@ TEST(SimDetails, TheTableTurnsUnderTheTool) {
   EXPECT_LT(worst_mm, 42 * (1 - std::cos(2.5 * std::numbers::pi / 180)) + 0.02);
 }
 
+TEST(SimDetails, InIdentityTheTableTiltsAlone) {
+  auto m = homed("xyzac-trt");
+  ASSERT_NE(m, nullptr);
+  ASSERT_TRUE(m->mdi("G21 G90 G0 X10 Y20 Z-100 A-20 C0")) << m->errors();
+  const double at[3]{m->joint(0), m->joint(1), m->joint(2)};
+  EXPECT_TRUE(m->bit("kinstype.is-0"));
+  ASSERT_TRUE(m->mdi("M429")) << m->errors();
+  EXPECT_TRUE(m->bit("kinstype.is-1"));
+  ASSERT_TRUE(m->mdi("G0 A-45")) << m->errors();
+  EXPECT_NEAR(m->joint(3), -45, 1e-9);
+  ASSERT_TRUE(m->mdi("M428")) << m->errors();
+  EXPECT_TRUE(m->bit("kinstype.is-0"));
+  for (std::size_t j = 0; j < 3; ++j) EXPECT_NEAR(m->joint(j), at[j], 1e-9) << "joint " << j;
+  // Back in the table's kinematics the tip stands elsewhere on the work.
+  EXPECT_GT(std::abs(m->motion().pos_cmd.y - 20), 1.0);
+}
+
 TEST(SimDetails, TheLatheKeepsItsSurfaceSpeed) {
   auto m = homed("lathe");
   ASSERT_NE(m, nullptr);

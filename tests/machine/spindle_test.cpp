@@ -91,7 +91,31 @@ TEST(Spindles, SpeedAloneStartsNothing) {
   EXPECT_FALSE(m->bit("spindle.0.on"));
 }
 
-TEST(Spindles, InhibitHoldsTheSpeedAtZeroAndNothingElse) {
+TEST(Spindles, AtSpeedZeroNoDriveIsToldToTurn) {
+  auto m = homed();
+  ASSERT_NE(m, nullptr);
+  const auto drive = [&] {
+    return m->bit("spindle.0.on") || m->bit("spindle.0.forward") || m->bit("spindle.0.reverse");
+  };
+  ASSERT_TRUE(m->mdi("S0 M3"));
+  m->run_for(0.01);
+  EXPECT_FALSE(drive());
+  EXPECT_FALSE(m->motion().spindle[0].on);
+  EXPECT_FALSE(m->bit("spindle.0.brake"));
+  // M3 stands: the speed is all that was missing.
+  ASSERT_TRUE(m->mdi("S1000"));
+  m->run_for(0.01);
+  EXPECT_TRUE(m->bit("spindle.0.on") && m->bit("spindle.0.forward"));
+  ASSERT_TRUE(m->does({"spindle-override", "0"}));
+  m->run_for(0.01);
+  EXPECT_FALSE(drive());
+  EXPECT_TRUE(m->motion().spindle[0].on) << "it is on; the override keeps it still";
+  ASSERT_TRUE(m->does({"spindle-override", "1"}));
+  m->run_for(0.01);
+  EXPECT_TRUE(m->bit("spindle.0.on"));
+}
+
+TEST(Spindles, InhibitKeepsTheDriveStill) {
   auto m = homed();
   ASSERT_NE(m, nullptr);
   ASSERT_TRUE(m->mdi("S1000 M3"));
@@ -99,10 +123,11 @@ TEST(Spindles, InhibitHoldsTheSpeedAtZeroAndNothingElse) {
   ASSERT_TRUE(m->hal("setp spindle.0.inhibit 1"));
   m->run_for(0.01);
   EXPECT_EQ(m->get("spindle.0.speed-out"), 0);
-  EXPECT_TRUE(m->bit("spindle.0.on") && m->bit("spindle.0.forward"));
+  EXPECT_FALSE(m->bit("spindle.0.on") || m->bit("spindle.0.forward"));
   EXPECT_FALSE(m->bit("spindle.0.brake"));
   ASSERT_TRUE(m->hal("setp spindle.0.inhibit 0"));
   m->run_for(0.01);
+  EXPECT_TRUE(m->bit("spindle.0.on") && m->bit("spindle.0.forward"));
   EXPECT_EQ(m->get("spindle.0.speed-out"), 1000);
 }
 

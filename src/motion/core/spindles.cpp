@@ -134,9 +134,10 @@ void Spindles::step(const SpindleInputs* in, const double* overrides, double x_m
     rpm *= s.direction * s.factor;
     out.command_rps = rpm / 60.0;
     out.speed_rpm = in[n].inhibit ? 0.0 : limited(n, rpm * overrides[n]);
-    out.on = s.direction != 0;
-    out.forward = s.direction > 0;
-    out.reverse = s.direction < 0;
+    // A drive that is only told its direction must not turn at speed zero either.
+    out.on = out.speed_rpm != 0;
+    out.forward = out.speed_rpm > 0;
+    out.reverse = out.speed_rpm < 0;
     out.brake = s.direction == 0 && s.orient_state != kOrientRunning && !s.released;
     if (s.wait && s.age >= kSettleCycles && in[n].at_speed) s.wait = false;
   }
@@ -175,7 +176,7 @@ void Spindles::fill(std::size_t n, const SpindleInputs& in, SpindleStatus& statu
   status.direction = s.direction;
   status.orient_state = s.orient_state;
   status.orient_fault = s.orient_fault;
-  status.on = s.direction != 0;
+  status.on = s.direction != 0 && (s.speed_rpm > 0 || s.css_factor > 0);
   status.at_speed = in.at_speed;
   status.brake = out_[n].brake;
   status.locked = out_[n].locked;

@@ -129,6 +129,39 @@ class Waits(unittest.TestCase):
         self.assertGreater(polls, 5)
 
 
+class UserMcodes(unittest.TestCase):
+    def test_abort_ends_a_script_that_sleeps_for_ever_with_its_children(self):
+        folder = os.environ["KERF_TEST_FOLDER"]
+        script = os.path.join(folder, "M177")
+        with open(script, "w", encoding="ascii") as f:
+            f.write("#!/bin/sh\necho $$ > pids\nsleep 100000 &\necho $! >> pids\nwait\n")
+        os.chmod(script, 0o755)
+        c, s = linuxcnc.command(), linuxcnc.stat()
+        c.mode(linuxcnc.MODE_MDI)
+        c.wait_complete(20)
+        for _ in range(5):
+            c.mdi("M177")
+            pids = []
+            while len(pids) < 2:
+                try:
+                    with open(os.path.join(folder, "pids"), encoding="ascii") as f:
+                        pids = f.read().split()
+                except FileNotFoundError:
+                    pass
+            os.remove(os.path.join(folder, "pids"))
+            s.poll()
+            self.assertNotEqual(s.interp_state, linuxcnc.INTERP_IDLE)
+            c.abort()
+            self.assertEqual(c.wait_complete(20), linuxcnc.RCS_DONE)
+            s.poll()
+            self.assertEqual(s.interp_state, linuxcnc.INTERP_IDLE)
+            for pid in pids:
+                while os.path.exists("/proc/" + pid):
+                    time.sleep(0.01)
+        c.mdi("G4 P0.01")
+        self.assertEqual(c.wait_complete(20), linuxcnc.RCS_DONE)
+
+
 class Jogs(unittest.TestCase):
     SCRIPT = """
 import linuxcnc, os, sys, time

@@ -99,6 +99,7 @@ class FakeMotion final : public rtapi::Participant {
     peak_queue = std::max(peak_queue, shared_.path.size());
     status.path_empty = shared_.path.empty();
     status.held = shared_.intent.hold.get() != 0 || step_done_;
+    status.place = status.pos_cmd;
     shared_.status.write(status);
     if (before != std::make_tuple(status.executed_seq, status.acked_epoch, status.enabled,
                                   status.mode, status.path_empty, status.all_homed))
