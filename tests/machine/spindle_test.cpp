@@ -106,13 +106,6 @@ TEST(Spindles, AtSpeedZeroNoDriveIsToldToTurn) {
   ASSERT_TRUE(m->mdi("S1000"));
   m->run_for(0.01);
   EXPECT_TRUE(m->bit("spindle.0.on") && m->bit("spindle.0.forward"));
-  ASSERT_TRUE(m->does({"spindle-override", "0"}));
-  m->run_for(0.01);
-  EXPECT_FALSE(drive());
-  EXPECT_TRUE(m->motion().spindle[0].on) << "it is on; the override keeps it still";
-  ASSERT_TRUE(m->does({"spindle-override", "1"}));
-  m->run_for(0.01);
-  EXPECT_TRUE(m->bit("spindle.0.on"));
 }
 
 TEST(Spindles, InhibitKeepsTheDriveStill) {

@@ -20,6 +20,7 @@ void StandIn::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   status_.time_ns = now;
   status_.servo_period_ns = kPeriod;
   status_.path_empty = shared_.path.empty();
+  status_.place = status_.pos_cmd;
   shared_.status.write(status_);
   shared_.status_cell.notify();
 }
