@@ -73,6 +73,20 @@ function(kerf_component name)
   set_property(GLOBAL APPEND PROPERTY KERF_COMPONENTS ${id})
 endfunction()
 
+# kerf_comp_component(name)  NAME.comp, compiled as users do, -> build/<preset>/components/name.so
+function(kerf_comp_component name)
+  find_program(KERF_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)
+  if(NOT KERF_PYTHON)
+    return()
+  endif()
+  set(out ${CMAKE_BINARY_DIR}/components/${name}.so)
+  file(GLOB compiler CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/hal/compile/kerf_halcompile/*.py)
+  add_custom_command(OUTPUT ${out}
+    COMMAND ${CMAKE_BINARY_DIR}/bin/halcompile --compile --outfile=${out} ${CMAKE_CURRENT_SOURCE_DIR}/${name}.comp
+    DEPENDS ${name}.comp ${compiler} ${PROJECT_SOURCE_DIR}/src/hal/compile/halcompile kerf_capi_headers VERBATIM)
+  add_custom_target(component_${name} ALL DEPENDS ${out})
+endfunction()
+
 # kerf_test(name SOURCES ... [LINK ...] [LABELS fast hal ...] [TIMEOUT s])  one GoogleTest program, one CTest entry.
 function(kerf_test name)
   cmake_parse_arguments(A "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})

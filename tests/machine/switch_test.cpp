@@ -112,7 +112,9 @@ TEST(Switching, AThousandTimesAndNoJointMoves) {
   }
   EXPECT_EQ(switches, 1000);
   EXPECT_LT(worst, 1e-12) << "mm or degrees: a joint moved";
-  std::printf("%d switches, largest motion of a joint %.1e\n", switches, worst);
+  std::printf(
+      "result: kinematics switched %d times, largest motion of a joint in that cycle %.1e\n",
+      switches, worst);
 }
 
 TEST(Switching, AProgramGoesOnFromWhereTheToolIsNow) {

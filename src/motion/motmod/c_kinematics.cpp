@@ -36,7 +36,7 @@ CKinematics::CKinematics(hal::Builder& b, std::int32_t joints) noexcept : joints
     return;
   }
   type_ = static_cast<KinematicsType>(asked.answer);
-  constexpr std::int32_t kMostKinds = 3;  // SWITCHKINS_MAX_TYPES
+  constexpr std::int32_t kMostKinds = 16;  // which of them there are, kinematicsSwitch() says
   if (asked.may_switch != 0 && switch_ != nullptr) kinds_ = kMostKinds;
   if (type_ == KinematicsType::identity) find_axes();
 }

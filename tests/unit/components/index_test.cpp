@@ -28,7 +28,7 @@ std::string page() {
          "loadrt parameters. In\n"
          "names `-` and `_` are the same to `loadrt`. This page is made from the declarations:\n"
          "`KERF_WRITE_PAGES=1 build/dev/tests/components_test --gtest_filter=ComponentIndex.*` "
-         "writes it.\n\n"
+         "writes it. Kinematics modules are listed in [kinematics.md](../kinematics.md).\n\n"
          "| component | what it is |\n|---|---|\n";
   for (const auto& [name, purpose] : purposes) out << "| `" << name << "` | " << purpose << " |\n";
   return out.str();

@@ -68,7 +68,38 @@ def link_program(tools, out, objects, more):
                                                     "-llinuxcnchal", "-lm", "-lpthread"])
 
 
-def link_realtime(out, objects, more, work, me):
+# What a module may leave to Kerf: share/kins.
+KINEMATICS_HELPERS = set("""map_coordinates_to_jnumbers mapped_joints_to_position position_to_mapped_joints
+    identityKinematicsSetup identityKinematicsForward identityKinematicsInverse
+    userkKinematicsSetup userkKinematicsForward userkKinematicsInverse""".split())
+
+
+def symbols_of(objects):
+    """The names that the objects define, and those that they want from elsewhere."""
+    defined, wanted = set(), set()
+    for item in objects:
+        for line in output_of(["nm", "-g", str(item)]).decode().splitlines():
+            words = line.split()
+            (wanted if words[-2] in "Uw" else defined).add(words[-1])
+    return defined, wanted - defined
+
+
+def add_kinematics(tools, objects, work):
+    """The common part of a module that has only switchkinsSetup, and the helpers of kinematics.h."""
+    def compiled(name):
+        item = work / f"kins-{name}.o"
+        compile_one(tools, tools.share / "kins" / f"{name}.c", item, False, [], f"{name}.c")
+        return item
+    defined, wanted = symbols_of(objects)
+    if "switchkinsSetup" in defined and "rtapi_app_main" not in defined:
+        objects = [*objects, compiled("switchkins")]
+    if wanted & KINEMATICS_HELPERS:
+        objects = [*objects, compiled("kins_util")]
+    return objects
+
+
+def link_realtime(tools, out, objects, more, work, me):
+    objects = add_kinematics(tools, objects, work)
     exports, has_main = ["rtapi_module_table", "rtapi_app_main", "rtapi_app_exit"], False
     for index, item in enumerate(objects):
         has_main = has_main or b" T rtapi_app_main\n" in output_of(["nm", "--defined-only", str(item)])
