@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 #include "ini/reader.hpp"
 #include "io/tool_table.hpp"
@@ -37,6 +39,7 @@ class SetupReader {
     for (int j = 0; j < out_.setup.motion.joints; ++j) joint(j);
     for (std::size_t a = 0; a < rtapi::kAxes; ++a)
       if ((out_.setup.motion.axis_mask & (1U << a)) != 0) axis(a);
+    sequences();
     jerks();
     identity_limits();
     for (int s = 0; s < out_.setup.motion.spindles; ++s) spindle(s);
@@ -165,10 +168,45 @@ class SetupReader {
     flag("HOME_USE_INDEX", motion::home_use_index);
     flag("HOME_IS_SHARED", motion::home_is_shared);
     flag("HOME_INDEX_NO_ENCODER_RESET", motion::home_index_no_encoder_reset);
+    flag("LOCKING_INDEXER", motion::home_unlock_first);
+    const bool index = (j.home_flags & motion::home_use_index) != 0;
+    if (!index && j.home_search_vel == 0 && j.home_latch_vel != 0)
+      r_.complain(
+          section, "HOME_LATCH_VEL",
+          "there is neither a switch (HOME_SEARCH_VEL) nor an index (HOME_USE_INDEX) to find "
+          "with it, so the joint cannot be homed",
+          false);
+    if (index && j.home_latch_vel == 0)
+      r_.complain(
+          section, "HOME_USE_INDEX",
+          "HOME_LATCH_VEL is 0, so the joint cannot be homed: expected the speed towards the "
+          "index",
+          false);
     const auto absolute = r_.integer(section, "HOME_ABSOLUTE_ENCODER");
-    if (absolute > 0) j.home_flags |= motion::home_absolute_encoder;
+    if (absolute > 0) j.home_flags |= motion::home_absolute_encoder | motion::home_no_rehome;
     if (absolute == 2) j.home_flags |= motion::home_no_final_move;
     j.volatile_home = r_.boolean(section, "VOLATILE_HOME");
+  }
+
+  /// Home all ends where HOME_SEQUENCE numbers do not follow one another.
+  void sequences() {
+    std::vector<std::pair<int, int>> order;  // |number|, joint
+    for (int j = 0; j < out_.setup.motion.joints; ++j) {
+      const int number = out_.setup.motion.joint[j].home_sequence;
+      if (number != motion::kNoHomeSequence) order.emplace_back(std::abs(number), j);
+    }
+    std::sort(order.begin(), order.end());
+    int last = 0;
+    for (const auto& [number, j] : order) {
+      if (number > last + 1)
+        r_.complain(
+            "JOINT_" + std::to_string(j), "HOME_SEQUENCE",
+            "no joint has " + std::to_string(last + 1) +
+                ", so home all ends before this one: numbers begin at 0 or 1 and follow one "
+                "another",
+            false);
+      last = number;
+    }
   }
 
   void axis(std::size_t index) {

@@ -180,7 +180,10 @@ constexpr Key kJointRows[] = {
         .otherwise("0"),
     text("COMP_FILE", "table of the screw's errors").no(kCompensation),
     choice("COMP_FILE_TYPE", "0 1", "what its columns mean").no(kCompensation),
-    boolean("LOCKING_INDEXER", "unlocks before it turns").no(kIndexer),
+    boolean(
+        "LOCKING_INDEXER",
+        "unlocked while it homes, by joint.N.unlock and is-unlocked (motmod unlock_joints_mask)")
+        .otherwise("NO"),
     real("HOME", "where the joint goes at last when homing").unit(kUnits).otherwise("0"),
     real("HOME_OFFSET", "joint position of switch or index").unit(kUnits).otherwise("0"),
     real("HOME_SEARCH_VEL", "speed and direction of the search for the switch, 0: no switch")
@@ -211,9 +214,10 @@ constexpr Key kJointRows[] = {
         .from(0)
         .to(2)
         .otherwise("0"),
-    integer(
-        "HOME_SEQUENCE",
-        "joints of one number home together, lower numbers first; negative: last moves together")
+    integer("HOME_SEQUENCE",
+            "joints of one number home together, numbers in order from 0 or 1; negative: legs of "
+            "an axis "
+            "keep together, last moves together")
         .from(-100)
         .to(100)
         .otherwise_as("not with the others"),

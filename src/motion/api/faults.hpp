@@ -99,8 +99,8 @@ inline const char* home_failure_text(double value) {
       return "HOME_SEARCH_VEL is set but HOME_LATCH_VEL is 0; set both, or neither for homing in "
              "place";
     case 5:
-      return "homing to an index pulse is not supported; set HOME_USE_INDEX = NO and give "
-             "HOME_SEARCH_VEL and HOME_LATCH_VEL";
+      return "HOME_LATCH_VEL is set, but there is neither a switch (HOME_SEARCH_VEL) nor an index "
+             "(HOME_USE_INDEX = YES) to find with it";
     case 6:
       return "HOME_IS_SHARED is set and the switch is closed already; move the joints off their "
              "switches first";
@@ -112,6 +112,19 @@ inline const char* home_failure_text(double value) {
     case 10:
       return "no joint has a HOME_SEQUENCE, so home all has nothing to do; home joint by joint or "
              "set HOME_SEQUENCE";
+    case 11:
+      return "the home switch closed in the search and was not found again on the way back; check "
+             "it and its wiring for loose contacts";
+    case 12:
+      return "the encoder's index did not come; connect joint.N.index-enable to the encoder and "
+             "check its index";
+    case 13:
+      return "HOME_USE_INDEX is set but HOME_LATCH_VEL is 0; set it to the speed towards the index";
+    case 15:
+      return "its HOME_SEQUENCE numbers do not begin at 0 or 1 and follow one another, and home "
+             "all "
+             "ends before the gap; correct them";
+    case 14: return "it is an extra joint, which is unhomed only while the machine is off";
     default: return "unknown reason";
   }
 }

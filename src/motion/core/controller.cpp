@@ -123,6 +123,10 @@ void Controller::read_feedback(const Inputs& in) noexcept {
     joint.neg_limit = source.neg_limit;
     joint.pos_limit = source.pos_limit;
     joint.amp_fault = source.amp_fault;
+    joint.is_unlocked = source.is_unlocked;
+    joint.index_enable = source.index_enable;
+    joint.index_order = 0;
+    homing_.watch_index(j, joint, config_.joint[j]);
   }
 }
 
@@ -301,6 +305,7 @@ void Controller::disable() noexcept {
   away_ = false;
   for (std::size_t j = 0; j < joints_; ++j) {
     joint_[j].mover.place(joint_[j].pos_cmd);
+    joint_[j].ignore_limits = joint_[j].unlock = false;
     if (config_.joint[j].volatile_home) joint_[j].homed = false;
   }
   for (AxisMover& axis : axis_) axis.place(axis.position());

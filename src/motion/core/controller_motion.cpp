@@ -89,7 +89,13 @@ void Controller::take_unhome(std::int32_t which) noexcept {
   for (std::size_t j = 0; j < joints_; ++j) {
     const bool meant = which == -1 || which == static_cast<std::int32_t>(j) ||
                        (which == -2 && config_.joint[j].volatile_home);
-    if (meant) joint_[j].homed = false;
+    if (!meant) continue;
+    // An extra joint that is homed follows its pin: motion(9), "only when motion is disabled".
+    if (enabled_ && is_posthome(j))
+      raise(faults_, Fault::home_failed, static_cast<std::int32_t>(j),
+            static_cast<double>(HomeFailure::extra_while_on));
+    else
+      joint_[j].homed = false;
   }
 }
 
@@ -107,7 +113,7 @@ void Controller::take_homing(const Inputs& in, const Orders& orders) noexcept {
   }
   if (mode_ != MotionMode::free) return refuse(HomeFailure::wrong_mode);
   if (in.homing_inhibit) return refuse(HomeFailure::inhibited);
-  homing_.start(want.home_joint, joints_, joint_, config_, faults_);
+  homing_.start(want.home_joint, joints_, joint_, config_, kinematics_, faults_);
 }
 
 void Controller::watch_jog_stop(const Inputs& in) noexcept {

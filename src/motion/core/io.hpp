@@ -23,6 +23,7 @@ struct JointInputs {
   double motor_pos_fb{0};
   double posthome_cmd{0};  ///< of an extra joint
   bool home_switch{false}, neg_limit{false}, pos_limit{false}, amp_fault{false};
+  bool index_enable{false}, is_unlocked{false};
 };
 
 struct SpindleInputs {

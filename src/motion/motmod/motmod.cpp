@@ -123,12 +123,10 @@ Motmod::Motmod(hal::Builder& b) noexcept
 
 void Motmod::create_unlock_pins(hal::Builder& b) noexcept {
   for (std::size_t j = 0; j < joint_.size(); ++j) {
-    if ((args_.unlock_mask >> j & 1U) != 0) {
-      hal::declare_pin<Out<Bit>>(b, detail::pin_name("joint.#.", j, "unlock"),
-                                 "Unlock the indexer");
-      hal::declare_pin<In<Bit>>(b, detail::pin_name("joint.#.", j, "is-unlocked"),
-                                "The indexer is unlocked");
-    }
+    if (!has_unlock(j)) continue;
+    unlock_[j].declare(b, detail::pin_name("joint.#.", j, "unlock"), "Unlock the indexer");
+    is_unlocked_[j].declare(b, detail::pin_name("joint.#.", j, "is-unlocked"),
+                            "The indexer is unlocked");
   }
 }
 

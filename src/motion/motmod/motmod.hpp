@@ -68,6 +68,9 @@ class Motmod final : public hal::Component<Motmod> {
   /// What motion.switchkins-type asks for; true when that is not the kind in force.
   [[nodiscard]] std::int32_t wanted_kind() const noexcept;
   [[nodiscard]] bool wants_switch(std::int32_t& kind) const noexcept;
+  [[nodiscard]] bool has_unlock(std::size_t j) const noexcept {
+    return (args_.unlock_mask >> j & 1U) != 0;
+  }
   /// Machine units in 1 mm, for a joint or an axis; 1 for rotary ones.
   [[nodiscard]] double joint_scale(std::size_t j) const noexcept { return joint_scale_[j]; }
 
@@ -78,6 +81,8 @@ class Motmod final : public hal::Component<Motmod> {
   hal::Array<AxisPins> axis_;
   hal::Array<SpindlePins> spindle_;
   hal::PinArray<In<double>, kMaxJoints> posthome_cmd_;  ///< of the extra joints
+  In<Bit> is_unlocked_[kMaxJoints];                     ///< of unlock_joints_mask
+  Out<Bit> unlock_[kMaxJoints];
   IoPins io_;
   MotionShared* shared_{nullptr};
   PlannerLink* link_{nullptr};

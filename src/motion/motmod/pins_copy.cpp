@@ -57,7 +57,9 @@ void Motmod::read_inputs() noexcept {
                    p.home_sw_in,
                    p.neg_lim_sw_in,
                    p.pos_lim_sw_in,
-                   p.amp_fault_in};
+                   p.amp_fault_in,
+                   p.index_enable,
+                   has_unlock(j) && is_unlocked_[j].get()};
     read_wheel(p, joint_scale(j), in.joint_wheel[j]);
   }
   for (std::size_t i = 0; i < axis_.size(); ++i)
@@ -81,6 +83,9 @@ void Motmod::write_joint(std::size_t j) noexcept {
   p.f_errored = joint.ferrored;
   p.faulted = s.faulted;
   p.free_tp_enable = moves;
+  // Only on order: in between it belongs to the encoder.
+  if (joint.index_order != 0) p.index_enable = joint.index_order > 0;
+  if (has_unlock(j)) unlock_[j] = joint.unlock;
   p.homed = s.homed;
   p.homing = s.homing;
   p.in_position = s.in_position;

@@ -166,9 +166,12 @@ TEST(Homing, RefusalsSayWhy) {
   EXPECT_EQ(reason([](SwitchRig& r) { r.config.joint[0].home_latch_vel = 0; }),
             HomeFailure::latch_vel_zero);
   EXPECT_EQ(reason([](SwitchRig& r) { r.config.joint[0].home_search_vel = 0; }),
-            HomeFailure::index_unsupported);
-  EXPECT_EQ(reason([](SwitchRig& r) { r.config.joint[0].home_flags = home_use_index; }),
-            HomeFailure::index_unsupported);
+            HomeFailure::latch_alone);
+  EXPECT_EQ(reason([](SwitchRig& r) {
+              r.config.joint[0].home_flags = home_use_index;
+              r.config.joint[0].home_search_vel = r.config.joint[0].home_latch_vel = 0;
+            }),
+            HomeFailure::index_without_vel);
   EXPECT_EQ(reason([](SwitchRig& r) { r.in.homing_inhibit = true; }), HomeFailure::inhibited);
   EXPECT_EQ(reason([](SwitchRig& r) { r.orders.enable = false; }), HomeFailure::not_enabled);
   EXPECT_EQ(reason([](SwitchRig& r) {

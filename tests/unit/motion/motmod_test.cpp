@@ -325,6 +325,44 @@ TEST(Motmod, AnAbortIsSeenByWhoeverSeesTheHoldTakenAway) {
   EXPECT_EQ(orders.abort_epoch, 2U);
 }
 
+/// The handshakes of homing by their pins: unlock, index-enable, lock.
+TEST(Motmod, HomesAnIndexerToTheIndexOfItsEncoder) {
+  Shell s;
+  s.hal.set_arg("unlock_joints_mask", "0x2");
+  ASSERT_TRUE(s.load()) << s.hal.error();
+  s.configure();
+  MachineConfig c;
+  ASSERT_TRUE(s.shared().config.read(c));
+  c.joint[1].home_flags = home_use_index | home_unlock_first;
+  c.joint[1].home_latch_vel = 5;
+  c.joint[1].home_offset = c.joint[1].home = 3;
+  s.shared().config.write(c);
+  s.shared().intent.enable.set(1);
+  s.run(2);
+  Intent i;
+  i.home_seq = 1;
+  i.home_joint = 1;
+  s.shared().intent.values.write(i);
+  s.run(3);
+  EXPECT_TRUE(s.hal.get<bool>("joint.1.unlock"));
+  EXPECT_FALSE(s.hal.get<bool>("joint.1.index-enable"));
+  EXPECT_EQ(s.hal.get<double>("joint.1.motor-pos-cmd"), 0) << "locked";
+  s.hal.set("joint.1.is-unlocked", true);
+  s.run(100);
+  EXPECT_TRUE(s.hal.get<bool>("joint.1.index-enable"));
+  EXPECT_GT(s.hal.get<double>("joint.1.motor-pos-cmd"), 0.1);
+  s.hal.set("joint.1.index-enable", false);
+  s.hal.set("joint.1.motor-pos-fb", 0.004);
+  s.run(400);
+  EXPECT_FALSE(s.hal.get<bool>("joint.1.unlock"));
+  EXPECT_FALSE(s.hal.get<bool>("joint.1.homed")) << "before it is locked";
+  s.hal.set("joint.1.is-unlocked", false);
+  s.run(2);
+  EXPECT_TRUE(s.hal.get<bool>("joint.1.homed"));
+  EXPECT_NEAR(s.hal.get<double>("joint.1.motor-pos-cmd"), 0, 1e-9) << "on its index";
+  EXPECT_FALSE(s.hal.get<bool>("joint.1.index-enable"));
+}
+
 TEST(Trivkins, LettersMayComeAgain) {
   Shell s("xyyz", 4);
   const auto* k = static_cast<const Kinematics*>(s.hal.find_service(kKinematicsService));

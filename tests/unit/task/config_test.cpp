@@ -101,6 +101,12 @@ TEST(Config, limits_must_make_sense) {
               HasSubstr("[AXIS_Y]MAX_LIMIT"));
   EXPECT_THAT(read(with("[JOINT_0]\n", "[JOINT_0]\nHOME_SEARCH_VEL = 5\n")).text(),
               HasSubstr("HOME_LATCH_VEL"));
+  EXPECT_THAT(read(with("[JOINT_0]\n", "[JOINT_0]\nHOME_LATCH_VEL = 5\n")).text(),
+              HasSubstr("neither a switch"));
+  EXPECT_THAT(read(with("[JOINT_0]\n", "[JOINT_0]\nHOME_USE_INDEX = YES\n")).text(),
+              HasSubstr("speed towards the index"));
+  EXPECT_THAT(read(with("[JOINT_0]\n", "[JOINT_0]\nHOME_SEQUENCE = 3\n")).text(),
+              HasSubstr("no joint has "));
   EXPECT_THAT(read(with("COORDINATES = X Y Z", "COORDINATES = X Y Q")).text(),
               HasSubstr("'Q' is no axis"));
   EXPECT_THAT(read(with("TOOL_TABLE", "TOOL_CHANGE_POSITION = 0 0\nTOOL_TABLE")).text(),
