@@ -25,6 +25,7 @@
 #include "launcher/plan.hpp"
 #include "rtapi/clock/local_scheduler.hpp"
 #include "rtapi/shm/segment.hpp"
+#include "task/api/client.hpp"
 #include "task/task.hpp"
 
 namespace kerf::harness {
@@ -199,7 +200,10 @@ std::unique_ptr<Machine> Machine::start(const MachineOptions& options) {
   if (!loaded.ok) return machine;
   p.ini = std::move(loaded.file);
 
-  p.segment = rtapi::Segment::in_memory();
+  const std::string instance =
+      options.clients ? "harness-" + std::to_string(getpid()) + "-" + std::to_string(count)
+                      : "private";
+  p.segment = rtapi::Segment::in_memory(rtapi::Segment::kDefaultBytes, instance);
   p.modules = std::make_unique<hal::StaticSource>(hal::static_components());
   p.driver = std::make_unique<Driver>(p.scheduler);
   auto host = hal::Host::create(*p.segment, p.scheduler, *p.modules, p.driver.get());
@@ -212,7 +216,7 @@ std::unique_ptr<Machine> Machine::start(const MachineOptions& options) {
   p.session = std::make_unique<hal::LocalSession>(*p.host);
   p.halcmd = std::make_unique<hal::Commander>(*p.session, hal::ini_lookup(p.ini), &p.sink);
   p.task = std::make_unique<task::Task>(p.ini, *p.segment, p.session.get(),
-                                        task::TaskOptions{.listen = false});
+                                        task::TaskOptions{.listen = options.clients});
   if (const auto prepared = p.task->prepare(); !prepared.ok()) {
     complain(prepared.error().message());
     return machine;
@@ -273,6 +277,12 @@ void Machine::cycle() { parts_->scheduler.run_until(now() + parts_->watcher.peri
 
 std::uint64_t Machine::send(const std::vector<std::string>& words) {
   return parts_->task->submit(words);
+}
+
+std::unique_ptr<task::Client> Machine::connect() {
+  auto client = task::Client::connect(*parts_->segment);
+  EXPECT_TRUE(client.ok()) << client.error().message();
+  return client.ok() ? std::move(*client) : nullptr;
 }
 
 task::Reply Machine::outcome(std::uint64_t id) const {

@@ -29,6 +29,9 @@ class Session;
 namespace kerf::launcher {
 struct HalStep;
 }
+namespace kerf::task {
+class Client;
+}
 
 namespace kerf::harness {
 
@@ -43,6 +46,8 @@ struct MachineOptions {
   std::vector<std::pair<std::string, std::string>> files;
   /// HAL commands after those of the INI file, before the threads start.
   std::vector<std::string> hal;
+  /// Takes clients, see Machine::connect().
+  bool clients{false};
 };
 
 class Machine {
@@ -87,6 +92,9 @@ class Machine {
     return run_program(write_program(text), limit_s);
   }
   task::Reply abort() { return command({"abort"}); }
+
+  /// A client of its own over a socket, as programs have it; nullptr: MachineOptions::clients is not set.
+  [[nodiscard]] std::unique_ptr<task::Client> connect();
 
   // --- what it does ---
   [[nodiscard]] motion::MotionStatus motion() const;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "harness/machine.hpp"
+#include "task/api/client.hpp"
 
 namespace kerf::harness {
 namespace {
@@ -152,6 +153,7 @@ class StopInWait : public testing::TestWithParam<Wait> {
   void begin() {
     MachineOptions options;
     options.hal = GetParam().hal;
+    options.clients = true;
     m = Machine::start(options);
     ASSERT_TRUE(m->ready()) << m->errors();
     ASSERT_TRUE(m->power_on_and_home()) << m->errors();
@@ -178,7 +180,9 @@ class StopInWait : public testing::TestWithParam<Wait> {
   void ends_idle(double x) {
     EXPECT_TRUE(m->run_until([&] { return m->task().idle; }, 0.1))
         << m->task().waiting_for.object.c_str();
-    EXPECT_EQ(m->outcome(run).state, task::CommandState::aborted);
+    if (run != 0) {
+      EXPECT_EQ(m->outcome(run).state, task::CommandState::aborted);
+    }
     EXPECT_TRUE(m->task().waiting_for.object.empty()) << m->task().waiting_for.object.c_str();
     m->run_for(0.5);
     EXPECT_EQ(m->joint(0), x);
@@ -218,6 +222,38 @@ TEST_P(StopInWait, EstopEndsIdleWithin100Ms) {
   goes_on();
 }
 
+/// Whoever started the program is gone; it waits on, anybody else sees for what, and ends it.
+TEST_P(StopInWait, DeathOfItsClientLeavesItToTheOthers) {
+  begin();
+  EXPECT_EQ(m->abort().state, task::CommandState::done);
+  auto starter = m->connect();
+  ASSERT_NE(starter, nullptr);
+  const auto sent = starter->send({"run"});
+  ASSERT_TRUE(sent.ok());
+  m->run_for(2);
+  const std::string waits_for(m->task().waiting_for.object.view());
+  const double x = m->joint(0);
+  starter.reset();
+  m->run_for(0.5);
+  EXPECT_EQ(m->task().clients, 0);
+  EXPECT_EQ(m->task().waiting_for.object.view(), waits_for);
+  EXPECT_NE(m->task().interp_state, task::InterpState::idle);
+  EXPECT_EQ(m->joint(0), x);
+  auto other = m->connect();
+  ASSERT_NE(other, nullptr);
+  const auto abort = other->send({"abort"});
+  ASSERT_TRUE(abort.ok());
+  EXPECT_TRUE(m->run_until(
+      [&] {
+        (void)other->poll();
+        return other->finished(*abort);
+      },
+      0.1));
+  run = 0;
+  ends_idle(x);
+  goes_on();
+}
+
 const Wait kWaits[] = {
     {"dwell", "G4 P100", {}, "dwell"},
     {"input", "M66 P0 L3 Q100", {}, "digital input 0", "motion.digital-in-00"},
@@ -231,6 +267,7 @@ const Wait kWaits[] = {
      "at speed",
      "spindle.0.at-speed"},
     {"orient", "M19 R90", {"unlinkp spindle.0.is-oriented"}, "oriented", "spindle.0.is-oriented"},
+    {"probe", "G38.2 Z-60 F60", {}, ""},
     {"index",
      "S100 M3\nG33 X5 K1",
      {"unlinkp spindle.0.index-enable"},
@@ -250,6 +287,94 @@ const Wait kWaits[] = {
 
 INSTANTIATE_TEST_SUITE_P(Waits, StopInWait, testing::ValuesIn(kWaits),
                          [](const auto& wait) { return wait.param.name; });
+
+TEST(Homing, EstopAndDeathOfItsClient) {
+  MachineOptions options;
+  options.clients = true;
+  auto m = Machine::start(options);
+  ASSERT_TRUE(m->ready()) << m->errors();
+  ASSERT_TRUE(m->power_on());
+  auto client = m->connect();
+  ASSERT_NE(client, nullptr);
+  ASSERT_TRUE(client->send({"home", "-1"}).ok());
+  m->run_for(0.7);
+  ASSERT_TRUE(m->motion().homing_active);
+  const int failed = m->branch([&] {
+    m->send({"state", "estop"});
+    m->run_for(0.01);
+    const auto a = m->motion();
+    EXPECT_FALSE(a.homing_active);
+    EXPECT_FALSE(m->bit("joint.2.amp-enable-out"));
+    m->run_for(0.3);
+    for (std::size_t j = 0; j < 3; ++j) EXPECT_EQ(m->motion().joint[j].pos_cmd, a.joint[j].pos_cmd);
+    EXPECT_TRUE(m->power_on_and_home()) << m->errors();
+    EXPECT_TRUE(m->mdi("G0 X1"));
+  });
+  EXPECT_EQ(failed, 0);
+  // Nobody holds a lease on homing: it comes to its end, at its own bounds.
+  client.reset();
+  EXPECT_TRUE(m->run_until([&] { return m->motion().all_homed; }, 60));
+  EXPECT_TRUE(m->mdi("G0 X1")) << m->errors();
+}
+
+TEST(Jog, EndsWithTheClientThatHoldsIt) {
+  for (const char* what : {"x", "0"}) {
+    MachineOptions options;
+    options.clients = true;
+    auto m = Machine::start(options);
+    ASSERT_TRUE(m->ready()) << m->errors();
+    ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+    ASSERT_TRUE(m->does({"teleop", what[0] == 'x' ? "on" : "off"}));
+    auto client = m->connect();
+    auto other = m->connect();
+    ASSERT_TRUE(client->send({"jog", what, "50"}).ok());
+    ASSERT_TRUE(other->send({"jog", what[0] == 'x' ? "y" : "1", "20", "30"}).ok());
+    m->run_for(0.5);
+    ASSERT_NEAR(m->motion().joint[0].vel_cmd, 50, 1e-6) << what;
+    const double x = m->joint(0);
+    client.reset();
+    m->run_for(0.06);
+    EXPECT_EQ(m->motion().joint[0].vel_cmd, 0) << what;
+    EXPECT_LE(m->joint(0), x + 50 * 50 / 2.0 / 1000 + 50 * 0.003) << what;
+    // A jog of a given length needs nobody.
+    other.reset();
+    m->run_for(3);
+    EXPECT_NEAR(m->joint(1), 30, 1e-9) << what;
+  }
+}
+
+TEST(Hold, APauseBehindAnAbortHoldsNothing) {
+  auto m = homed_machine();
+  const auto path = m->write_program("G0 X100\nG1 X0 F300\nM2\n");
+  for (const char* late : {"pause", "step"}) {
+    m->start_program(path);
+    m->run_for(1);
+    m->send({"abort"});
+    const auto id = m->send({late});
+    m->run_for(0.3);
+    EXPECT_EQ(m->outcome(id).state, task::CommandState::error) << late;
+    EXPECT_TRUE(m->task().idle) << late;
+    EXPECT_FALSE(m->task().paused) << late;
+    EXPECT_TRUE(m->mdi("G0 X1", 5)) << late << m->errors();
+  }
+}
+
+TEST(Hold, APauseInTheLastCycleHoldsNothingLater) {
+  auto m = homed_machine();
+  const auto path = m->write_program("G0 X0.2\nM2\n");
+  const auto run = m->start_program(path);
+  for (int n = 0; n < 500 && !task::is_terminal(m->outcome(run).state); ++n) {
+    const int failed = m->branch([&] {
+      m->send({"pause"});
+      m->run_for(0.3);
+      if (!task::is_terminal(m->outcome(run).state)) return;  // held, as it should be
+      EXPECT_FALSE(m->task().paused);
+      EXPECT_TRUE(m->mdi("G0 X1", 5)) << m->errors();
+    });
+    ASSERT_EQ(failed, 0) << "cycle " << n;
+    m->cycle();
+  }
+}
 
 TEST(Waits, SayThePinAndItsNet) {
   MachineOptions options;

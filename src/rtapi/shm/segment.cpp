@@ -237,7 +237,7 @@ Result<std::unique_ptr<Segment>> Segment::attach(const std::string& instance, Ac
   return segment;
 }
 
-std::unique_ptr<Segment> Segment::in_memory(std::size_t bytes) {
+std::unique_ptr<Segment> Segment::in_memory(std::size_t bytes, const std::string& instance) {
   auto segment = std::unique_ptr<Segment>(new Segment());
   segment->mapping_ = std::make_unique<Mapping>();
   // Untouched pages cost nothing, so a fork copies only what the machine really uses.
@@ -248,7 +248,7 @@ std::unique_ptr<Segment> Segment::in_memory(std::size_t bytes) {
   segment->mapping_->private_bytes = bytes;
   segment->base_ = static_cast<std::byte*>(p);
   segment->bytes_ = bytes;
-  segment->instance_ = "private";
+  segment->instance_ = instance;
   segment->lay_out(bytes);
   SegmentHeader& header = segment->header();
   for (RegionHead& region : header.regions) region.backed.set(region.end);

@@ -86,7 +86,8 @@ class Segment {
   static Result<std::unique_ptr<Segment>> attach(const std::string& instance,
                                                  Access access = Access::client);
   /// Private memory of this process, for tests. Copied by fork like all memory.
-  static std::unique_ptr<Segment> in_memory(std::size_t bytes = kDefaultBytes);
+  static std::unique_ptr<Segment> in_memory(std::size_t bytes = kDefaultBytes,
+                                            const std::string& instance = "private");
   /// Removes the name of an instance's segment, if its owner is dead or is this process and nobody else has the OwnerLock. True
   /// when nothing is left.
   static bool remove(const std::string& instance);

@@ -198,7 +198,7 @@ std::string CommandParticipant::homing_failure(const Pending& pending) const {
 bool CommandParticipant::idle() const {
   for (const auto& [ticket, pending] : pending_)
     if (pending.order) return false;
-  return view_.idle && view_.settled_epoch == epoch_ && at_rest();
+  return view_.idle && !aborting() && at_rest();
 }
 
 void CommandParticipant::update_pending() {

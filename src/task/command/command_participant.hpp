@@ -123,6 +123,8 @@ class CommandParticipant final : public rtapi::Participant {
            std::int32_t line = 0);
   void write_intent() { p_.motion.intent.values.write(want_); }
   [[nodiscard]] bool idle() const;
+  /// The interpreter has not yet followed the newest abort.
+  [[nodiscard]] bool aborting() const { return view_.settled_epoch != epoch_; }
   [[nodiscard]] bool at_rest() const {
     return status_.path_empty && !status_.jogging && !status_.homing_active &&
            status_.acked_epoch == epoch_;

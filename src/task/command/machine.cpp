@@ -83,6 +83,11 @@ void CommandParticipant::update_machine() {
     write_intent();
   }
   was_jogging_ = status_.jogging;
+  // A pause that came as the program ended held nothing, and must not hold what comes next.
+  if (p_.exchange.paused.get() != 0 && idle()) {
+    p_.motion.intent.hold.publish(0);
+    p_.exchange.paused.set(0);
+  }
   if (want_.single_step && status_.cycle > block_step_since_ &&
       (status_.held || status_.path_empty)) {
     if (!status_.path_empty) {

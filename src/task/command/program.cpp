@@ -186,7 +186,8 @@ void CommandParticipant::do_program(Ticket ticket, const Request& request) {
       return post(std::move(order), ticket);
     }
     case CommandId::pause:
-      if (view_.idle && !order_runs())
+      // What is being aborted is no more; a hold behind the abort would stop what comes next.
+      if (aborting() || (view_.idle && !order_runs()))
         return reply(ticket, CommandState::error, "nothing runs that could pause");
       p_.motion.intent.hold.publish(1);
       p_.exchange.paused.set(1);
@@ -209,6 +210,8 @@ void CommandParticipant::do_step(Ticket ticket) {
   if (refuse_away(ticket)) return;
   if (refuse_unless_on(ticket, "command (EMC_TASK_PLAN_STEP)")) return;
   if (refuse_unless_homed(ticket, "Can't run a program when not homed")) return;
+  if (aborting())
+    return reply(ticket, CommandState::error, "can't step while the program is being aborted");
   const bool running = std::any_of(pending_.begin(), pending_.end(), [](const auto& p) {
     return p.second.order &&
            (p.second.command == CommandId::run || p.second.command == CommandId::step);
