@@ -34,6 +34,7 @@ bool same_group(const Slot& a, const Slot& b) noexcept {
   return a.acc.get() == b.acc.get() && a.jerk.get() == b.jerk.get();
 }
 
+/// Of x.
 double wanted_of(const Slot& s, const FeedScale& scale) noexcept {
   SpeedBounds speed;
   speed.cap = s.cap.get();
@@ -42,15 +43,16 @@ double wanted_of(const Slot& s, const FeedScale& scale) noexcept {
   speed.rps = s.rps.get();
   speed.rapid = s.rapid.get() != 0;
   speed.per_rev = static_cast<std::int8_t>(s.per_rev.get());
-  return std::sqrt(std::max(0.0, wanted_x(speed, scale)));
+  return std::max(0.0, wanted_x(speed, scale));
 }
 
 /// Calls f(bound, hard speed) for what holds at the end of each span from `n` on, `left` ahead: caps of what follows, and acceleration 0 at
 /// the end of the group number `groups` or where the path stands. Ends when f gives false.
 template <class F>
 void for_each_bound(const PlanSlots& slots, std::uint64_t n, double left, int groups,
-                    const FeedScale* scale, F&& f) noexcept {
+                    const FeedScale* scale, double horizon, F&& f) noexcept {
   int group = 1;
+  double low_cap = path::kNoLimit, low_wanted = path::kNoLimit;  // of x
   for (std::uint64_t k = n; k < n + kLook; ++k) {
     const std::size_t at = k % kSpans;
     const double hard = slots.hard[at].observe();
@@ -67,9 +69,16 @@ void for_each_bound(const PlanSlots& slots, std::uint64_t n, double left, int gr
       (void)f(RampBound{left, std::sqrt(hard), true}, std::sqrt(hard));
       return;
     }
-    const double cap = std::sqrt(next.cap.get());
+    const double cap = next.cap.get();
     const double wanted = scale != nullptr ? std::min(cap, wanted_of(next, *scale)) : cap;
-    if (!f(RampBound{left, wanted, false}, cap)) return;
+    // What is no lower than what stands before it bears on nothing.
+    if (cap < low_cap || wanted < low_wanted || left > horizon) {
+      low_cap = std::min(low_cap, cap);
+      low_wanted = std::min(low_wanted, wanted);
+      const double hard_speed = std::sqrt(cap);
+      if (!f(RampBound{left, wanted < cap ? std::sqrt(wanted) : hard_speed, false}, hard_speed))
+        return;
+    }
     left += next.length.get();
   }
   (void)f(RampBound{left, 0, true}, 0.0);
@@ -101,7 +110,7 @@ Course course_for(const PlanSlots& slots, std::uint64_t n, double left, RampStat
                   const FeedScale& scale, double dt, int groups,
                   const RampLimits& limits) noexcept {
   CourseFinder finder(state, cap, dt, limits);
-  for_each_bound(slots, n, left, groups, &scale,
+  for_each_bound(slots, n, left, groups, &scale, finder.horizon(),
                  [&](const RampBound& bound, double hard) { return finder.add(bound, hard); });
   return finder.course();
 }
@@ -114,7 +123,7 @@ CourseFinder::CourseFinder(RampState state, double cap, double dt,
   course_.limits = limits;
   course_.target = cap;
   course_.cruise = none_;
-  const double released = speed_when_released(state, limits.jerk);
+  const double released = released_ = speed_when_released(state, limits.jerk);
   // These limits would let it run backwards.
   if (released < -kRounding) course_.feasible = false;
   fastest_ = std::max({cap, released, state.speed});
@@ -125,12 +134,24 @@ CourseFinder::CourseFinder(RampState state, double cap, double dt,
 bool CourseFinder::add(const RampBound& bound, double hard) noexcept {
   // Nothing behind can bear on what is done now.
   if (bound.left > horizon_) return false;
+  if (bound.level) course_.known = std::min(course_.known, bound.left);
   const RampLimits& limits = course_.limits;
   const bool needed = hard <= bound.speed;
   if (bound.level || bound.speed < std::min(fastest_, lowest_)) {
     lowest_ = std::min(lowest_, bound.speed);
     bool feasible = true;
-    const double target = ramp_target(state_, course_.target, bound, limits, feasible);
+    // Most bounds are far enough away for the ramp that is wanted and braking behind it.
+    bool clear = false;
+    if (!bound.level && released_ <= bound.speed && state_.speed <= bound.speed &&
+        course_.target > bound.speed) {
+      if (first_target_ != course_.target) {
+        first_target_ = course_.target;
+        first_ = ramp_distance(state_, course_.target, limits);
+      }
+      clear = first_ + level_distance(course_.target, bound.speed, limits) < bound.left;
+    }
+    const double target =
+        clear ? course_.target : ramp_target(state_, course_.target, bound, limits, feasible);
     if (bound.level && needed) {
       // Braking lower may take longer than there is room before a place that has to be met with acceleration 0.
       if (target > course_.target && target > lowest_hard_) feasible = false;
@@ -143,7 +164,7 @@ bool CourseFinder::add(const RampBound& bound, double hard) noexcept {
       lowest_hard_ = std::min(lowest_hard_, hard);
     }
     if (state_.acc == 0 && bound.speed < state_.speed) {
-      const double spare = bound.left - ramp_distance(state_, bound.speed, limits);
+      const double spare = bound.left - level_distance(state_.speed, bound.speed, limits);
       if (spare < course_.cruise) {
         course_.cruise = spare;
         course_.brake_to = bound.speed;
@@ -200,11 +221,12 @@ double highest_level_speed(const PlanSlots& slots, std::uint64_t number) noexcep
     const double length = slot_of(slots, number).length.get();
     if (!least_limits(slots, number, length, groups, 0, path::kNoLimit, limits, first_end)) break;
     double v = cap;
-    for_each_bound(slots, number, length, groups, nullptr, [&](const RampBound& bound, double) {
-      if (bound.left > longest_brake(v, limits)) return false;
-      v = highest_start(v, bound, limits);
-      return v > best;
-    });
+    for_each_bound(slots, number, length, groups, nullptr, path::kNoLimit,
+                   [&](const RampBound& bound, double) {
+                     if (bound.left > longest_brake(v, limits)) return false;
+                     v = highest_start(v, bound, limits);
+                     return v > best;
+                   });
     best = std::max(best, v);
     if (best >= cap) break;
   }

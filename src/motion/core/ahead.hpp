@@ -21,6 +21,7 @@ struct Course {
   double target{0};     ///< speed that the ramp leads to
   double cruise{0};     ///< way at `target` before the next ramp has to begin, once it is reached
   double brake_to{0};   ///< what that ramp leads to
+  double known{1e99};   ///< way for which all that bears on the course has been seen
   bool feasible{true};  ///< false: no way is open any more; never seen but for a fault of ours
 };
 
@@ -32,11 +33,15 @@ class CourseFinder {
   /// `hard`: the speed that is needed there; bound.speed may be a lower one that is only wanted. False: no farther one bears on the course.
   bool add(const RampBound& bound, double hard) noexcept;
   [[nodiscard]] const Course& course() const noexcept { return course_; }
+  /// What lies farther bears on nothing.
+  [[nodiscard]] double horizon() const noexcept { return horizon_; }
 
  private:
   Course course_;
   RampState state_;
   double fastest_{0}, horizon_{0};
+  double released_{0};                  ///< speed when the acceleration is let go
+  double first_{0}, first_target_{-1};  ///< way of the ramp to that target
   double none_;
   double lowest_, lowest_hard_;  ///< a cap behind a lower one bears on nothing
 };

@@ -139,6 +139,9 @@ class Executor {
   double drive(const PathSpan& move, const Ends& ends, double x_wanted, double dt) noexcept;
   // executor_jerk.cpp: with jerk limits
   [[nodiscard]] double run_ramps(const PathSpan& move, double x_wanted, double dt) noexcept;
+  [[nodiscard]] bool keeps_leg(RampState state, double x_wanted, double cap) const noexcept;
+  [[nodiscard]] bool begin_leg(const PathSpan& move, RampState state, double x_wanted, double cap,
+                               double dt) noexcept;
   [[nodiscard]] Course track_course(RampState state, double cap, double dt) const noexcept;
   [[nodiscard]] double stop_within(const PathSpan& move, double low, double dt) noexcept;
 
@@ -181,6 +184,21 @@ class Executor {
   };
   path::PathHistory history_;
   Track track_;
+
+  /// One phase of a ramp, or cruising, that is gone on with for some cycles without looking ahead anew.
+  struct Leg {
+    Ramp ramp;          ///< what is left of it
+    double seconds{0};  ///< what is left of it
+    double target{0};   ///< where the ramp leads
+    double way{0};      ///< it may be driven that far
+    double cap{0};      ///< of the stretch where it began
+    double keep{0};     ///< seconds until the next look ahead
+    RampState state;    ///< where it was left
+    FeedScale scale;
+    bool on{false}, stands{false};
+    bool last{false};  ///< of the ramp: it ends at the target with acceleration 0
+  };
+  Leg leg_;
 
   Pose pose_;
   double sigma_speed_{0};  ///< dsigma/dt, never negative; kept from span to span

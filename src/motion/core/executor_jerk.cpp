@@ -12,67 +12,119 @@ namespace {
 constexpr double kSamePlace = 1e-9;
 /// Phases shorter than this belong to the next one (s).
 constexpr double kLeastPhase = 1e-9;
-constexpr int kHalvings = 60;
+constexpr int kSteps = 60;
+/// A leg goes on that long before what lies ahead is looked at again; changes of override and holds end it at once.
+constexpr double kKeep = 0.004;
+/// A cap that has risen by less is not worth a look.
+constexpr double kWorth = 1.03;
 
-/// When `way` has been driven on the ramp; the speed is never negative on it.
+/// When `way` has been driven on the ramp; the speed is never negative on it. Newton, kept between bounds.
 double time_at(const Ramp& ramp, RampState from, double way, double most) noexcept {
-  double low = 0, high = most;
-  for (int i = 0; i < kHalvings && high - low > 1e-15; ++i) {
-    const double middle = 0.5 * (low + high);
+  double low = 0, high = most, t = from.speed > 0 ? std::min(way / from.speed, most) : most;
+  for (int i = 0; i < kSteps; ++i) {
     RampState s = from;
-    (ramp.advance(s, middle) < way ? low : high) = middle;
+    const double off = ramp.advance(s, t) - way;
+    (off < 0 ? low : high) = t;
+    double next = s.speed > 0 ? t - off / s.speed : -1.0;
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (std::abs(next - t) <= 1e-15) break;
+    t = next;
   }
-  return high;
+  return t;
+}
+
+/// What is left of the ramp after t.
+void shorten(Ramp& ramp, double t) noexcept {
+  for (double& seconds : ramp.seconds) {
+    const double used = std::min(t, seconds);
+    seconds -= used;
+    t -= used;
+  }
 }
 
 }  // namespace
 
-/// One phase: a ramp, or a part of it, or cruising.
-double Executor::run_ramps(const PathSpan& move, double x_wanted, double dt) noexcept {
-  RampState state{sigma_speed_, sigma_acc_};
-  const double cap = std::sqrt(std::max(0.0, std::min(x_wanted, move.speed.cap)));
+bool Executor::keeps_leg(RampState state, double x_wanted, double cap) const noexcept {
+  const Leg& leg = leg_;
+  if (!leg.on || track_.on || !(leg.keep > kLeastPhase) || !(leg.seconds > kLeastPhase) ||
+      !(leg.way > kSamePlace))
+    return false;
+  if (leg.state.speed != state.speed || leg.state.acc != state.acc) return false;
+  if ((x_wanted <= 0) != leg.stands || !(leg.scale == scale_)) return false;
+  // More has become possible than when it began.
+  return leg.stands || leg.target < leg.cap || cap <= leg.cap * kWorth;
+}
+
+/// False: it stands for the rest of the cycle.
+bool Executor::begin_leg(const PathSpan& move, RampState state, double x_wanted, double cap,
+                         double dt) noexcept {
   const bool rests = state.speed == 0 && state.acc == 0;
-  if (rests && cap <= 0) return dt;
+  const double keep = std::max(dt, kKeep);
   const Course course = track_.on
-                            ? track_course(state, cap, dt)
-                            : course_ahead(slots_, move.number, left_, state, cap, scale_, dt);
+                            ? track_course(state, cap, keep)
+                            : course_ahead(slots_, move.number, left_, state, cap, scale_, keep);
   double target = course.target;
-  if (rests && target <= 0 && left_ > kSamePlace) return dt;
+  if (rests && target <= 0 && left_ > kSamePlace) return false;
+  leg_ = Leg{};
+  leg_.on = true;
+  leg_.stands = x_wanted <= 0;
+  leg_.way = course.known;
+  leg_.cap = cap;
+  leg_.keep = keep;
+  leg_.scale = scale_;
   if (state.acc == 0 && state.speed == target && target > 0) {
     if (course.cruise > kSamePlace) {
-      const double way = std::min(left_, course.cruise), need = way / target;
-      if (need > dt) {
-        left_ -= target * dt;
-        return dt;
-      }
-      left_ = way == left_ ? 0.0 : left_ - way;
-      return need;
+      leg_.target = target;
+      leg_.seconds = leg_.ramp.seconds[0] = std::min(course.cruise / target, 1.0);
+      leg_.last = true;
+      return true;
     }
     target = course.brake_to;
   }
-  const Ramp ramp = ramp_to(state, target, course.limits);
-  const double whole = ramp.duration();
-  // One phase at a time: where it ends another bound may have become the one that counts.
-  double phase = 0;
-  for (int i = 0; i < 3 && phase < kLeastPhase; ++i) phase += ramp.seconds[i];
-  double t = std::min({dt, phase, whole});
+  leg_.target = target;
+  leg_.ramp = ramp_to(state, target, course.limits);
+  // One phase at a time: where it ends another bound may have become the one that counts. Only speeding up evenly again is one leg.
+  const bool whole = state.acc == 0 && target > state.speed;
+  int i = 0;
+  for (; i < 3 && (whole || leg_.seconds < kLeastPhase); ++i) leg_.seconds += leg_.ramp.seconds[i];
+  leg_.last = true;
+  for (; i < 3; ++i) leg_.last = leg_.last && leg_.ramp.seconds[i] <= 0;
+  return true;
+}
+
+/// A leg, or a part of it.
+double Executor::run_ramps(const PathSpan& move, double x_wanted, double dt) noexcept {
+  const RampState state{sigma_speed_, sigma_acc_};
+  const double cap = std::sqrt(std::max(0.0, std::min(x_wanted, move.speed.cap)));
+  const bool rests = state.speed == 0 && state.acc == 0;
+  if (rests && cap <= 0) return dt;
+  if ((rests || !keeps_leg(state, x_wanted, cap)) && !begin_leg(move, state, x_wanted, cap, dt))
+    return dt;
+  Leg& leg = leg_;
+  double t = std::min({dt, leg.seconds, leg.keep});
   RampState next = state;
-  double way = ramp.advance(next, t);
+  double way = leg.ramp.advance(next, t);
+  bool ends = leg.last && t == leg.seconds;
   // A stop is met with acceleration 0: a hair less of way would leave a good part of the last phase out.
-  const bool lands = target <= 0 && t == whole && way - left_ <= kSamePlace;
+  const bool lands = leg.target <= 0 && ends && way - left_ <= kSamePlace;
   if (way >= left_ && left_ > 0 && !lands) {
-    t = time_at(ramp, state, left_, t);
+    t = time_at(leg.ramp, state, left_, t);
     next = state;
-    (void)ramp.advance(next, t);
+    (void)leg.ramp.advance(next, t);
     way = left_;
-  } else if (t == whole) {
-    next = {target, 0};
+    ends = leg.last && t == leg.seconds;
   }
+  if (ends) next = {leg.target, 0};
   left_ = way == left_ ? 0.0 : left_ - way;
   if (lands && left_ <= kSamePlace) left_ = 0;
   if (next.speed < 0) next = {0, 0};
   sigma_speed_ = next.speed;
   sigma_acc_ = next.acc;
+  shorten(leg.ramp, t);
+  leg.seconds -= t;
+  leg.keep -= t;
+  leg.way -= way;
+  leg.state = next;
   // Nothing lasts no time: the loop over the cycle has to end.
   return std::max(t, rests && t == 0 ? dt : 0.0);
 }

@@ -15,6 +15,11 @@ constexpr int kHalvings = 52;
 /// A peak is sought this finely: it costs time only (mm/s).
 constexpr double kSameSpeed = 1e-12;
 
+/// A share of the square of an acceleration that is rounding.
+constexpr double kSameSquare = 1e-12;
+/// A ramp that leads to a bound is at it, whatever rounding says (mm/s).
+constexpr double kSameLevel = 1e-9;
+
 double slack(double left) noexcept { return kRounding + kShare * left; }
 
 /// The largest speed in [low, high] for which `holds`; low does.
@@ -23,6 +28,34 @@ double largest(double low, double high, F&& holds) noexcept {
   for (int i = 0; i < kHalvings && high - low > kSameSpeed * high; ++i) {
     const double middle = 0.5 * (low + high);
     (holds(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+/// The largest speed in [low, high] for which `way` is at most `allowed`, as it is at `low`; `way` grows with the speed. False position
+/// with halved weights (Illinois): a handful of steps where halving takes forty.
+template <class F>
+double largest_within(double low, double high, double allowed, F&& way) noexcept {
+  double below = way(low) - allowed, above = way(high) - allowed;
+  if (above <= 0) return high;
+  int side = 0;
+  for (int i = 0; i < kHalvings && high - low > kSameSpeed * std::abs(high); ++i) {
+    // `low` may miss by what rounding has taken from a way that was just met.
+    if (below >= -kRounding) break;
+    const double middle =
+        i % 8 == 7 ? 0.5 * (low + high) : low - below * (high - low) / (above - below);
+    const double off = way(middle) - allowed;
+    if (off <= 0) {
+      low = middle;
+      below = off;
+      if (side < 0) above *= 0.5;
+      side = -1;
+    } else {
+      high = middle;
+      above = off;
+      if (side > 0) below *= 0.5;
+      side = 1;
+    }
   }
   return low;
 }
@@ -88,7 +121,10 @@ Ramp ramp_to(RampState from, double target, const RampLimits& limits) noexcept {
     out.jerk[2] = -sign * j;
     return out;
   }
-  const double peak = std::min(limits.acc, std::sqrt(std::max(0.0, j * gain + 0.5 * a0 * a0)));
+  // On the last phase of a ramp this is the rounding of two equal numbers; its root would be a detour of many nanometres.
+  double square = j * gain + 0.5 * a0 * a0;
+  if (square < kSameSquare * a0 * a0) square = 0;
+  const double peak = std::min(limits.acc, std::sqrt(square));
   out.seconds[0] = std::max(0.0, (peak - a0) / j);
   out.jerk[0] = sign * j;
   if (peak >= limits.acc) {
@@ -104,8 +140,16 @@ double ramp_distance(RampState from, double target, const RampLimits& limits) no
   return ramp_to(from, target, limits).distance(from);
 }
 
+double level_distance(double from, double to, const RampLimits& limits) noexcept {
+  const double gain = std::abs(to - from);
+  const double seconds = gain * limits.jerk >= limits.acc * limits.acc
+                             ? gain / limits.acc + limits.acc / limits.jerk
+                             : 2.0 * std::sqrt(gain / limits.jerk);
+  return 0.5 * (from + to) * seconds;
+}
+
 double stopping_distance(double speed, const RampLimits& limits) noexcept {
-  return ramp_distance({speed, 0}, 0, limits);
+  return level_distance(speed, 0, limits);
 }
 
 double ramp_target(RampState from, double cap, const RampBound& bound, const RampLimits& limits,
@@ -115,9 +159,10 @@ double ramp_target(RampState from, double cap, const RampBound& bound, const Ram
   const double released = speed_when_released(from, limits.jerk);
   const auto way = [&](double target) {
     const double first = ramp_distance(from, target, limits);
-    return target > bound.speed ? first + ramp_distance({target, 0}, bound.speed, limits) : first;
+    return target > bound.speed + kSameLevel ? first + level_distance(target, bound.speed, limits)
+                                             : first;
   };
-  if (released <= bound.speed) {
+  if (released <= bound.speed + kSameLevel) {
     // It is below the bound already, or will be; what may be wrong is what is left of the acceleration.
     if (!bound.level) {
       if (from.speed > bound.speed && way_to_cross(from, bound.speed, limits.jerk) > most)
@@ -130,15 +175,13 @@ double ramp_target(RampState from, double cap, const RampBound& bound, const Ram
         feasible = ramp_distance(from, 0, limits) <= most;
         return feasible ? 0.0 : std::max(released, 0.0);
       }
-      if (goal >= released)
-        return largest(released, goal, [&](double v) { return way(v) <= allowed; });
+      if (goal >= released) return largest_within(released, goal, allowed, way);
       // To brake as wanted takes longer than there is room: as far as it goes.
-      return -largest(-released, -goal, [&](double v) { return way(-v) <= allowed; });
+      return -largest_within(-released, -goal, allowed, [&](double v) { return way(-v); });
     }
     if (cap <= bound.speed) return cap;
     if (way(cap) <= allowed) return cap;
-    return largest(std::max(bound.speed, released), cap,
-                   [&](double v) { return way(v) <= allowed; });
+    return largest_within(std::max(bound.speed, released), cap, allowed, way);
   }
   // Above it even when released. To stop may take less way than to slow down, since that ends faster; in between it takes more than
   // one of the two.
@@ -151,17 +194,17 @@ double ramp_target(RampState from, double cap, const RampBound& bound, const Ram
       return slows || way_to_reach(from, cap, bound.speed, limits) <= allowed ? cap : brake;
     if (way(cap) <= allowed) return cap;
     if (!slows) return brake;
-    return -largest(-bound.speed, -cap, [&](double v) { return way(-v) <= allowed; });
+    return -largest_within(-bound.speed, -cap, allowed, [&](double v) { return way(-v); });
   }
   if (cap <= released) return way(cap) <= allowed ? cap : brake;
   if (way(cap) <= allowed) return cap;
   if (way(released) > allowed) return brake;
-  return largest(released, cap, [&](double v) { return way(v) <= allowed; });
+  return largest_within(released, cap, allowed, way);
 }
 
 double highest_start(double cap, const RampBound& bound, const RampLimits& limits) noexcept {
   const auto holds = [&](double v) {
-    return v <= bound.speed || ramp_distance({v, 0}, bound.speed, limits) <= bound.left ||
+    return v <= bound.speed || level_distance(v, bound.speed, limits) <= bound.left ||
            stopping_distance(v, limits) <= bound.left;
   };
   if (holds(cap)) return cap;
@@ -173,7 +216,7 @@ double level_time(double length, double from, double to, double cap,
   from = std::min(from, cap);
   to = std::min(to, cap);
   const auto way = [&](double peak) {
-    return ramp_distance({from, 0}, peak, limits) + ramp_distance({peak, 0}, to, limits);
+    return level_distance(from, peak, limits) + level_distance(peak, to, limits);
   };
   const double least = std::max(from, to);
   if (way(least) > length) return 2 * length / std::max(from + to, 1e-9);

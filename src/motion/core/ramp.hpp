@@ -36,6 +36,8 @@ struct Ramp {
 [[nodiscard]] constexpr double speed_when_released(RampState s, double jerk) noexcept {
   return s.speed + (s.acc < 0 ? -s.acc : s.acc) * s.acc / (2.0 * jerk);
 }
+/// From cruising at `from` to cruising at `to`.
+[[nodiscard]] double level_distance(double from, double to, const RampLimits& limits) noexcept;
 /// From cruising at `speed` to rest.
 [[nodiscard]] double stopping_distance(double speed, const RampLimits& limits) noexcept;
 

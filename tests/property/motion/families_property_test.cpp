@@ -74,6 +74,9 @@ TEST(Families, KeepJerkLimitsUnderChangingOverrides) {
 TEST(Families, SeedsThatFailedOnce) {
   run(bench::arc_spiral(0.1, 80), 40);
   run(bench::mixture(400, 5), 1);
+  // A leg gone on with for longer than had been looked ahead; the rounding of a ramp on its last phase.
+  run(bench::arc_spiral(0.1, 80), 2, 1e6);
+  run(bench::arc_spiral(0.1, 80), 5, 1e6);
 }
 
 }  // namespace
