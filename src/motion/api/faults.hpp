@@ -146,6 +146,16 @@ inline std::string axis_of(std::int32_t index) {
   if (index < 0 || static_cast<std::size_t>(index) >= rtapi::kAxes) return "an axis";
   return std::string("axis ") + rtapi::kAxisLetters[static_cast<std::size_t>(index)];
 }
+inline std::string misc_error_pin(int number) {
+  char text[60];
+  std::snprintf(text, sizeof text, "motion.misc-error-%02d, or by its name motion.err-NAME",
+                number);
+  return text;
+}
+/// Of jogs, whose index is a joint or kAxisJog + an axis.
+inline std::string jogged_of(std::int32_t index) {
+  return index >= kAxisJog ? axis_of(index - kAxisJog) : joint_of(index);
+}
 /// A length for people: in machine units, as the INI has it; degrees as they are.
 inline std::string shown(double value, bool rotary, const MachineConfig& config) {
   const double k = rotary || config.linear_units_per_mm <= 0 ? 1.0 : config.linear_units_per_mm;
@@ -170,6 +180,11 @@ inline std::string joint_value(const FaultRecord& r, double value, const Machine
   const bool rotary = r.index >= 0 && static_cast<std::size_t>(r.index) < kMaxJoints &&
                       config.joint[r.index].rotary;
   return shown(value, rotary, config);
+}
+
+inline std::string jog_value(const FaultRecord& r, double value, const MachineConfig& config) {
+  if (r.index < kAxisJog) return joint_value(r, value, config);
+  return shown(value, rtapi::is_rotary(static_cast<std::size_t>(r.index - kAxisJog)), config);
 }
 
 inline std::string oracle_text(const FaultRecord& r, const MachineConfig& config,
@@ -205,7 +220,9 @@ inline std::string fault_text(const FaultRecord& r, const MachineConfig& config)
              ". Check the drive, the load, FERROR and MIN_FERROR";
     case Fault::amp_fault:
       if (r.index < 0)
-        return "An input motion.misc-error-NN reports an error; find and clear it at its source";
+        return "Error input " + std::to_string(static_cast<int>(r.value)) + " (" +
+               misc_error_pin(static_cast<int>(r.value)) +
+               ") is true, so the machine is off; clear it at its source";
       return joint_of(r.index) + " amplifier fault (joint." + std::to_string(r.index) +
              ".amp-fault-in). Clear it at the drive";
     case Fault::enable_lost:
@@ -227,11 +244,12 @@ inline std::string fault_text(const FaultRecord& r, const MachineConfig& config)
       return "Homing request for " + joint_of(r.index) +
              " refused: the machine moves or is being homed. Wait, then ask again";
     case Fault::jog_while_not_ready:
-      return "Cannot jog " + std::to_string(r.index) +
+      return "Cannot jog " + jogged_of(r.index) +
              ": machine off, wrong mode, homing, or the pin motion.jog-inhibit is true";
     case Fault::jog_beyond_limit:
-      return "Cannot jog " + std::to_string(r.index) + " further: it is at " + v(r.value) +
-             ", the limit is " + v(r.limit) + ". Jog the other way";
+      return "Cannot jog " + jogged_of(r.index) + " further: it is at " +
+             jog_value(r, r.value, config) + ", the limit is " + jog_value(r, r.limit, config) +
+             ". Jog the other way";
     case Fault::no_inverse:
       return "Move" + line_of(r.tag) +
              " leads where the kinematics have no joint positions. Change the program";

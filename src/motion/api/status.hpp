@@ -49,6 +49,9 @@ enum class Fault : std::int32_t {
   path_starved_internal = 60,
 };
 
+/// FaultRecord::index of faults of jogs: joints are 0 and up, axes are this and up.
+inline constexpr std::int32_t kAxisJog = 100;
+
 /// One entry of the fault log.
 struct FaultRecord {
   std::uint64_t number{0};  ///< 1, 2, 3 ... ; readers keep their own cursor

@@ -40,6 +40,13 @@ void AxisMover::stop() noexcept {
   if (active_) stopping_ = true;
 }
 
+double AxisMover::rest_position() const noexcept {
+  if (velocity_ == 0 && acceleration_ == 0) return position_;
+  if (jerk_ > 0)
+    return position_ + ramp_distance({velocity_, acceleration_}, 0, RampLimits{acc_, jerk_});
+  return position_ + velocity_ * std::abs(velocity_) / (2 * acc_);
+}
+
 double AxisMover::brake(double t) noexcept {
   const double need = std::abs(velocity_) / acc_, dt = std::min(need, t);
   const double before = velocity_;

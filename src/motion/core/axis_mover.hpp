@@ -25,6 +25,8 @@ class AxisMover {
   /// Stands at once, whatever the limits say (motion.jog-stop-immediate).
   void stop_dead() noexcept { place(position_); }
   void step(double dt) noexcept;
+  /// Where it comes to rest when it brakes now.
+  [[nodiscard]] double rest_position() const noexcept;
 
   [[nodiscard]] double position() const noexcept { return position_; }
   [[nodiscard]] double speed() const noexcept { return velocity_; }  ///< signed

@@ -2,6 +2,7 @@
 #include "motion/core/controller.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "motion/core/planner/ceilings.hpp"
@@ -33,6 +34,10 @@ void Controller::configure(const MachineConfig& config) noexcept {
   spindles_.configure(config, static_cast<std::int32_t>(spindle_count_));
   for (std::size_t j = 0; j < joints_; ++j)
     joint_[j].mover.set_limits(std::max(config.joint[j].max_acc, 1e-6), config.joint[j].max_jerk);
+  plain_kinematics_ = true;
+  for (std::size_t j = 0; j + static_cast<std::size_t>(status_.extra_joints) < joints_; ++j)
+    plain_kinematics_ =
+        plain_kinematics_ && kinematics_.axis_of_joint(static_cast<std::int32_t>(j)) >= 0;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     AxisConfig& limit = axis_limit_[i] = config.axis[i];
     for (std::size_t j = 0; j < joints_; ++j) {
@@ -187,8 +192,8 @@ bool Controller::machine_fault(const Inputs& in, const Orders& orders) noexcept 
     raise(faults_, Fault::enable_lost, -1, 0, 0, status_.current);
     return true;
   }
-  if (in.misc_error) {
-    raise(faults_, Fault::amp_fault, -1, 0, 0, status_.current);
+  if (in.misc_errors != 0) {
+    raise(faults_, Fault::amp_fault, -1, std::countr_zero(in.misc_errors), 0, status_.current);
     return true;
   }
   for (std::size_t n = 0; n < spindle_count_; ++n) {
@@ -384,6 +389,7 @@ ServoView Controller::view() const noexcept {
   v.executed_seq = executor_.executed_seq();
   v.place = executor_.place_number();
   v.pose = executor_.pose();
+  std::copy(std::begin(skew_), std::end(skew_), v.skew);
   v.scale = executor_.scale();
   v.single_step = single_step_;
   v.takes_moves = enabled_ && mode_ == MotionMode::coordinated;

@@ -108,6 +108,8 @@ class Controller {
   void watch_probe(const Inputs& in) noexcept;
   void move(const Inputs& in, const Orders& orders, double dt) noexcept;
   void move_joints() noexcept;
+  void step_axes(double dt) noexcept;
+  [[nodiscard]] bool may_rest_at(const Pose& pose) noexcept;
   /// Extra joints that are homed go where their pin says.
   void follow_posthome(const Inputs& in, double dt) noexcept;
   [[nodiscard]] bool is_posthome(std::size_t j) const noexcept {
@@ -134,6 +136,7 @@ class Controller {
   Homing homing_;
   Guard guard_;
   Joint joint_[kMaxJoints];
+  bool plain_kinematics_{true};  ///< each joint moves an axis alone
   double skew_[kMaxJoints]{};  ///< of a joint from its place by the inverse kinematics; set at rest
   AxisMover axis_[rtapi::kAxes];
   Wheel joint_wheel_[kMaxJoints], axis_wheel_[rtapi::kAxes];

@@ -161,9 +161,13 @@ Controller::Range Controller::joint_range(std::size_t j, const Intent& want) con
 
 Controller::Range Controller::axis_range(std::size_t i, const Intent& want) const noexcept {
   Range range{axis_limit_[i].min_limit, axis_limit_[i].max_limit};
-  for (std::size_t j = 0; j < joints_ && want.override_limits; ++j) {
+  for (std::size_t j = 0; j < joints_; ++j) {
     if (kinematics_.axis_of_joint(static_cast<std::int32_t>(j)) != static_cast<std::int32_t>(i))
       continue;
+    // A leg that stands ahead of its partner gets to its limit first.
+    range.low = std::max(range.low, config_.joint[j].min_limit - skew_[j]);
+    range.high = std::min(range.high, config_.joint[j].max_limit - skew_[j]);
+    if (!want.override_limits) continue;
     if (joint_[j].neg_limit) range.low = axis_[i].position();
     if (joint_[j].pos_limit) range.high = axis_[i].position();
   }
@@ -200,7 +204,8 @@ void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
     axis_wheel_[i].drives = false;
     axis_[i].set_limits(std::max(axis_limit_[i].max_acc, kLeastAcc), axis_limit_[i].max_jerk);
     take_jog(want.axis_jog[i], axis_jog_seen_[i], ready && exists && may_jog_axes(), axis_[i],
-             static_cast<std::int32_t>(i), axis_limit_[i].max_vel, range.low, range.high);
+             kAxisJog + static_cast<std::int32_t>(i), axis_limit_[i].max_vel, range.low,
+             range.high);
   }
 }
 
@@ -330,11 +335,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
     if (mode_ == MotionMode::coordinated && !away_) {
       pose_ = executor_.pose();
     } else {
-      for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-        if (!axis_[i].active()) continue;
-        axis_[i].step(dt);
-        pose_[i] = axis_[i].position();
-      }
+      step_axes(dt);
     }
     move_joints();
   }
@@ -345,6 +346,42 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   for (std::size_t j = 0; j < joints_; ++j) led |= is_posthome(j) ? 1U << j : 0U;
   guard_.check(joints_, joint_, config_, dt, led, status_.current, faults_);
   take_up_play(dt);
+}
+
+/// Jogs of axes whose kinematics have limits of joints that no axis alone stands for: they brake when after one cycle more a stop
+/// would end beyond one of them, or where there is no position.
+void Controller::step_axes(double dt) noexcept {
+  bool moves = false, inside = true;
+  Pose rest = pose_;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    if (!axis_[i].active()) continue;
+    AxisMover ahead = axis_[i];
+    ahead.step(dt);
+    rest[i] = ahead.rest_position();
+    moves = true;
+  }
+  if (!moves) return;
+  if (!plain_kinematics_) inside = may_rest_at(rest);
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    if (!axis_[i].active()) continue;
+    if (!inside) axis_[i].stop();
+    axis_[i].step(dt);
+    pose_[i] = axis_[i].position();
+  }
+}
+
+/// From outside a limit the way back is open.
+bool Controller::may_rest_at(const Pose& pose) noexcept {
+  JointVector q{};
+  for (std::size_t j = 0; j < joints_; ++j) q[j] = joint_[j].pos_cmd - skew_[j];
+  if (!kinematics_.inverse(pose, q)) return false;
+  for (std::size_t j = 0; j < joints_; ++j) {
+    const JointConfig& c = config_.joint[j];
+    const double at = q[j] + skew_[j], here = joint_[j].pos_cmd;
+    if (is_posthome(j) || !joint_[j].homed) continue;
+    if ((at > c.max_limit && at > here) || (at < c.min_limit && at < here)) return false;
+  }
+  return true;
 }
 
 /// motion(9), "JOINT posthome pins". The pin's planner (limit3, simple_tp) is followed exactly while it keeps to the joint's limits; a pin

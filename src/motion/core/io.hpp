@@ -36,7 +36,7 @@ struct SpindleInputs {
 struct Inputs {
   bool enable{true}, feed_hold{false}, feed_inhibit{false}, homing_inhibit{false};
   bool jog_inhibit{false}, jog_stop{false}, jog_stop_immediate{false}, probe{false};
-  bool misc_error{false};
+  std::uint64_t misc_errors{0};  ///< motion.misc-error-NN, a bit each
   double adaptive_feed{1};
   JointInputs joint[kMaxJoints];
   SpindleInputs spindle[kMaxSpindles];

@@ -19,9 +19,9 @@ struct Joint {
   double ferror{0}, ferror_limit{0}, ferror_high{0};
   bool home_switch{false}, neg_limit{false}, pos_limit{false}, amp_fault{false};
   bool homed{false}, homing{false}, faulted{false}, ferrored{false}, error{false};
-  bool ignore_limits{false};  ///< while homing on a limit switch
-  bool index_enable{false};   ///< joint.N.index-enable as read; false while armed: the index came
-  bool index_armed{false};    ///< homing waits for the index
+  bool ignore_limits{false};   ///< while homing on a limit switch
+  bool index_enable{false};    ///< joint.N.index-enable as read; false while armed: the index came
+  bool index_armed{false};     ///< homing waits for the index
   std::int8_t index_order{0};  ///< in this cycle: 1 makes index-enable true, -1 false
   bool unlock{false}, is_unlocked{false};  ///< of a locking indexer
   std::int32_t home_state{0};

@@ -130,6 +130,8 @@ struct ServoView {
   std::uint64_t config_version{0};  ///< of the limits that the servo goes by; the shell knows it
   std::uint64_t config_wish{
       0};  ///< not 0: the servo wants to change its limits; the planner stands still meanwhile
+  /// Of a joint from its place by the inverse kinematics: a leg of a gantry that stands beside its partner.
+  double skew[kMaxJoints]{};
   FeedScale scale;
   bool takes_moves{false};  ///< enabled, in coordinated mode
   bool single_step{false};

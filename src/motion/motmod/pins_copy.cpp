@@ -46,7 +46,7 @@ void Motmod::read_inputs() noexcept {
   in.probe = pins_.probe_input;
   in.adaptive_feed = pins_.adaptive_feed;
   const std::uint64_t errors = io_.errors();
-  in.misc_error = errors != 0;
+  in.misc_errors = errors;
   controller_->status().misc_error = errors;
   for (std::size_t j = 0; j < joint_.size(); ++j) {
     const JointPins& p = joint_[j];

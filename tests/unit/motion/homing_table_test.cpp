@@ -139,7 +139,7 @@ class TableRig : public HomingRig {
       case Breaks::amplifier: at.amp_fault = true; break;
       case Breaks::stall: at.motor_pos_fb = at_ - drive[victim_].zero; break;
       case Breaks::estop: in.enable = false; break;
-      case Breaks::misc_error: in.misc_error = true; break;
+      case Breaks::misc_error: in.misc_errors = 4; break;
       default: break;
     }
     closed_ = closed;

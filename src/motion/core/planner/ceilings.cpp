@@ -316,7 +316,8 @@ bool ceilings_of(const Curve& curve, const Kinematics& kinematics, const Machine
 }
 
 bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
-                        const MachineConfig& config, FaultRecord& out) noexcept {
+                        const MachineConfig& config, const double* skew,
+                        FaultRecord& out) noexcept {
   Pose low, high;
   extent_of(curve, low, high);
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
@@ -333,8 +334,10 @@ bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
           static_cast<std::size_t>(kinematics.axis_of_joint(static_cast<std::int32_t>(j)));
       const JointConfig& c = config.joint[j];
       if (low[i] == high[i]) continue;
-      if (!check_range(low[i], high[i], curve.start[i], curve.end[i], c.min_limit, c.max_limit,
-                       Fault::joint_soft_limit_min, Fault::joint_soft_limit_max, j, out))
+      const double k = skew[j];
+      if (!check_range(low[i] + k, high[i] + k, curve.start[i] + k, curve.end[i] + k, c.min_limit,
+                       c.max_limit, Fault::joint_soft_limit_min, Fault::joint_soft_limit_max, j,
+                       out))
         return false;
     }
     return true;
@@ -351,7 +354,8 @@ bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
     }
     for (std::size_t j = 0; j < n; ++j) {
       const JointConfig& c = config.joint[j];
-      if (!check_range(at[j], at[j], first[j], at[j], c.min_limit, c.max_limit,
+      const double q = at[j] + skew[j];
+      if (!check_range(q, q, first[j] + skew[j], q, c.min_limit, c.max_limit,
                        Fault::joint_soft_limit_min, Fault::joint_soft_limit_max, j, out))
         return false;
     }

@@ -49,6 +49,7 @@ struct Ceilings {
 /// True when the whole curve stays within axis and joint limits. Else the fault, with index, value and limit.
 /// A curve may begin outside as long as it only leads inside.
 [[nodiscard]] bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
-                                      const MachineConfig& config, FaultRecord& out) noexcept;
+                                      const MachineConfig& config, const double* skew,
+                                      FaultRecord& out) noexcept;
 
 }  // namespace kerf::motion

@@ -165,6 +165,7 @@ bool Planner::may_move(const ServoView& view) noexcept {
   }
   if (!placed_) {
     end_ = view.pose;
+    std::copy(std::begin(view.skew), std::end(view.skew), skew_);
     place_ = view.place;
     placed_ = true;
     begins_ = true;
@@ -258,7 +259,7 @@ Planner::Take Planner::take(const PathItem& item, const ServoView& view) noexcep
 
 bool Planner::limits_of(const PathItem& item, const Curve& curve, double speed, bool traverse,
                         Meta& meta, FaultRecord& fault) noexcept {
-  if (!within_soft_limits(curve, kinematics_, config_, fault)) return false;
+  if (!within_soft_limits(curve, kinematics_, config_, skew_, fault)) return false;
   if (plain_) return true;
   // Ceilings hold for any override: a curve is planned for the largest one.
   const double most = traverse ? (speed > 0 ? speed : path::kNoLimit)

@@ -139,9 +139,10 @@ class Planner {
   std::int32_t spindles_{static_cast<std::int32_t>(kMaxSpindles)};
 
   // where the path leads
-  Pose end_;                ///< where the path taken so far leads
-  std::uint64_t place_{0};  ///< ServoView::place for which end_ is true
-  std::uint32_t epoch_{0};  ///< of what is pending
+  Pose end_;                   ///< where the path taken so far leads
+  double skew_[kMaxJoints]{};  ///< ServoView::skew there
+  std::uint64_t place_{0};     ///< ServoView::place for which end_ is true
+  std::uint32_t epoch_{0};     ///< of what is pending
   std::uint32_t refused_epoch_{0};
   bool placed_{false}, refusing_{false};
   bool probing_{false};  ///< moves behind a probe move wait until it has ended, wherever that is
