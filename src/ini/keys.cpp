@@ -125,6 +125,8 @@ const KeyTable& machine_keys() {
       KeySection{"EMCIO", "tools", keys::emcio_keys, By::task},
       KeySection{"MTCONNECT", "", keys::mtconnect_keys, By::nobody},
       KeySection{"KERF", "not in LinuxCNC, which ignores it", keys::kerf_keys, By::kerf},
+      KeySection{"SAFE_STATE", "not in LinuxCNC, which ignores it", keys::safe_state_keys,
+                 By::kerf},
   };
   static const KeyTable all_keys{all_sections};
   return all_keys;

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "launcher/process.hpp"
 #include "rtapi/shm/leftovers.hpp"
 #include "rtapi/shm/segment.hpp"
 
@@ -19,7 +20,21 @@ namespace {
 /// Children of a dead launcher end by themselves; those that do not are ended after this time.
 constexpr int kPatienceMs = 400;
 
-[[noreturn]] void watch(int fd, const std::string& instance, const std::string& run_id) {
+constexpr int kDisableMs = 20;  ///< for motion to switch off, and drivers to write
+
+/// While the realtime process still runs, which it does for a while behind its supervisor.
+void reach_safe_state(const std::string& instance, const std::vector<SafePin>& pins) {
+  auto segment = rtapi::Segment::attach(instance);
+  if (!segment.ok()) return;
+  const SafeState safe(**segment, pins);
+  safe.disable();
+  for (int waited = 0; waited < kDisableMs && safe.enabled(); ++waited) pause_ms(1);
+  safe.apply(true);
+  pause_ms(kDisableMs);
+}
+
+[[noreturn]] void watch(int fd, const std::string& instance, const std::string& run_id,
+                        const std::vector<SafePin>& pins) {
   (void)setsid();
   (void)prctl(PR_SET_NAME, "kerf-guard");
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE})
@@ -30,6 +45,7 @@ constexpr int kPatienceMs = 400;
     n = read(fd, &word, 1);
   } while (n < 0 && errno == EINTR);
   if (n == 0) {
+    reach_safe_state(instance, pins);
     (void)rtapi::end_processes_of_run(run_id, kPatienceMs);
     (void)rtapi::Segment::remove(instance);
   }
@@ -38,7 +54,8 @@ constexpr int kPatienceMs = 400;
 
 }  // namespace
 
-rtapi::Status Guard::start(const std::string& instance, const std::string& run_id, int close_fd) {
+rtapi::Status Guard::start(const std::string& instance, const std::string& run_id, int close_fd,
+                           const std::vector<SafePin>& safe_pins) {
   int pair[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
     return rtapi::fail(rtapi::Errc::system, std::string("no socket: ") + std::strerror(errno));
@@ -51,7 +68,7 @@ rtapi::Status Guard::start(const std::string& instance, const std::string& run_i
   if (pid == 0) {
     close(pair[0]);
     if (close_fd >= 0) close(close_fd);
-    watch(pair[1], instance, run_id);
+    watch(pair[1], instance, run_id, safe_pins);
   }
   close(pair[1]);
   pid_ = pid;

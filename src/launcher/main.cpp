@@ -4,6 +4,7 @@
 
 #include "launcher/console.hpp"
 #include "launcher/options.hpp"
+#include "launcher/resume.hpp"
 #include "launcher/session.hpp"
 #include "rtapi/log/log.hpp"
 
@@ -17,6 +18,7 @@ int main(int argc, char** argv) {
     return end.exit_code;
   }
   launcher::Console console(options->verbose);
+  if (options->resume) return launcher::resume(*options, console);
   launcher::Session session(std::move(*options), console);
   return session.run();
 }

@@ -19,6 +19,7 @@ constexpr const char* kAbout =
     "Starts the machine that an INI file describes, and watches over it.\n"
     "  kerf INI          start; at a terminal type G-code, end with Ctrl-D or Ctrl-C\n"
     "  kerf check INI    read the files and report what is wrong, without starting\n"
+    "  kerf resume INI   tell what was running when the power went; --run goes on with it\n"
     "  kerf keys [WORD]  explain the INI keys that contain all words; --tsv prints the whole table";
 
 constexpr const char* kFooter =
@@ -74,6 +75,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--speed", o.speed, "Virtual time, at most X seconds of it in a real one")
       ->type_name("X")
       ->check(CLI::PositiveNumber);
+  app.add_flag("--run", o.resume_run,
+               "With kerf resume: the running machine goes on with the program, by run from line");
   app.add_option("--instance", o.instance, "Name, so that several machines run on one PC")
       ->type_name("NAME");
   app.add_option("--log-joints", o.log_joints, "Write each servo cycle's joint positions")
@@ -131,6 +134,10 @@ rtapi::Result<Options, ParseEnd> parse_options(std::vector<std::string> argument
     o.check_only = true;
     arguments.erase(arguments.begin());
   }
+  if (!arguments.empty() && arguments.front() == "resume") {
+    o.resume = true;
+    arguments.erase(arguments.begin());
+  }
   join_module_words(arguments);
   CLI::App app(kAbout, "kerf");
   app.set_help_flag("-h,-?,--help", "Print this help and end");
@@ -155,6 +162,9 @@ rtapi::Result<Options, ParseEnd> parse_options(std::vector<std::string> argument
   }
   if (o.ini.empty())
     return rtapi::Failure{ParseEnd{kExitUsage, "kerf: INI is required; see kerf --help\n"}};
+  if (o.resume_run && !o.resume)
+    return rtapi::Failure{
+        ParseEnd{kExitUsage, "kerf: --run belongs to kerf resume; a program runs by --program\n"}};
   if (o.speed > 0) o.virtual_time = true;
   if (!o.instance.empty() && !rtapi::valid_instance_name(o.instance)) {
     return rtapi::Failure{

@@ -25,6 +25,8 @@ struct Options {
   bool once{false};
   bool virtual_time{false};
   bool check_only{false};         ///< `kerf check INI`
+  bool resume{false};             ///< `kerf resume INI`
+  bool resume_run{false};         ///< ... --run
   bool ignore_hal_errors{false};  ///< -k
   bool last_used{false};          ///< -l: the INI file of the last start
   bool verbose{false};

@@ -9,7 +9,7 @@
 #include "ini/check.hpp"
 #include "ini/convert.hpp"
 #include "ini/reader.hpp"
-
+#include "launcher/process.hpp"
 #include "rtapi/base/suggest.hpp"
 
 namespace kerf::launcher {
@@ -58,6 +58,7 @@ class Planner {
     read_kerf();
     read_programs();
     read_hal();
+    read_safe_state();
     for (const ini::Diagnostic& d : ini::check_keys(file_, hal_use())) add(d);
     for (const ini::Diagnostic& d : reader_.complaints()) add(d);
     plan_.ok = std::none_of(plan_.diagnostics.begin(), plan_.diagnostics.end(),
@@ -182,6 +183,24 @@ class Planner {
             "'" + plan_.two_pass + "' turns two passes on, as any text does; leave the value empty",
             false);
       }
+    }
+  }
+
+  void read_safe_state() {
+    for (const ini::Entry* entry : file_.find_all("SAFE_STATE", "PIN")) {
+      const std::vector<std::string> words = split_words(entry->value);
+      if (words.size() == 2)
+        plan_.safe_pins.push_back({words[0], words[1], entry->at});
+      else
+        complain(entry->at, "[SAFE_STATE]PIN = " + entry->value +
+                                ": expected a name and a value, such as motion.digital-out-03 0");
+    }
+    for (const ini::Entry* entry : file_.find_all("SAFE_STATE", "COMMAND")) {
+      const std::vector<std::string> words = split_words(entry->value);
+      if (words.empty() || find_program(words.front()).empty())
+        complain(entry->at, "[SAFE_STATE]COMMAND = " + entry->value + ": no such program");
+      else
+        plan_.safe_commands.push_back(words);
     }
   }
 

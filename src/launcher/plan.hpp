@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ini/ini_file.hpp"
+#include "launcher/safe_state.hpp"
 
 namespace kerf::launcher {
 
@@ -30,12 +31,14 @@ struct LaunchPlan {
   std::string two_pass;          ///< [HAL]TWOPASS, "" off: how the HALFILEs of `hal` are done
   std::vector<HalStep> postgui;  ///< POSTGUI_HALFILE, then POSTGUI_HALCMD
   std::vector<HalStep> shutdown;
-  std::string task_program{"milltask"};   ///< [TASK]TASK
-  std::string halui;                      ///< [HAL]HALUI, "" none
-  std::vector<std::string> display;       ///< [DISPLAY]DISPLAY in words, empty: none
-  std::vector<std::string> applications;  ///< [APPLICATIONS]APP, command lines
-  double applications_delay_s{0};         ///< [APPLICATIONS]DELAY
-  std::string open_file;                  ///< [DISPLAY]OPEN_FILE, absolute, "" none
+  std::string task_program{"milltask"};                 ///< [TASK]TASK
+  std::string halui;                                    ///< [HAL]HALUI, "" none
+  std::vector<std::string> display;                     ///< [DISPLAY]DISPLAY in words, empty: none
+  std::vector<std::string> applications;                ///< [APPLICATIONS]APP, command lines
+  double applications_delay_s{0};                       ///< [APPLICATIONS]DELAY
+  std::vector<SafePin> safe_pins;                       ///< [SAFE_STATE]PIN
+  std::vector<std::vector<std::string>> safe_commands;  ///< [SAFE_STATE]COMMAND, in words
+  std::string open_file;                                ///< [DISPLAY]OPEN_FILE, absolute, "" none
   std::vector<ini::Diagnostic> diagnostics;
   bool ok{false};  ///< no error among the diagnostics
 };

@@ -146,6 +146,7 @@ Status Session::start() {
   KERF_CHECK(run_start_steps());
   if (!options_.program.empty() || !options_.log_joints.empty()) KERF_CHECK(start_recorder());
   start_applications();
+  KERF_CHECK(check_safe_state());
   KERF_CHECK(start_threads());
   return start_screen();
 }
@@ -162,7 +163,7 @@ Status Session::make_instance() {
   hooks.waits = [this](const std::string& text) { console_.say(text); };
   hooks.taken = [this](const std::string& run_id) {
     run_id_ = run_id;
-    return guard_.start(instance_, run_id_, supervisor_end_);
+    return guard_.start(instance_, run_id_, supervisor_end_, plan_.safe_pins);
   };
   KERF_TRY(segment_, rtapi::Segment::create(instance_, plan_.segment_mb << 20U, hooks));
   KERF_CHECK(rtapi::make_clock(
@@ -272,6 +273,21 @@ Status Session::start_recorder() {
   KERF_CHECK(recorder_.attach(*segment_, options_.log_joints));
   const rtapi::Nanos period = (plan_.virtual_time ? 100 : 20) * rtapi::kMillisecond;
   clock_->set_chore([this] { recorder_.drain(); }, period);
+  return {};
+}
+
+Status Session::check_safe_state() {
+  safe_ = std::make_unique<SafeState>(*segment_, plan_.safe_pins);
+  std::vector<std::string> warnings;
+  if (Status checked = safe_->check(warnings); !checked.ok()) {
+    safe_.reset();
+    return checked;
+  }
+  for (const std::string& warning : warnings) console_.say("warning: " + warning);
+  if (safe_->empty()) return {};
+  safe_->apply(true);  // from the beginning, as the machine is off
+  clock_->set_lookout([this](rtapi::WaitSpec& spec) { safe_->add_to(spec); },
+                      [this] { safe_->look(); });
   return {};
 }
 

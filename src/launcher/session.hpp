@@ -19,6 +19,7 @@
 #include "launcher/plan.hpp"
 #include "launcher/process.hpp"
 #include "launcher/recorder.hpp"
+#include "launcher/safe_state.hpp"
 #include "launcher/supervised_clock.hpp"
 #include "launcher/task_link.hpp"
 #include "rtapi/base/result.hpp"
@@ -49,6 +50,7 @@ class Session {
   rtapi::Status run_start_steps();
   rtapi::Status run_hal_steps(const std::vector<HalStep>& steps);
   rtapi::Status start_recorder();
+  rtapi::Status check_safe_state();
   rtapi::Status start_threads();
   rtapi::Status start_screen();
   void start_applications();
@@ -64,6 +66,7 @@ class Session {
 
   void tear_down();
   void stop_machine();
+  void reach_safe_state(bool host_lives);
   void end_processes();
   int finish(const rtapi::Status& result, const StopReason& reason);
 
@@ -83,6 +86,7 @@ class Session {
   Child* realtime_{nullptr};
   Child* task_process_{nullptr};
   std::unique_ptr<HalLink> hal_;
+  std::unique_ptr<SafeState> safe_;
   std::unique_ptr<TaskLink> task_;
   Recorder recorder_;
   bool screen_runs_{false};

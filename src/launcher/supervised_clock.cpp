@@ -110,7 +110,10 @@ void SupervisedClock::wait(const WaitSpec& spec) {
     all.wake_at(next_chore_);
     for (const auto& [at, task] : timers_) all.wake_at(at);
   }
+  if (add_) add_(all);
+  if (look_at_) look_at_();
   clock_->wait(all);
+  if (look_at_) look_at_();
   look();
 }
 

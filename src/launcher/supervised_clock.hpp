@@ -50,6 +50,12 @@ class SupervisedClock final : public rtapi::WaitClock {
   /// Called at least every `period` of instance time during waits that do not hold time.
   void set_chore(std::function<void()> chore, rtapi::Nanos period);
 
+  /// Both at each wait: what else to wait for, and a look at it.
+  void set_lookout(std::function<void(rtapi::WaitSpec&)> add, std::function<void()> look_at) {
+    add_ = std::move(add);
+    look_at_ = std::move(look_at);
+  }
+
   /// Calls `task` once, when `delay` of instance time has passed.
   void call_after(rtapi::Nanos delay, std::function<void()> task);
   /// Programs that others have started here (loadusr, and what their parents left): `told` is called for each that ends from now
@@ -83,6 +89,8 @@ class SupervisedClock final : public rtapi::WaitClock {
   std::list<Watched> children_;
   std::function<void()> chore_;
   std::function<void(pid_t, const ExitState&)> told_;
+  std::function<void(rtapi::WaitSpec&)> add_;
+  std::function<void()> look_at_;
   std::list<std::pair<rtapi::Nanos, std::function<void()>>> timers_;
   rtapi::Nanos chore_period_{rtapi::kForever};
   rtapi::Nanos next_chore_{rtapi::kForever};

@@ -12,6 +12,7 @@ namespace kerf::launcher {
 namespace {
 constexpr int kPatienceMs = 1000;
 /// Servo cycles that carry what SHUTDOWN has set to the hardware.
+constexpr int kProgramsSettleMs = 100;  ///< of user components, when nobody else is left
 constexpr rtapi::Nanos kOutputsSettle = 20 * rtapi::kMillisecond;
 }  // namespace
 
@@ -28,6 +29,7 @@ void Session::tear_down() {
   if (const rtapi::Status closed = recorder_.close(); !closed.ok())
     console_.error(closed.error().message());
   if (task_ != nullptr) task_->close();
+  safe_.reset();
   hal_.reset();
   clock_.reset();  // the others need no turn of ours to end
   end_processes();
@@ -50,6 +52,13 @@ void Session::stop_machine() {
     }
     task_->show_messages();
   }
+  clock_->set_lookout({}, {});
+  if (!task_lives && host_lives && safe_ != nullptr) {
+    // Motion sees by itself that task is silent, stops on the path and switches off.
+    (void)clock_->wait_until([this] { return !safe_->enabled(); }, kPatienceMs);
+    safe_->disable();
+  }
+  reach_safe_state(host_lives);
   if (!host_lives || clock_->stopped()) return;
   hal_->set_keep_going(true);
   // Threads still run, so that drivers write what the file sets.
@@ -57,8 +66,42 @@ void Session::stop_machine() {
     console_.detail("HAL file " + step.text);
     if (!hal_->run(step)) console_.error("[HAL]SHUTDOWN: " + step.text + " failed");
   }
-  if (!plan_.shutdown.empty()) (void)clock_->pass(kOutputsSettle);
+  if (!plan_.shutdown.empty() || !plan_.safe_pins.empty()) (void)clock_->pass(kOutputsSettle);
   (void)hal_->command({"stop"});
+}
+
+/// What is left to do it by: motion and drivers while the realtime process lives; else user components, and programs of the
+/// INI file's own.
+void Session::reach_safe_state(bool host_lives) {
+  if (safe_ == nullptr) return;
+  safe_->apply(host_lives);
+  if (host_lives || realtime_ == nullptr) return;
+  std::string text =
+      "the realtime process is dead: its drivers write nothing any more, and their outputs are "
+      "what "
+      "the hardware makes of that (docs/safety.md)";
+  for (const SafePin& pin : plan_.safe_pins)
+    text += "\n  " + pin.name + " should be " + pin.value + ": set for programs that read it";
+  console_.say(text);
+  std::vector<Child> started;
+  for (const std::vector<std::string>& words : plan_.safe_commands) {
+    auto child = Child::start(words);
+    if (child.ok())
+      started.push_back(std::move(*child));
+    else
+      console_.error("[SAFE_STATE]COMMAND: " + child.error().message());
+  }
+  const auto running = [&] {
+    return std::any_of(started.begin(), started.end(), [](Child& c) { return c.running(); });
+  };
+  for (int waited = 0; waited < kPatienceMs && running(); waited += 2) pause_ms(2);
+  for (Child& child : started) {
+    const auto exit = child.poll_exit();
+    if (!exit || exit->by_signal || exit->number != 0)
+      console_.error("[SAFE_STATE]COMMAND: " + child.name() + " " +
+                     (exit ? describe_exit(*exit) : std::string("did not end within a second")));
+  }
+  if (!plan_.safe_pins.empty()) pause_ms(kProgramsSettleMs);
 }
 
 void Session::end_processes() {

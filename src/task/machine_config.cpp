@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <sstream>
 #include <utility>
 #include <vector>
 
+#include "ini/convert.hpp"
 #include "ini/reader.hpp"
 #include "io/tool_table.hpp"
 
@@ -24,13 +26,16 @@ std::string show(double v) {
 }
 
 /// "0x7FFFFFFF", "3"; 0 for anything else: it only sets how much is printed.
+constexpr const char* kDigitalOut = "motion.digital-out-";
+constexpr const char* kAnalogOut = "motion.analog-out-";
+
 int debug_level(const std::string& text) {
   return static_cast<int>(std::strtoul(text.c_str(), nullptr, 0));
 }
 
 class SetupReader {
  public:
-  explicit SetupReader(const ini::IniFile& file) : r_(file) {}
+  explicit SetupReader(const ini::IniFile& file) : r_(file) { out_.setup.ini_file = file.name(); }
 
   SetupResult run() {
     out_.setup.machine_name = r_.string("EMC", "MACHINE");
@@ -48,6 +53,11 @@ class SetupReader {
     emcio();
     out_.setup.mdi_queue = static_cast<int>(r_.integer("TASK", "MDI_QUEUED_COMMANDS"));
     out_.setup.motion.heartbeat_timeout_s = r_.real("KERF", "HEARTBEAT_TIMEOUT");
+    out_.setup.motion.lost_heartbeat_is_off = r_.choice("KERF", "HEARTBEAT_REACTION") == 1;
+    out_.setup.motion.overrun = static_cast<motion::OverrunPolicy>(r_.choice("KERF", "OVERRUN"));
+    out_.setup.motion.overrun_periods = r_.real("KERF", "OVERRUN_PERIODS");
+    out_.setup.journal = r_.string("KERF", "JOURNAL");
+    safe_state();
     out_.diagnostics = r_.complaints();
     out_.ok = std::none_of(out_.diagnostics.begin(), out_.diagnostics.end(),
                            [](const auto& d) { return d.is_error; });
@@ -64,6 +74,42 @@ class SetupReader {
   }
   static double scaled(double value, double unit) {
     return std::fabs(value) >= 1e98 ? value : value * unit;
+  }
+
+  /// Motion sets its own outputs itself, in the very cycle; all other pins of [SAFE_STATE] are the launcher's.
+  void safe_state() {
+    motion::SafeOutputs& safe = out_.setup.motion.safe;
+    for (const std::string& line : r_.strings("SAFE_STATE", "PIN")) {
+      std::istringstream in(line);
+      std::string name, text;
+      in >> name >> text;
+      const bool digital = name.rfind(kDigitalOut, 0) == 0;
+      if (!digital && name.rfind(kAnalogOut, 0) != 0) continue;
+      const std::string digits = name.substr(std::strlen(digital ? kDigitalOut : kAnalogOut));
+      char* end = nullptr;
+      const unsigned long index = std::strtoul(digits.c_str(), &end, 10);
+      const std::size_t most = digital ? motion::kMaxDigital : motion::kMaxAnalog;
+      if (digits.empty() || *end != '\0' || index >= most) {
+        r_.complain("SAFE_STATE", "PIN",
+                    name + ": expected a number from 00 to " + std::to_string(most - 1) +
+                        " (of an output with a name, its place in the list that motmod has)");
+        continue;
+      }
+      const std::uint64_t bit = std::uint64_t{1} << index;
+      const double value = std::strtod(text.c_str(), &end);
+      if (digital) {
+        const bool on = text == "1" || ini::equal_ignoring_case(text, "true");
+        if (!on && text != "0" && !ini::equal_ignoring_case(text, "false"))
+          r_.complain("SAFE_STATE", "PIN", name + ": '" + text + "': expected 0 or 1");
+        safe.digital_mask |= bit;
+        if (on) safe.digital |= bit;
+      } else {
+        if (text.empty() || *end != '\0' || !std::isfinite(value))
+          r_.complain("SAFE_STATE", "PIN", name + ": '" + text + "': expected a number");
+        safe.analog_mask |= bit;
+        safe.analog[index] = value;
+      }
+    }
   }
 
   void units() {

@@ -41,7 +41,9 @@ using interp::ProgramPaths;
 using interp::resolve_path;
 
 struct MachineSetup {
+  std::string ini_file;      ///< as it was given
   std::string machine_name;  ///< [EMC]MACHINE
+  std::string journal;       ///< [KERF]JOURNAL
   motion::MachineConfig motion;
   interp::Settings interp;
   OperatorLimits limits;

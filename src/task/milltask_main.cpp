@@ -188,6 +188,7 @@ int run(const Options& options) {
 
   task::TaskOptions task_options;
   task_options.pid = ::getpid();
+  task_options.journal_thread = true;
   task::Task task(loaded.file, **segment, session->get(), task_options);
   if (auto prepared = task.prepare(); !prepared.ok()) return fail_with(prepared.error());
   std::fputs(task.warnings().c_str(), stderr);

@@ -3,6 +3,7 @@
 #include "hal/core/view.hpp"
 #include "interp/config/script_library.hpp"
 #include "io/iocontrol.hpp"
+#include "rtapi/clock/join_clock.hpp"
 #include "rtapi/log/log.hpp"
 #include "task/api/message_reader.hpp"
 #include "task/command/command_participant.hpp"
@@ -10,6 +11,7 @@
 #include "task/hal_ini_pins.hpp"
 #include "task/hal_io_pins.hpp"
 #include "task/interpreter/interpreter_participant.hpp"
+#include "task/journal_writer.hpp"
 #include "task/machine_config.hpp"
 #include "task/older_pin_names.hpp"
 #include "task/position_file.hpp"
@@ -34,6 +36,7 @@ struct Task::Parts {
   std::unique_ptr<io::ToolStore> tools;
   std::unique_ptr<io::IoLink> link;
   std::unique_ptr<io::IoControl> iocontrol;
+  std::unique_ptr<JournalWriter> journal;
   std::unique_ptr<Exchange> exchange;
   std::unique_ptr<interp::ScriptHost> scripts;  // outlives the interpreter
   std::unique_ptr<TaskEnvironment> environment;
@@ -112,7 +115,7 @@ rtapi::Status make_task_block(rtapi::Segment& segment) {
 
 Task::Task(const ini::IniFile& ini, rtapi::Segment& segment, hal::Session* session,
            TaskOptions options)
-    : parts_(new Parts{ini, segment, session, options, {}, {}, nullptr, nullptr, {}, {},
+    : parts_(new Parts{ini, segment, session, options, {}, {}, nullptr, nullptr, {}, {}, {},
                        {},  {},      {},      {},      {}, {}, {},      {},      {}, {}}) {}
 
 Task::~Task() = default;
@@ -210,13 +213,31 @@ rtapi::Status Task::connect() {
       error.at = {rtapi::FixedString<160>(code->at.file), code->at.line, 0};
     return rtapi::Failure<rtapi::Error>{error};
   }
+  open_journal();
   p.command = std::make_unique<CommandParticipant>(CommandParticipant::Parts{
       *p.motion, *p.shared, *p.exchange, *p.link, p.setup, p.options.pid, p.tools.get(),
-      p.live.get(), p.ini_pins.get(), net_reader(p.segment)});
+      p.live.get(), p.ini_pins.get(), net_reader(p.segment), p.journal.get()});
   p.shared->facts.write(facts_of(p.setup, p.ini));
   if (p.options.listen)
     KERF_CHECK(p.command->listen(rtapi::socket_name(p.segment.instance(), kTaskService)));
   return {};
+}
+
+void Task::open_journal() {
+  Parts& p = *parts_;
+  const std::string& wish = p.setup.journal;
+  const std::string path = wish.empty() && !p.options.journal_thread
+                               ? std::string()
+                               : journal_path(p.setup.ini_file, wish);
+  if (path.empty()) return;
+  const bool is_virtual = rtapi::clock_mode(p.segment) == rtapi::ClockMode::virtual_time;
+  p.journal = std::make_unique<JournalWriter>(
+      path, JournalWriter::Options{p.options.journal_thread, !is_virtual});
+  // A machine without its journal is one that cannot be resumed, but it runs.
+  if (auto opened = p.journal->open(); !opened.ok()) {
+    rtapi::log_error(opened.error());
+    p.journal.reset();
+  }
 }
 
 const std::string& Task::warnings() const { return parts_->warnings; }

@@ -26,6 +26,8 @@ struct TaskOptions {
   std::int64_t pid{0};  ///< shown in the status
   /// Pins for IoControl; null: the user component iocontrol.0 of the session.
   io::IoPins* pins{nullptr};
+  /// A journal also when the INI file names none, written by a thread of its own. Without: only one that is named, written at once.
+  bool journal_thread{false};
 };
 
 /// Makes the block of task in a segment, for its maker (make_block is no business of two processes at once). Task makes it itself
@@ -69,6 +71,7 @@ class Task {
   void shut_down();
 
  private:
+  void open_journal();
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };

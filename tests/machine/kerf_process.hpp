@@ -104,6 +104,7 @@ class Kerf {
     argv.push_back(nullptr);
     pid_ = fork();
     if (pid_ == 0) {
+      setenv("XDG_STATE_HOME", mill.path("state").c_str(), 1);
       if (std::freopen(output_.c_str(), "w", stdout) == nullptr) _exit(126);
       dup2(STDOUT_FILENO, STDERR_FILENO);
       if (std::freopen("/dev/null", "r", stdin) == nullptr) _exit(126);

@@ -1,4 +1,4 @@
-// [EMC] [FILTER] [EMCMOT] [TASK] [HAL] [HALUI] [APPLICATIONS] [EMCIO] [PYTHON] [WIZARD] [MTCONNECT] and our own [KERF].
+// [EMC] [FILTER] [EMCMOT] [TASK] [HAL] [HALUI] [APPLICATIONS] [EMCIO] [PYTHON] [WIZARD] [MTCONNECT] and our own [KERF] and [SAFE_STATE].
 #include "ini/keys/rows.hpp"
 
 namespace kerf::ini::keys {
@@ -120,6 +120,19 @@ constexpr Key kMtconnectRows[] = {
     text("MQTT_USERNAME", "").no(kMtconnectLater), text("MQTT_PASSWORD", "").no(kMtconnectLater),
 };
 
+constexpr Key kSafeStateRows[] = {
+    text("PIN",
+         "NAME VALUE: what a pin, parameter or signal is set to when the machine goes off, at the "
+         "end and when a process dies (docs/safety.md)")
+        .repeated()
+        .own(),
+    text("COMMAND",
+         "program with arguments that kerf runs when the realtime process dies: a way to the "
+         "hardware that needs no HAL")
+        .repeated()
+        .own(),
+};
+
 constexpr Key kKerfRows[] = {
     choice("CLOCK", "real virtual", "which time the machine runs on").otherwise("real").own(),
     real("HEARTBEAT_TIMEOUT", "silence of task before motion stops and drives go off")
@@ -127,6 +140,32 @@ constexpr Key kKerfRows[] = {
         .from(0.01)
         .to(10)
         .otherwise("0.1")
+        .read_by(By::task)
+        .own(),
+    choice("HEARTBEAT_REACTION", "stop off",
+           "what motion does then: a controlled stop on the path and drives off, or drives off at "
+           "once")
+        .otherwise("stop")
+        .read_by(By::task)
+        .own(),
+    choice(
+        "OVERRUN", "warn hold estop",
+        "what a servo cycle that comes too late does while the machine is on: a line in the log, "
+        "a pause, or estop")
+        .otherwise("warn")
+        .read_by(By::task)
+        .own(),
+    real("OVERRUN_PERIODS", "servo periods behind the cycle before after which OVERRUN acts")
+        .from(1.5)
+        .to(1000)
+        .otherwise("3")
+        .read_by(By::task)
+        .own(),
+    text("JOURNAL",
+         "file of what was executed last, for `kerf resume` after a loss of power "
+         "(docs/journal.md); "
+         "off: none")
+        .otherwise_as("in ~/.local/state/kerf")
         .read_by(By::task)
         .own(),
     text("RT_CPUS",
@@ -160,5 +199,6 @@ const std::span<const Key> python_keys{kPythonRows};
 const std::span<const Key> wizard_keys{kWizardRows};
 const std::span<const Key> mtconnect_keys{kMtconnectRows};
 const std::span<const Key> kerf_keys{kKerfRows};
+const std::span<const Key> safe_state_keys{kSafeStateRows};
 
 }  // namespace kerf::ini::keys

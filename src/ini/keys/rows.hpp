@@ -15,8 +15,8 @@ inline constexpr std::string_view kRpm = "rpm";
 inline constexpr std::string_view kDegrees = "degrees";
 
 extern const std::span<const Key> emc_keys, emcmot_keys, task_keys, hal_keys, halui_keys,
-    applications_keys, emcio_keys, filter_keys, python_keys, wizard_keys, mtconnect_keys,
-    kerf_keys;                                    // programs.cpp
+    applications_keys, emcio_keys, filter_keys, python_keys, wizard_keys, mtconnect_keys, kerf_keys,
+    safe_state_keys;                              // programs.cpp
 extern const std::span<const Key> display_keys;   // display.cpp
 extern const std::span<const Key> rs274ngc_keys;  // interpreter.cpp
 extern const std::span<const Key> traj_keys, kins_keys, axis_keys, joint_keys,

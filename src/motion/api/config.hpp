@@ -59,6 +59,17 @@ struct SpindleConfig {
   double increment_rpm{100};
 };
 
+/// [SAFE_STATE]PIN: what motion's own outputs are set to whenever the machine goes off, and until it is first on.
+struct SafeOutputs {
+  std::uint64_t digital_mask{0},
+      digital{0};  ///< motion.digital-out-NN: which of them, and their level
+  std::uint64_t analog_mask{0};
+  double analog[kMaxAnalog]{};
+};
+
+/// [KERF]OVERRUN: what a servo cycle that comes too late does. The realtime host always logs it.
+enum class OverrunPolicy : std::int32_t { warn = 0, hold = 1, estop = 2 };
+
 struct MachineConfig {
   std::int32_t joints{0};
   std::int32_t spindles{1};
@@ -74,9 +85,14 @@ struct MachineConfig {
   double heartbeat_timeout_s{0.1};  ///< lost task heartbeat: controlled stop, then disable
   bool no_force_homing{false};
   bool probe_error_inhibit_jog{false}, probe_error_inhibit_home{false};
-  bool adaptive_only_slows{false};  ///< adaptive feed is bounded by 1, as older manuals say
-  bool adaptive_reverses{true};     ///< below 0 it runs the path backwards
-  bool reserved2[3]{};
+  bool adaptive_only_slows{false};    ///< adaptive feed is bounded by 1, as older manuals say
+  bool adaptive_reverses{true};       ///< below 0 it runs the path backwards
+  bool lost_heartbeat_is_off{false};  ///< drives off at once, without the controlled stop before
+  bool reserved2[2]{};
+  OverrunPolicy overrun{OverrunPolicy::warn};
+  std::int32_t reserved3{0};
+  double overrun_periods{3};  ///< so long after the cycle before, `overrun` acts
+  SafeOutputs safe;
   JointConfig joint[kMaxJoints];
   AxisConfig axis[rtapi::kAxes];
   SpindleConfig spindle[kMaxSpindles];

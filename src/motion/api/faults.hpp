@@ -45,7 +45,8 @@ inline constexpr Fault kFaults[] = {Fault::internal,
                                     Fault::sync_too_short,
                                     Fault::sync_no_index,
                                     Fault::sync_behind,
-                                    Fault::path_starved_internal};
+                                    Fault::path_starved_internal,
+                                    Fault::overrun};
 
 /// The name of the fault's page, docs/troubleshooting/NAME.md; a fault missing here does not compile.
 inline const char* fault_name(Fault fault) {
@@ -85,6 +86,7 @@ inline const char* fault_name(Fault fault) {
     case Fault::sync_no_index: return "sync-no-index";
     case Fault::sync_behind: return "sync-behind";
     case Fault::path_starved_internal: return "path-starved-internal";
+    case Fault::overrun: return "overrun";
   }
   return "unknown";
 }
@@ -320,6 +322,10 @@ inline std::string fault_text(const FaultRecord& r, const MachineConfig& config)
     case Fault::path_starved_internal:
       return "Internal fault: a move" + line_of(r.tag) +
              " does not begin where the machine stands; the path was dropped. Please report it";
+    case Fault::overrun:
+      return "A servo cycle came " + number(r.value) + " ms after the one before" + line_of(r.tag) +
+             " (limit " + number(r.limit) +
+             " ms, [KERF]OVERRUN). `halcmd timing` shows what was late; see docs/timing.md";
   }
   return "unknown fault";
 }

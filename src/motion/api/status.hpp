@@ -47,6 +47,8 @@ enum class Fault : std::int32_t {
   sync_no_index = 54,   ///< the spindle turns, but index-enable stays true (value: revolutions)
   sync_behind = 55,     ///< the axes fell behind the spindle (mm, limit); the move goes on
   path_starved_internal = 60,
+  overrun =
+      61,  ///< a servo cycle came too late (value: ms behind the one before, limit); [KERF]OVERRUN
 };
 
 /// FaultRecord::index of faults of jogs: joints are 0 and up, axes are this and up.

@@ -26,9 +26,11 @@ Controller::Controller(const Kinematics& kinematics, SpanRing& spans, const Plan
       executor_(spans, slots, spindles_, outputs_) {}
 
 void Controller::configure(const MachineConfig& config) noexcept {
+  const bool first = !configured_;
   config_ = config;
   start_due_ = !start_taken_;
   configured_ = true;
+  if (first) apply_safe_outputs();
   executor_.configure(config.max_feed_override, config.adaptive_only_slows,
                       config.adaptive_reverses, path_limits_of(kinematics_, config).axes);
   spindles_.configure(config, static_cast<std::int32_t>(spindle_count_));
@@ -92,6 +94,7 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
   }
   read_feedback(in);
   if (start_due_) take_start_positions();
+  watch_overrun(in, dt);
   watch_heartbeat(orders, dt);
   switch_power(in, orders);
   take_requests(orders);
@@ -157,6 +160,15 @@ void Controller::watch_heartbeat(const Orders& orders, double dt) noexcept {
   raise(faults_, Fault::heartbeat_lost, -1, heartbeat_age_s_, config_.heartbeat_timeout_s,
         status_.current);
   closing_down_ = true;
+  if (config_.lost_heartbeat_is_off) disable();
+}
+
+/// A cycle that came late was a gap in what the drives were told. What it cost is over; what is left is to stop before the next.
+void Controller::watch_overrun(const Inputs& in, double dt) noexcept {
+  const double limit_s = config_.overrun_periods * dt;
+  if (config_.overrun == OverrunPolicy::warn || !enabled_ || in.since_last_s <= limit_s) return;
+  raise(faults_, Fault::overrun, -1, in.since_last_s * 1e3, limit_s * 1e3, status_.current);
+  if (config_.overrun == OverrunPolicy::estop) disable();
 }
 
 void Controller::switch_power(const Inputs& in, const Orders& orders) noexcept {
@@ -301,8 +313,16 @@ void Controller::enable() noexcept {
   guard_.reset(joints_, joint_);
 }
 
+void Controller::apply_safe_outputs() noexcept {
+  const SafeOutputs& safe = config_.safe;
+  outputs_.digital = (outputs_.digital & ~safe.digital_mask) | (safe.digital & safe.digital_mask);
+  for (std::size_t i = 0; i < kMaxAnalog; ++i)
+    if ((safe.analog_mask >> i & 1U) != 0) outputs_.analog[i] = safe.analog[i];
+}
+
 void Controller::disable() noexcept {
   enabled_ = false;
+  apply_safe_outputs();
   closing_down_ = false;
   homing_.stop(joints_, joint_);
   spindles_.stop_all();

@@ -66,6 +66,8 @@ class Controller {
   [[nodiscard]] bool may_enable(const Inputs& in, const Orders& orders) noexcept;
   void enable() noexcept;
   void disable() noexcept;
+  void apply_safe_outputs() noexcept;
+  void watch_overrun(const Inputs& in, double dt) noexcept;
   void watch_heartbeat(const Orders& orders, double dt) noexcept;
   [[nodiscard]] bool machine_fault(const Inputs& in, const Orders& orders) noexcept;
   [[nodiscard]] bool joint_fault(std::size_t j, const Orders& orders) noexcept;

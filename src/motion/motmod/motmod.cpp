@@ -247,6 +247,7 @@ void Motmod::motion_controller(const hal::Period& period) noexcept {
   MotionStatus& status = controller_->status();
   status.digital_in = io_.digital_in();
   io_.read_analog(status.analog_in);
+  inputs_.since_last_s = period.actual_seconds();
   controller_->step(inputs_, orders_, period.seconds(), clock_.now());
   for (std::size_t j = 0; j < joint_.size(); ++j) write_joint(j);
   write_axes();

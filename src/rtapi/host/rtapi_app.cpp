@@ -161,12 +161,18 @@ class MainParticipant final : public rtapi::Participant {
   void step(rtapi::Nanos now, rtapi::WaitSpec& next) override {
     (void)log_.drain();
     (void)hal::capi::drain_messages();
-    if (supervisor_.dead()) {
+    if (orphaned_ || supervisor_.dead()) {
+      if (!orphaned_) orphaned_at_ = now;
       orphaned_ = true;
-      clock_.stop();
-      return;
+      // On the real clock there may be hardware: the others switch the machine off, and drivers write that.
+      if (clock_.is_virtual() || now - orphaned_at_ >= kOrphanTime) {
+        clock_.stop();
+        return;
+      }
+      next.wake_at(orphaned_at_ + kOrphanTime);
+    } else {
+      supervisor_.watch(next);
     }
-    supervisor_.watch(next);
     if (!clock_.is_virtual()) {
       if (!server_.serve_all()) next.wake_at(now);
       server_.watch(now, next);
@@ -196,7 +202,9 @@ class MainParticipant final : public rtapi::Participant {
   hal::RealDriver& driver_;
   hal::RealtimeHost cycles_;
   rtapi::LogReader log_;
+  static constexpr rtapi::Nanos kOrphanTime = 150 * rtapi::kMillisecond;
   bool orphaned_{false};
+  rtapi::Nanos orphaned_at_{0};
 };
 
 int fail(const rtapi::Error& error) {

@@ -104,6 +104,7 @@ void CommandParticipant::reply(Ticket ticket, CommandState state, const std::str
     say(MessageKind::error, text);
   reply_to(client, Reply{at->second.id, state, text});
   if (!is_terminal(state)) return;
+  if (is_program(at->second.command) && at->second.order) journal_end(state, text);
   last_failed_ = state != CommandState::done;
   ++(state == CommandState::done    ? counters_.done
      : state == CommandState::error ? counters_.errors

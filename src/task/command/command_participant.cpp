@@ -23,6 +23,7 @@ bool ends_program(motion::Fault fault) noexcept {
     case Fault::limit_velocity:
     case Fault::limit_acceleration:
     case Fault::limit_jerk:
+    case Fault::overrun:
     case Fault::sync_behind: return false;
     default: return true;
   }
@@ -75,6 +76,7 @@ void CommandParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   serve_clients();
   update_pending();
   write_status();
+  write_journal();
   send_replies();
   p_.shared.ready.publish(1);
   next.wake_at(next_beat_);
@@ -121,6 +123,7 @@ void CommandParticipant::take_faults() {
   if (newest > faults_seen_ + motion::FaultLog::kSlots)
     faults_seen_ = newest - motion::FaultLog::kSlots;
   std::string stop;
+  bool late = false;
   while (faults_seen_ < newest) {
     ++faults_seen_;
     motion::FaultRecord fault;
@@ -137,8 +140,10 @@ void CommandParticipant::take_faults() {
     const auto& source = main ? view_.file : view_.source;
     say(MessageKind::error, last_fault_, placed ? std::string(source.view()) : std::string(),
         placed ? fault.tag.line : 0);
+    late = late || fault.fault == motion::Fault::overrun;
     if (stop.empty() && ends_program(fault.fault)) stop = last_fault_;
   }
+  if (late) after_overrun();
   if (stop.empty() || view_.idle) return;
   abort_all(abort_motion_error);
   // Whoever asked for what was running learns why it ended.
@@ -187,6 +192,14 @@ void CommandParticipant::take_reports() {
       case Report::Kind::program_end: break;
     }
   }
+}
+
+/// A cycle came late, and the INI file wants more of it than a line in the log. With estop motion has switched off already.
+void CommandParticipant::after_overrun() {
+  if (machine_.overrun == motion::OverrunPolicy::estop)
+    go_estop("estop, since a servo cycle came too late ([KERF]OVERRUN = estop)");
+  else if (!view_.idle)
+    pause();
 }
 
 std::string CommandParticipant::homing_failure(const Pending& pending) const {
@@ -436,6 +449,7 @@ void CommandParticipant::write_status() {
 }
 
 void CommandParticipant::shut_down() {
+  close_journal();
   abort_all(abort_none);
   p_.motion.intent.enable.publish(0);
   p_.io.set_estop(true);

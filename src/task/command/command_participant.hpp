@@ -15,6 +15,7 @@
 #include "io/tool_store.hpp"
 #include "motion/api/shared.hpp"
 #include "rtapi/clock/clock.hpp"
+#include "task/api/journal.hpp"
 #include "task/api/protocol.hpp"
 #include "task/api/status.hpp"
 #include "task/exchange.hpp"
@@ -23,6 +24,8 @@
 #include "task/machine_config.hpp"
 
 namespace kerf::task {
+
+class JournalWriter;
 
 class CommandParticipant final : public rtapi::Participant {
  public:
@@ -38,6 +41,7 @@ class CommandParticipant final : public rtapi::Participant {
     IniPins* ini_pins{nullptr};
     /// Name of the signal that a pin is linked to, or "".
     std::function<std::string(std::string_view pin)> net_of{};
+    JournalWriter* journal{nullptr};  ///< null: none
   };
   explicit CommandParticipant(const Parts& parts);
   ~CommandParticipant() override;
@@ -108,6 +112,7 @@ class CommandParticipant final : public rtapi::Participant {
   void beat();
   void read_ini_pins();
   void take_faults();
+  void after_overrun();
   [[nodiscard]] std::string homing_failure(const Pending& pending) const;
   [[nodiscard]] static bool is_program(CommandId command) noexcept {
     return command == CommandId::run || command == CommandId::step;
@@ -154,6 +159,13 @@ class CommandParticipant final : public rtapi::Participant {
   motion::JogIntent* find_jog(const std::string& what, bool& axis, std::size_t& index,
                               std::string& why);
 
+  // journal.cpp
+  void journal_begin(std::int32_t from_line);
+  void journal_end(CommandState state, const std::string& text);
+  [[nodiscard]] JournalRecord journal_record() const;
+  void write_journal();
+  void close_journal();
+
   // away.cpp
   void do_away(Ticket ticket);
   void do_back(Ticket ticket);
@@ -168,6 +180,7 @@ class CommandParticipant final : public rtapi::Participant {
   void do_program(Ticket ticket, const Request& request);
   /// `by_hand`: words that move nothing; they keep the mode, and the machine may be moving by hand.
   void do_mdi(Ticket ticket, const std::string& text, bool by_hand);
+  void pause();
   void do_step(Ticket ticket);
   void do_answer(Ticket ticket, const Request& request);
   void do_override(Ticket ticket, const Request& request);
@@ -225,6 +238,19 @@ class CommandParticipant final : public rtapi::Participant {
       away_direction_{};  ///< spindles when the machine left
   std::uint64_t block_step_since_{
       0};  ///< while Intent::single_step: motion's cycle from which its standing counts
+  /// The program that the journal tells of.
+  struct Journal {
+    bool expected{false};  ///< asked for
+    bool begun{false};     ///< motion is at its items
+    bool ending{false};
+    bool told_paused{false};
+    RunState end{RunState::ended};
+    std::int32_t from_line{0}, line{0}, told_line{0};
+    std::uint32_t epoch{0};
+    std::uint64_t before_seq{0};
+    rtapi::Nanos told_at{-rtapi::kSecond};
+    std::string why;
+  } journal_;
   CommandCounters counters_;
   std::uint64_t programs_ended_{0};
   int listener_{-1};

@@ -183,16 +183,14 @@ void CommandParticipant::do_program(Ticket ticket, const Request& request) {
                                         : SeekEnd::run;
       // A question about the start of the program is one about its first line.
       if (order.seek_end != SeekEnd::run && line == 0) order.line = 1;
+      if (order.seek_end != SeekEnd::check) journal_begin(line);
       return post(std::move(order), ticket);
     }
     case CommandId::pause:
       // What is being aborted is no more; a hold behind the abort would stop what comes next.
       if (aborting() || (view_.idle && !order_runs()))
         return reply(ticket, CommandState::error, "nothing runs that could pause");
-      p_.motion.intent.hold.publish(1);
-      p_.exchange.paused.set(1);
-      end_block_step();
-      p_.exchange.wake_interpreter();
+      pause();
       return reply(ticket, CommandState::done);
     default:  // resume
       if (refuse_away(ticket)) return;
@@ -204,6 +202,13 @@ void CommandParticipant::do_program(Ticket ticket, const Request& request) {
       p_.exchange.wake_interpreter();
       return reply(ticket, CommandState::done);
   }
+}
+
+void CommandParticipant::pause() {
+  p_.motion.intent.hold.publish(1);
+  p_.exchange.paused.set(1);
+  end_block_step();
+  p_.exchange.wake_interpreter();
 }
 
 void CommandParticipant::do_step(Ticket ticket) {
@@ -221,6 +226,7 @@ void CommandParticipant::do_step(Ticket ticket) {
     if (!view_.idle)
       return reply(ticket, CommandState::error, "can't step while something else runs");
     set_mode(TaskMode::automatic);
+    journal_begin(0);
     post(Order::Kind::step, internal_ticket(CommandId::step), {});
     return reply(ticket, CommandState::done);
   }

@@ -185,6 +185,40 @@ TEST(Controller, ALostHeartbeatStopsOnThePathThenSwitchesOff) {
   EXPECT_EQ(rig.faults.size(), 1U);
 }
 
+TEST(Controller, ALostHeartbeatSwitchesOffAtOnceIfTheMachineSaysSo) {
+  Rig rig;
+  rig.config.lost_heartbeat_is_off = true;
+  rig.ready();
+  rig.line({.x = 500, .y = 250}, 100);
+  rig.run(300);
+  rig.heart = false;
+  rig.run(99);
+  EXPECT_TRUE(rig.status().enabled);
+  rig.run(3);
+  EXPECT_TRUE(rig.saw(Fault::heartbeat_lost));
+  EXPECT_FALSE(rig.status().enabled);
+}
+
+TEST(Controller, ALateCycleIsAFaultAndSwitchesOffIfTheMachineSaysSo) {
+  for (const OverrunPolicy policy :
+       {OverrunPolicy::warn, OverrunPolicy::hold, OverrunPolicy::estop}) {
+    Rig rig;
+    rig.config.overrun = policy;
+    rig.ready();
+    rig.line({.x = 500, .y = 250}, 100);
+    rig.run(300);
+    rig.in.since_last_s = 2.9e-3;
+    rig.run(1);
+    EXPECT_EQ(rig.faults.size(), 0U) << "below OVERRUN_PERIODS";
+    rig.in.since_last_s = 3.1e-3;
+    rig.run(1);
+    rig.in.since_last_s = 1e-3;
+    rig.run(3);
+    EXPECT_EQ(rig.saw(Fault::overrun), policy != OverrunPolicy::warn);
+    EXPECT_EQ(rig.status().enabled, policy != OverrunPolicy::estop);
+  }
+}
+
 TEST(Controller, CoordinatedModeNeedsHomedJoints) {
   Rig rig;
   rig.enable();
