@@ -200,7 +200,7 @@ Program four_axis(int moves, double p_mm, double feed, bool reversing, std::uint
 Program mixture(int moves, std::uint64_t seed) {
   Random r(seed);
   const double p = std::exp(r.between(std::log(0.005), std::log(0.2)));
-  ProgramWriter w("mixture " + std::to_string(seed), p, 100);
+  ProgramWriter w(titled(("mixture " + std::to_string(seed)).c_str(), p), p, 100);
   for (int i = 0; i < moves; ++i) {
     if (r.below(8) == 0) w.feed(r.between(20, 180));
     const Pose at = w.at();

@@ -1,147 +1,214 @@
-// planner_bench [--seed N] [--quick]
+// planner_bench [--seed N] [--quick] [--count CYCLES]
 //
-// Runs generated programs through planner and servo cycle without HAL, one millisecond a cycle, and prints for each: its time, the mean
-// feed, the largest share of a joint limit that any cycle used (by differences of the commanded positions), and what planner
-// and servo cost; then the same with a feed override that changes at random all along. Exit 1 when a limit was passed.
+// Runs generated programs through planner and servo cycle without HAL, one millisecond a cycle, limited in acceleration and in jerk, and
+// prints beside the goals: time, offline optimum and feed floor; the largest share of a joint limit in any cycle (by differences of the
+// commanded positions) and the distance from the programmed path; corner speeds; exact stops; what planning and the servo cycle cost; whether
+// runs repeat bit by bit. Then the same programs under an override that changes at random all along. --count drives random programs with
+// overrides, holds, aborts and resumes for that many cycles instead. Exit 1 when a limit was passed.
 #include <algorithm>
-#include <chrono>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
-#include <memory>
-#include <random>
+#include <numbers>
+#include <vector>
 
-#include "bench/motion/families.hpp"
-#include "unit/motion/rig.hpp"
+#include "bench/motion/campaign.hpp"
+#include "bench/motion/runs.hpp"
 
 namespace kerf {
 namespace {
 
-using motion::test::Rig;
-
 /// The machine of the jerk-limited runs [mm/s3, deg/s3].
 constexpr double kJerk = 50000;
+constexpr double kAcc = 1750;  ///< of XYZ of the reference machine [mm/s2]
 
-double seconds_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-struct Result {
-  double seconds{0}, length{0}, vel{0}, acc{0}, jerk{0}, planner_s{0}, servo_s{0};
-  std::size_t moves{0}, cycles{0}, faults{0};
+struct Entry {
+  bench::Program program;
+  double seconds{0};  ///< limited in acceleration
 };
 
-/// jerk 0: limited in acceleration only.
-Result run(const bench::Program& program, bool replan, double jerk, std::uint64_t seed) {
-  Rig rig({0, 1, 2, 3});
-  bench::reference_machine(rig.config);
-  for (auto& j : rig.config.joint) j.max_jerk = jerk;
-  rig.config.max_feed_override = 2;
-  rig.apply_config();
-  rig.ready();
-  Result out;
-  std::mt19937_64 random(seed);
-  std::size_t next = 0;
-  double p1[4]{}, p2[4]{}, p3[4]{};
-  const auto limit = [&](std::size_t j) -> const motion::JointConfig& {
-    return rig.config.joint[j];
-  };
-  motion::Pose before = rig.status().pos_cmd;
-  const double start = static_cast<double>(rig.now_ns);
-  while (true) {
-    while (next < program.items.size() && rig.push(program.items[next])) ++next;
-    if (replan && random() % 200 == 0)
-      rig.intent.feed_override = 0.05 + static_cast<double>(random() % 1000) / 512.0;
-    const double t0 = seconds_now();
-    while (rig.planner.run(*rig.path, rig.controller->view(), 1, rig.now_ns) ==
-           motion::Planner::Waits::turn) {
-    }
-    const double t1 = seconds_now();
-    rig.cycle();
-    out.planner_s += t1 - t0;
-    out.servo_s += seconds_now() - t1;
-    const auto& s = rig.status();
-    for (std::size_t j = 0; j < 4; ++j) {
-      const double p = s.joint[j].pos_cmd;
-      if (out.cycles > 1) {
-        out.vel = std::max(out.vel, std::abs(p - p1[j]) / Rig::kPeriod / limit(j).max_vel);
-        out.acc = std::max(out.acc, std::abs(p - 2 * p1[j] + p2[j]) /
-                                        (Rig::kPeriod * Rig::kPeriod) / limit(j).max_acc);
-      }
-      if (out.cycles > 2 && jerk > 0)
-        out.jerk = std::max(out.jerk, std::abs(p - 3 * p1[j] + 3 * p2[j] - p3[j]) /
-                                          (Rig::kPeriod * Rig::kPeriod * Rig::kPeriod) / jerk);
-      p3[j] = p2[j];
-      p2[j] = p1[j];
-      p1[j] = p;
-    }
-    out.length +=
-        std::hypot(s.pos_cmd.x - before.x, s.pos_cmd.y - before.y, s.pos_cmd.z - before.z);
-    before = s.pos_cmd;
-    ++out.cycles;
-    if (next == program.items.size() && s.executed_seq == rig.seq && s.path_empty) break;
-    if (out.cycles > 3'000'000 || !rig.faults.empty()) break;
-  }
-  out.seconds = (static_cast<double>(rig.now_ns) - start) * 1e-9;
-  out.moves = program.items.size() - 1;
-  out.faults = rig.faults.size();
+std::vector<Entry> families(bool quick, std::uint64_t seed) {
+  std::vector<Entry> out;
+  const auto add = [&](bench::Program p) { out.push_back({std::move(p)}); };
+  add(bench::freeform(quick ? 2000 : 20000, 0.01, 100, seed));
+  for (const double p : {0.01, 0.1, 1.0}) add(bench::arc_spiral(p, 80));
+  for (const double p : {0.01, 0.1}) add(bench::helical_arcs(p, 80));
+  for (const double p : {0.05, 0.0}) add(bench::zigzag(p, 100));
+  add(bench::fractal(quick ? 4 : 6, 0.5, 0.05, 100));
+  add(bench::four_axis(quick ? 100 : 1000, 0.02, 100, false, seed));
+  add(bench::four_axis(quick ? 100 : 1000, 0.02, 100, true, seed));
+  for (std::uint64_t i = 0; i < (quick ? 2 : 12); ++i) add(bench::mixture(400, seed + i));
   return out;
 }
 
-void print(const bench::Program& program, const Result& r, double other_s) {
-  std::printf("%-26s %6zu %9.3f %7.1f %8.5f %8.5f %8.5f", program.name.c_str(), r.moves, r.seconds,
-              r.length / r.seconds, r.vel, r.acc, r.jerk);
-  if (other_s > 0)
-    std::printf(" %7.3f", r.seconds / other_s);
-  else
-    std::printf(" %7s", "");
-  std::printf(" %8.2f %8.2f%s\n", r.planner_s * 1e6 / static_cast<double>(r.moves),
-              r.servo_s * 1e6 / static_cast<double>(r.cycles), r.faults > 0 ? "  FAULT" : "");
+bool within(const bench::RunResult& r, double p_mm) {
+  return r.faults == 0 && r.vel <= 1.0001 && r.acc <= 1.001 && r.jerk <= 1.01 &&
+         r.deviation <= p_mm + 1e-6;
+}
+
+double servo_us(const bench::RunResult& r) {
+  return r.servo_s * 1e6 / static_cast<double>(std::max<std::size_t>(r.timed, 1));
+}
+
+int acceleration_limited(std::vector<Entry>& entries, std::uint64_t seed) {
+  int bad = 0;
+  double worst = 0;
+  std::printf(
+      "Limited in acceleration. Goal: time at most 1.03 of the optimum (same curve, grid 8 times "
+      "finer, limits at nodes only).\n"
+      "%-26s %6s %8s %6s %8s %6s %8s %8s %8s %9s %7s %7s\n",
+      "program", "moves", "time s", "mm/s", "optimum", "ratio", "/ floor", "v share", "a share",
+      "off mm", "us/move", "us/cyc");
+  for (Entry& e : entries) {
+    const bench::RunResult r = bench::run(e.program, {0, false, seed, true});
+    e.seconds = r.seconds;
+    const double best = bench::optimum(e.program), floor = bench::feed_floor(e.program);
+    const bool ok = within(r, e.program.p_mm);
+    worst = std::max(worst, r.seconds / best);
+    std::printf("%-26s %6zu %8.3f %6.1f %8.3f %6.3f %8.3f %8.5f %8.5f %9.6f %7.1f %7.2f%s\n",
+                e.program.name.c_str(), r.moves, r.seconds, r.length / r.seconds, best,
+                r.seconds / best, r.seconds / floor, r.vel, r.acc, r.deviation,
+                r.planner_s * 1e6 / static_cast<double>(r.moves), servo_us(r),
+                ok ? "" : "  PASSED A LIMIT");
+    std::fflush(stdout);
+    bad += ok ? 0 : 1;
+  }
+  std::printf("worst ratio to the optimum %.3f\n", worst);
+  return bad;
+}
+
+int jerk_limited(const std::vector<Entry>& entries, std::uint64_t seed) {
+  int bad = 0;
+  std::printf(
+      "\nLimited in jerk, %g mm/s3. Goal: at most 1.45 of the time above; servo cycle at most 1.5 "
+      "us.\n"
+      "%-26s %6s %8s %6s %6s %8s %8s %8s %9s %7s %7s\n",
+      kJerk, "program", "moves", "time s", "mm/s", "ratio", "v share", "a share", "j share",
+      "off mm", "us/move", "us/cyc");
+  for (const Entry& e : entries) {
+    const bench::RunResult r = bench::run(e.program, {kJerk, false, seed, true});
+    const bool ok = within(r, e.program.p_mm);
+    std::printf("%-26s %6zu %8.3f %6.1f %6.3f %8.5f %8.5f %8.5f %9.6f %7.1f %7.2f%s\n",
+                e.program.name.c_str(), r.moves, r.seconds, r.length / r.seconds,
+                r.seconds / e.seconds, r.vel, r.acc, r.jerk, r.deviation,
+                r.planner_s * 1e6 / static_cast<double>(r.moves), servo_us(r),
+                ok ? "" : "  PASSED A LIMIT");
+    std::fflush(stdout);
+    bad += ok ? 0 : 1;
+  }
+  return bad;
+}
+
+int overridden(const std::vector<Entry>& entries, std::uint64_t seed) {
+  int bad = 0;
+  for (const double jerk : {0.0, kJerk}) {
+    bench::RunResult worst;
+    for (const Entry& e : entries) {
+      const bench::RunResult r = bench::run(e.program, {jerk, true, seed, true});
+      worst.vel = std::max(worst.vel, r.vel);
+      worst.acc = std::max(worst.acc, r.acc);
+      worst.jerk = std::max(worst.jerk, r.jerk);
+      worst.cycles += r.cycles;
+      bad += within(r, e.program.p_mm) ? 0 : 1;
+    }
+    std::printf(
+        "\nFeed override 5 to 200 %% at random, limited in %s: %zu cycles, largest shares v %.5f a "
+        "%.5f j %.5f\n",
+        jerk > 0 ? "jerk" : "acceleration", worst.cycles, worst.vel, worst.acc, worst.jerk);
+    std::fflush(stdout);
+  }
+  return bad;
+}
+
+/// The least speed in a corner against that of a parabola that stays within P and uses the whole of the joint limits.
+void corners() {
+  constexpr double kP = 0.05, kLeg = 40, kFeed = 190;
+  std::printf(
+      "\nCorners, P%g. Goal: at least 0.95 of a parabola within P at the joint limits.\n%8s %10s "
+      "%10s %7s %12s\n",
+      kP, "degrees", "ours mm/s", "parabola", "ratio", "with jerk");
+  for (const double degrees : {30.0, 60.0, 90.0, 120.0, 150.0}) {
+    const bench::Program program = bench::corner(degrees, kLeg, kP, kFeed);
+    const double turn = degrees * std::numbers::pi / 180;
+    const double dx = std::abs(std::cos(turn) - 1), dy = std::sin(turn), kink = std::hypot(dx, dy);
+    // q'' = kink / 2l over [-l, l]: off by kink l / 4 at the corner, where |q'| is cos(turn / 2).
+    const double l = 4 * kP / kink;
+    const double parabola = std::sqrt(2 * l * kAcc / std::max(dx, dy)) * std::cos(turn / 2);
+    const double ours = bench::run(program, {}).slowest;
+    const double jerk = bench::run(program, {kJerk}).slowest;
+    std::printf("%8.0f %10.2f %10.2f %7.3f %12.2f\n", degrees, ours, parabola, ours / parabola,
+                jerk);
+  }
+}
+
+void exact_stops() {
+  const bench::Program program = bench::zigzag(0, 100);
+  std::printf("\nExact stops. Goal: at most 1.03 of the closed form.\n");
+  for (const double jerk : {0.0, kJerk}) {
+    const double ours = bench::run(program, {jerk}).seconds,
+                 form = bench::stops_closed_form(program, jerk);
+    std::printf("limited in %-12s %8.3f s, closed form %8.3f s, ratio %.4f\n",
+                jerk > 0 ? "jerk" : "acceleration", ours, form, ours / form);
+  }
+}
+
+int repeats(std::uint64_t seed) {
+  int bad = 0;
+  for (const double jerk : {0.0, kJerk}) {
+    const bench::Program program = bench::mixture(400, seed);
+    const std::uint64_t first = bench::run(program, {jerk, true, seed}).hash;
+    for (int i = 2; i <= 5; ++i)
+      bad += bench::run(program, {jerk, true, seed}).hash == first ? 0 : 1;
+  }
+  std::printf("\nFive runs of one program are %s\n", bad == 0 ? "equal bit for bit" : "NOT EQUAL");
+  return bad;
+}
+
+void throughput(bool quick, std::uint64_t seed) {
+  const bench::Program program = bench::freeform(quick ? 5000 : 50000, 0.01, 100, seed);
+  std::printf("\nPlanning of short segments. Goal: at least 20 000 a second.\n");
+  for (const double jerk : {0.0, kJerk}) {
+    const bench::RunResult r = bench::run(program, {jerk});
+    std::printf("limited in %-12s %8.0f segments/s\n", jerk > 0 ? "jerk" : "acceleration",
+                static_cast<double>(r.moves) / r.planner_s);
+  }
 }
 
 int main_of(int argc, char** argv) {
-  std::uint64_t seed = 1;
+  std::uint64_t seed = 1, count = 0;
   bool quick = false;
   for (int i = 1; i < argc; ++i) {
-    if (std::strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
+    const bool value = i + 1 < argc;
+    if (std::strcmp(argv[i], "--seed") == 0 && value) {
       seed = std::strtoull(argv[++i], nullptr, 10);
+    } else if (std::strcmp(argv[i], "--count") == 0 && value) {
+      count = std::strtoull(argv[++i], nullptr, 10);
     } else if (std::strcmp(argv[i], "--quick") == 0) {
       quick = true;
     } else {
       std::puts(
-          "Usage: planner_bench [--seed N] [--quick]\n"
-          "Times of generated programs, the share of the joint limits they use, and what planning "
-          "costs.");
+          "Usage: planner_bench [--seed N] [--quick] [--count CYCLES]\n"
+          "Times of generated programs beside their optima, the shares of the joint limits they "
+          "use, and what planning costs.\n"
+          "--count: random programs with overrides, holds, aborts and resumes for that many servo "
+          "cycles.");
       return std::strcmp(argv[i], "--help") == 0 ? 0 : 2;
     }
   }
-  std::vector<bench::Program> programs;
-  programs.push_back(bench::freeform(quick ? 2000 : 20000, 0.01, 100, seed));
-  for (const double p : {0.01, 0.1, 1.0}) programs.push_back(bench::arc_spiral(p, 80));
-  for (const double p : {0.01, 0.1}) programs.push_back(bench::helical_arcs(p, 80));
-  for (const double p : {0.05, 0.0}) programs.push_back(bench::zigzag(p, 100));
-  programs.push_back(bench::fractal(quick ? 4 : 6, 0.5, 0.05, 100));
-  programs.push_back(bench::four_axis(quick ? 100 : 1000, 0.02, 100, false, seed));
-  programs.push_back(bench::four_axis(quick ? 100 : 1000, 0.02, 100, true, seed));
-  for (std::uint64_t i = 0; i < (quick ? 2 : 12); ++i)
-    programs.push_back(bench::mixture(400, seed + i));
-  int bad = 0;
-  std::vector<double> seconds(programs.size());
-  for (const double jerk : {0.0, kJerk}) {
-    for (const bool replan : {false, true}) {
-      std::printf("\n%s, %s\n%-26s %6s %9s %7s %8s %8s %8s %7s %8s %8s\n",
-                  jerk > 0 ? "limited in jerk" : "limited in acceleration",
-                  replan ? "feed override 5..200 %, changed at random" : "feed override 100 %",
-                  "program", "moves", "time s", "mm/s", "v share", "a share", "j share", "ratio",
-                  "us/move", "us/cycle");
-      for (std::size_t i = 0; i < programs.size(); ++i) {
-        const Result r = run(programs[i], replan, jerk, seed);
-        if (jerk <= 0 && !replan) seconds[i] = r.seconds;
-        print(programs[i], r, jerk > 0 && !replan ? seconds[i] : 0);
-        std::fflush(stdout);
-        if (r.faults > 0 || r.vel > 1.0001 || r.acc > 1.001 || r.jerk > 1.01) ++bad;
-      }
-    }
+  if (count > 0) {
+    const bench::CampaignResult r = bench::campaign(count, seed);
+    bench::print(r);
+    return r.exceptions == 0 ? 0 : 1;
   }
+  std::vector<Entry> entries = families(quick, seed);
+  int bad = acceleration_limited(entries, seed);
+  bad += jerk_limited(entries, seed);
+  corners();
+  exact_stops();
+  throughput(quick, seed);
+  bad += repeats(seed);
+  bad += overridden(entries, seed);
   return bad == 0 ? 0 : 1;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "bench/motion/campaign.hpp"
 #include "bench/motion/families.hpp"
 #include "property/motion/random_program.hpp"
 
@@ -68,6 +69,17 @@ TEST(Families, KeepJerkLimitsUnderChangingOverrides) {
     run(bench::fractal(4, 0.5, 0.05, 100), seed, jerk);
     run(bench::four_axis(60, 0.02, 100, i % 2 == 0, seed), seed, jerk);
   }
+}
+
+/// With holds, aborts and resumes; KERF_COUNT=10000 are ten million cycles.
+TEST(Families, ACampaignHasNoException) {
+  const auto cycles = static_cast<std::uint64_t>(motion::test::property_count(120)) * 1000;
+  const bench::CampaignResult r = bench::campaign(cycles, 1);
+  EXPECT_EQ(r.exceptions, 0U) << "first: seed " << r.bad_seed;
+  EXPECT_GT(r.aborts, 0U);
+  EXPECT_LE(r.vel, 1.0001);
+  EXPECT_LE(r.acc, 1.001);
+  EXPECT_LE(r.jerk, 1.01);
 }
 
 /// An arc at its largest centripetal acceleration and a rapid met at a fraction of its override: both once passed a limit.

@@ -159,7 +159,9 @@ struct Rig {
     item.tag.id = seq;
     item.tag.line = line == 0 ? static_cast<int>(seq) : line;
     item.body = body;
-    return path->push(item);
+    const bool pushed = path->push(item);
+    if (!pushed) --seq;
+    return pushed;
   }
   bool line(const Pose& end, double vel, MotionKind kind = MotionKind::feed) {
     LinearMove m;

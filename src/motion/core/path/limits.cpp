@@ -6,6 +6,7 @@ namespace kerf::motion::path {
 namespace {
 
 constexpr int kPerCubic = 4;
+constexpr double kSharpTurn = 0.1;         ///< of q' within one cubic
 constexpr double kArcStep = 0.05;          ///< rad
 constexpr double kLongestStretch = 0.02;   ///< s at the programmed feed
 constexpr int kLeastPerArc = 4;            ///< an arc between two stops speeds up and brakes
@@ -119,8 +120,12 @@ int divisions(const Piece& piece) noexcept {
     const double n = std::max(sweep / kArcStep, piece.feed.rapid ? 0.0 : seconds / kLongestStretch);
     return std::max(kLeastPerArc, static_cast<int>(std::min(n, 1e5)) + 1);
   }
-  return piece.feed.rapid ? kPerCubic
-                          : std::clamp(static_cast<int>(seconds / kShortestStretch), 1, kPerCubic);
+  // A sharp corner is driven far below the feed.
+  const double turn =
+      piece.length * std::max(max_abs(piece.second(0)), max_abs(piece.second(piece.length)));
+  return piece.feed.rapid || turn > kSharpTurn
+             ? kPerCubic
+             : std::clamp(static_cast<int>(seconds / kShortestStretch), 1, kPerCubic);
 }
 
 }  // namespace kerf::motion::path

@@ -1,0 +1,105 @@
+#include "bench/motion/campaign.hpp"
+
+#include <cstdio>
+#include <random>
+
+#include "bench/motion/families.hpp"
+#include "property/motion/random_program.hpp"
+
+namespace kerf::bench {
+namespace {
+
+using motion::test::Rig;
+
+/// A program that takes longer has come to a halt somewhere.
+constexpr std::uint64_t kMostCycles = 400'000;
+
+Program random_program(std::uint64_t seed) {
+  switch (seed % 8) {
+    case 0: return freeform(600, 0.01, 100, seed);
+    case 1: return arc_spiral(0.1, 80);
+    case 2: return fractal(4, 0.5, 0.05, 100);
+    case 3: return four_axis(60, 0.02, 100, seed % 16 < 8, seed);
+    case 4: return helical_arcs(0.01, 80);
+    case 5: return zigzag(seed % 16 < 8 ? 0.05 : 0.0, 150);
+    default: return mixture(100, seed);
+  }
+}
+
+double jerk_of(std::uint64_t seed) {
+  constexpr double kJerks[] = {0, 50000, 0, 5000, 0, 1e6};
+  return kJerks[(seed / 8) % 6];
+}
+
+void run_one(std::uint64_t seed, CampaignResult& total) {
+  const Program program = random_program(seed);
+  Rig rig({0, 1, 2, 3});
+  reference_machine(rig.config);
+  for (auto& j : rig.config.joint) j.max_jerk = jerk_of(seed);
+  rig.config.max_feed_override = 2;
+  rig.apply_config();
+  rig.ready();
+  motion::test::Oracle oracle;
+  std::mt19937_64 random(seed);
+  std::size_t next = 0;
+  bool aborting = false;
+  std::uint64_t cycle = 0;
+  for (; cycle < kMostCycles && rig.faults.empty(); ++cycle) {
+    while (!aborting && next < program.items.size() && rig.push(program.items[next])) ++next;
+    if (random() % 150 == 0) {
+      rig.intent.feed_override = 0.03 + static_cast<double>(random() % 1000) / 512.0;
+      ++total.overrides;
+    }
+    if (random() % 200 == 0)
+      rig.intent.rapid_override = 0.05 + static_cast<double>(random() % 900) / 1000.0;
+    if (random() % (rig.orders.hold ? 60 : 700) == 0) {
+      rig.orders.hold = !rig.orders.hold;
+      if (rig.orders.hold) ++total.holds;
+    }
+    if (!aborting && random() % 4000 == 0) {
+      rig.abort();
+      aborting = true;
+      ++total.aborts;
+    }
+    rig.cycle();
+    oracle.watch(rig);
+    // After an abort the rest of the program starts from where the machine stands.
+    if (aborting && rig.status().vel_mm_s == 0 && rig.path->empty() && rig.status().path_empty &&
+        random() % 20 == 0)
+      aborting = false;
+    if (!aborting && next == program.items.size() && rig.status().path_empty && rig.path->empty())
+      break;
+  }
+  const bool bad = !rig.faults.empty() || cycle >= kMostCycles || oracle.vel > 1.0001 ||
+                   oracle.acc > 1.001 || oracle.jerk > 1.01;
+  if (bad && total.exceptions++ == 0) total.bad_seed = seed;
+  total.cycles += cycle;
+  ++total.programs;
+  total.vel = std::max(total.vel, oracle.vel);
+  total.acc = std::max(total.acc, oracle.acc);
+  total.jerk = std::max(total.jerk, oracle.jerk);
+}
+
+}  // namespace
+
+CampaignResult campaign(std::uint64_t cycles, std::uint64_t seed) {
+  CampaignResult total;
+  for (std::uint64_t n = seed; total.cycles < cycles; ++n) run_one(n, total);
+  return total;
+}
+
+void print(const CampaignResult& r) {
+  std::printf(
+      "%llu cycles, %llu programs, %llu overrides, %llu holds, %llu aborts\n"
+      "largest shares of a joint limit: velocity %.6f acceleration %.6f jerk %.6f\n"
+      "exceptions: %llu",
+      static_cast<unsigned long long>(r.cycles), static_cast<unsigned long long>(r.programs),
+      static_cast<unsigned long long>(r.overrides), static_cast<unsigned long long>(r.holds),
+      static_cast<unsigned long long>(r.aborts), r.vel, r.acc, r.jerk,
+      static_cast<unsigned long long>(r.exceptions));
+  if (r.exceptions > 0)
+    std::printf(" (first: --seed %llu --count 1)", static_cast<unsigned long long>(r.bad_seed));
+  std::printf("\n");
+}
+
+}  // namespace kerf::bench

@@ -1,0 +1,374 @@
+#include "bench/motion/runs.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <random>
+
+#include "motion/core/path/reach.hpp"
+#include "unit/motion/rig.hpp"
+
+namespace kerf::bench {
+namespace {
+
+using motion::Pose;
+using motion::test::Rig;
+namespace path = motion::path;
+
+constexpr std::size_t kJoints = 4;
+/// A cycle that took longer was interrupted by the system.
+constexpr double kInterrupted = 50e-6;
+/// How many moves before and behind the one in execution are looked at for the distance.
+constexpr int kNear = 30;
+/// Nobody is that far from the path (mm).
+constexpr double kFar = 1;
+constexpr int kFiner = 8;
+constexpr int kStraightSteps = 256;
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Of this thread alone: whatever else the machine does.
+double processor_now() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec) * 1e-9;
+}
+
+void set_up(Rig& rig, double jerk) {
+  reference_machine(rig.config);
+  for (auto& j : rig.config.joint) j.max_jerk = jerk;
+  rig.config.max_feed_override = 2;
+  rig.apply_config();
+  rig.ready();
+}
+
+/// One programmed move in XYZ.
+struct Programmed {
+  bool arc{false};
+  double from[3]{}, to[3]{};
+  double centre[2]{}, radius{0}, angle{0}, sweep{0};
+};
+
+double distance_to_arc(const Programmed& m, const double p[3]) {
+  const double whole = std::abs(m.sweep), sign = m.sweep < 0 ? -1 : 1;
+  const auto at = [&](double turn) {
+    const double angle = m.angle + sign * turn;
+    return std::hypot(p[0] - m.centre[0] - m.radius * std::cos(angle),
+                      p[1] - m.centre[1] - m.radius * std::sin(angle),
+                      p[2] - m.from[2] - (m.to[2] - m.from[2]) * turn / whole);
+  };
+  constexpr int kSamples = 24, kRounds = 40;
+  int best = 0;
+  for (int i = 1; i <= kSamples; ++i)
+    if (at(whole * i / kSamples) < at(whole * best / kSamples)) best = i;
+  double low = whole * std::max(0, best - 1) / kSamples,
+         high = whole * std::min(kSamples, best + 1) / kSamples;
+  for (int i = 0; i < kRounds; ++i) {
+    const double a = low + (high - low) * 0.382, b = low + (high - low) * 0.618;
+    (at(a) < at(b) ? high : low) = at(a) < at(b) ? b : a;
+  }
+  return at((low + high) / 2);
+}
+
+double distance_to(const Programmed& m, const double p[3]) {
+  if (m.arc) {
+    // In its plane: a bound that most of the time is good enough to see that it is not the nearest.
+    const double r = std::hypot(p[0] - m.centre[0], p[1] - m.centre[1]);
+    const double far = std::abs(r - m.radius);
+    return far > kFar ? far : distance_to_arc(m, p);
+  }
+  double along = 0, square = 0;
+  for (int i = 0; i < 3; ++i) {
+    along += (p[i] - m.from[i]) * (m.to[i] - m.from[i]);
+    square += (m.to[i] - m.from[i]) * (m.to[i] - m.from[i]);
+  }
+  const double t = square > 0 ? std::clamp(along / square, 0.0, 1.0) : 0.0;
+  double off = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double d = p[i] - m.from[i] - t * (m.to[i] - m.from[i]);
+    off += d * d;
+  }
+  return std::sqrt(off);
+}
+
+std::vector<Programmed> programmed(const Program& program) {
+  std::vector<Programmed> out;
+  Pose at;
+  for (const auto& item : program.items) {
+    Programmed m;
+    const auto set = [&](const Pose& end) {
+      m.from[0] = at.x, m.from[1] = at.y, m.from[2] = at.z;
+      m.to[0] = end.x, m.to[1] = end.y, m.to[2] = end.z;
+    };
+    if (const auto* line = std::get_if<motion::LinearMove>(&item)) {
+      set(line->end);
+      at = line->end;
+    } else if (const auto* arc = std::get_if<motion::ArcMove>(&item)) {
+      set(arc->end);
+      m.arc = true;
+      m.centre[0] = arc->centre[0], m.centre[1] = arc->centre[1];
+      m.radius = std::hypot(at.x - arc->centre[0], at.y - arc->centre[1]);
+      m.angle = std::atan2(at.y - arc->centre[1], at.x - arc->centre[0]);
+      const double end = std::atan2(arc->end.y - arc->centre[1], arc->end.x - arc->centre[0]);
+      const double sign = arc->normal[2] < 0 ? -1 : 1;
+      double turn = (end - m.angle) * sign;
+      turn -= 2 * M_PI * std::floor(turn / (2 * M_PI));
+      if (turn < 1e-9) turn = 2 * M_PI;
+      m.sweep = turn * sign;
+      at = arc->end;
+    } else {
+      set(at);
+    }
+    out.push_back(m);
+  }
+  return out;
+}
+
+}  // namespace
+
+RunResult run(const Program& program, const RunOptions& options) {
+  Rig rig({0, 1, 2, 3});
+  set_up(rig, options.jerk);
+  RunResult out;
+  const std::vector<Programmed> moves =
+      options.deviation ? programmed(program) : std::vector<Programmed>{};
+  std::mt19937_64 random(options.seed);
+  std::size_t next = 0, first_move = 0, last_move = 0;
+  double p1[kJoints]{}, p2[kJoints]{}, p3[kJoints]{};
+  constexpr double kT = Rig::kPeriod;
+  Pose before = rig.status().pos_cmd;
+  const std::uint64_t seq0 = rig.seq;
+  std::vector<float> speeds;
+  out.hash = 1469598103934665603U;
+  while (true) {
+    while (next < program.items.size() && rig.push(program.items[next])) ++next;
+    if (options.overrides && random() % 200 == 0)
+      rig.intent.feed_override = 0.05 + static_cast<double>(random() % 1000) / 512.0;
+    const double t0 = processor_now();
+    while (rig.planner.run(*rig.path, rig.controller->view(), 1, rig.now_ns) ==
+           motion::Planner::Waits::turn) {
+    }
+    out.planner_s += processor_now() - t0;
+    rig.plan = false;
+    const double t1 = seconds_now();
+    rig.cycle();
+    const double servo = seconds_now() - t1;
+    if (servo < kInterrupted) {
+      out.servo_s += servo;
+      ++out.timed;
+    }
+    const auto& s = rig.status();
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double p = s.joint[j].pos_cmd;
+      const auto& limit = rig.config.joint[j];
+      if (out.cycles > 1) {
+        out.vel = std::max(out.vel, std::abs(p - p1[j]) / kT / limit.max_vel);
+        out.acc = std::max(out.acc, std::abs(p - 2 * p1[j] + p2[j]) / (kT * kT) / limit.max_acc);
+      }
+      if (out.cycles > 2 && options.jerk > 0)
+        out.jerk = std::max(
+            out.jerk, std::abs(p - 3 * p1[j] + 3 * p2[j] - p3[j]) / (kT * kT * kT) / options.jerk);
+      out.hash = (out.hash ^ std::bit_cast<std::uint64_t>(p)) * 1099511628211U;
+      p3[j] = p2[j];
+      p2[j] = p1[j];
+      p1[j] = p;
+    }
+    const double step =
+        std::hypot(s.pos_cmd.x - before.x, s.pos_cmd.y - before.y, s.pos_cmd.z - before.z);
+    out.length += step;
+    if (!(s.pos_cmd == before)) {
+      if (first_move == 0) first_move = out.cycles;
+      last_move = out.cycles;
+      speeds.push_back(static_cast<float>(step / kT));
+    }
+    before = s.pos_cmd;
+    if (options.deviation && s.current_seq > seq0) {
+      const double p[3] = {s.pos_cmd.x, s.pos_cmd.y, s.pos_cmd.z};
+      const int at = static_cast<int>(s.current_seq - seq0) - 1;
+      double least = 1e9;
+      for (int i = std::max(0, at - kNear);
+           i < std::min(static_cast<int>(moves.size()), at + kNear); ++i)
+        least = std::min(least, distance_to(moves[static_cast<std::size_t>(i)], p));
+      out.deviation = std::max(out.deviation, least);
+    }
+    ++out.cycles;
+    if (next == program.items.size() && s.executed_seq == rig.seq && s.path_empty) break;
+    if (out.cycles > 3'000'000 || !rig.faults.empty()) break;
+  }
+  out.seconds = static_cast<double>(last_move - first_move + 1) * kT;
+  out.moves = program.items.size() - 1;
+  out.faults = rig.faults.size();
+  if (!speeds.empty()) {
+    const auto quarter = static_cast<std::ptrdiff_t>(speeds.size() / 4);
+    out.slowest = *std::min_element(speeds.begin() + quarter, speeds.end() - quarter);
+  }
+  return out;
+}
+
+namespace {
+
+/// A node of the fine grid: limits there, and the way to the next one.
+struct Node {
+  path::Vec slope, bend;
+  double cap{0}, way{0};
+  bool stands{false};
+};
+
+/// The curve as the planner sends it.
+std::vector<Node> curve_of(const Program& program, path::AxisLimits& limits) {
+  Rig rig({0, 1, 2, 3});
+  set_up(rig, 0);
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    const bool there = i < kJoints;
+    limits.vel[i] = there ? rig.config.joint[i].max_vel : path::kNoLimit;
+    limits.acc[i] = there ? rig.config.joint[i].max_acc : path::kNoLimit;
+  }
+  std::vector<Node> nodes;
+  std::size_t next = 0;
+  const auto take = [&](const motion::PathSpan& span) {
+    if (span.point) return;
+    const int steps = span.piece.straight() ? kStraightSteps : kFiner;
+    for (int k = 0; k < steps; ++k) {
+      Node n;
+      const double s = span.from + span.length * k / steps;
+      n.slope = span.piece.first(s);
+      n.bend = span.piece.second(s);
+      n.way = span.length / steps;
+      n.cap = path::kNoLimit;
+      for (std::size_t i = 0; i < kJoints; ++i)
+        if (n.slope[i] != 0) n.cap = std::min(n.cap, std::pow(limits.vel[i] / n.slope[i], 2));
+      const auto& feed = span.piece.feed;
+      if (feed.speed < path::kNoLimit) {
+        const double rate =
+            feed.metric < 0 ? 1 : path::norm3(n.slope, static_cast<std::size_t>(feed.metric));
+        if (rate > 0) n.cap = std::min(n.cap, std::pow(feed.speed / rate, 2));
+      }
+      nodes.push_back(n);
+    }
+    if (span.stop_at_end) nodes.back().stands = true;
+  };
+  for (int idle = 0; idle < 300;) {
+    while (next < program.items.size() && rig.push(program.items[next])) ++next;
+    const auto waits = rig.planner.run(*rig.path, rig.controller->view(), 1, rig.now_ns);
+    bool any = false;
+    while (const motion::Span* span = rig.spans->front()) {
+      if (const auto* move = std::get_if<motion::PathSpan>(&span->body)) take(*move);
+      rig.spans->pop();
+      any = true;
+    }
+    if (waits != motion::Planner::Waits::turn && next == program.items.size())
+      rig.now_ns += 1'000'000;
+    idle = any || next < program.items.size() ? 0 : idle + 1;
+  }
+  return nodes;
+}
+
+/// |slope u + bend x0| <= acc at the node, u = (x1 - x0) / (2 way).
+void rows_at(const Node& n, const path::AxisLimits& limits, path::Rows& rows) {
+  rows.count = 0;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const double p = n.slope[i] / (2 * n.way) / limits.acc[i], e = n.bend[i] / limits.acc[i];
+    if (p != 0 || e != 0) rows.at[rows.count++] = {e - p, p};
+  }
+}
+
+}  // namespace
+
+double optimum(const Program& program) {
+  path::AxisLimits limits;
+  const std::vector<Node> nodes = curve_of(program, limits);
+  const std::size_t n = nodes.size();
+  if (n == 0) return 0;
+  std::vector<double> most(n + 1, 0.0);
+  path::Rows rows;
+  for (std::size_t i = n; i-- > 0;) {
+    rows_at(nodes[i], limits, rows);
+    const double end = nodes[i].stands ? 0.0 : most[i + 1];
+    most[i] = std::min(nodes[i].cap, path::largest_x0(rows.all(), end));
+  }
+  double x = 0, seconds = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    rows_at(nodes[i], limits, rows);
+    const double end = nodes[i].stands ? 0.0 : most[i + 1];
+    const path::Range range = path::range_of_x1(rows.all(), x, true);
+    const double x1 = std::clamp(end, 0.0, std::max(range.high, 0.0));
+    const double sum = std::sqrt(x) + std::sqrt(x1);
+    if (sum > 0) seconds += 2 * nodes[i].way / sum;
+    x = x1;
+  }
+  return seconds;
+}
+
+double feed_floor(const Program& program) {
+  motion::MachineConfig config;
+  reference_machine(config);
+  double seconds = 0;
+  const std::vector<Programmed> moves = programmed(program);
+  Pose at;
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    const Programmed& m = moves[i];
+    double feed = 0;
+    Pose end = at;
+    if (const auto* line = std::get_if<motion::LinearMove>(&program.items[i])) {
+      feed = line->vel_mm_s;
+      end = line->end;
+    } else if (const auto* arc = std::get_if<motion::ArcMove>(&program.items[i])) {
+      feed = arc->vel_mm_s;
+      end = arc->end;
+    }
+    const double flat =
+        m.arc ? m.radius * std::abs(m.sweep) : std::hypot(m.to[0] - m.from[0], m.to[1] - m.from[1]);
+    double length = std::hypot(flat, m.to[2] - m.from[2]);
+    if (length == 0) length = std::abs(end.a - at.a);
+    double least = feed > 0 ? length / feed : 0.0;
+    if (!m.arc)
+      for (std::size_t j = 0; j < kJoints; ++j)
+        least = std::max(least, std::abs(end[j] - at[j]) / config.joint[j].max_vel);
+    seconds += least;
+    at = end;
+  }
+  return seconds;
+}
+
+double stops_closed_form(const Program& program, double jerk) {
+  motion::MachineConfig config;
+  reference_machine(config);
+  double seconds = 0;
+  Pose at;
+  for (const auto& item : program.items) {
+    const auto* line = std::get_if<motion::LinearMove>(&item);
+    if (line == nullptr) continue;
+    const double d[3] = {line->end.x - at.x, line->end.y - at.y, line->end.z - at.z};
+    at = line->end;
+    const double length = std::hypot(d[0], d[1], d[2]);
+    if (length == 0) continue;
+    double v = line->vel_mm_s, a = 1e99, j = jerk > 0 ? 1e99 : 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double share = std::abs(d[i]) / length;
+      if (share == 0) continue;
+      v = std::min(v, config.joint[i].max_vel / share);
+      a = std::min(a, config.joint[i].max_acc / share);
+      if (jerk > 0) j = std::min(j, jerk / share);
+    }
+    // From 0 to v, and the way up and down again.
+    const auto ramp = [&](double speed) {
+      if (jerk <= 0) return speed / a;
+      return speed * j >= a * a ? speed / a + a / j : 2 * std::sqrt(speed / j);
+    };
+    double low = 0, high = v;
+    for (int k = 0; k < 80 && v * ramp(v) > length; ++k) {
+      const double middle = (low + high) / 2;
+      (middle * ramp(middle) <= length ? low : high) = middle;
+      if (k == 79) v = low;
+    }
+    seconds += 2 * ramp(v) + (length - v * ramp(v)) / v;
+  }
+  return seconds;
+}
+
+}  // namespace kerf::bench

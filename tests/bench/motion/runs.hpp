@@ -1,0 +1,44 @@
+// Runs: a program driven through planner and servo cycle without HAL, one millisecond a cycle, and what was measured on the way.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bench/motion/families.hpp"
+
+namespace kerf::bench {
+
+struct RunOptions {
+  double jerk{0};         ///< of every joint [mm/s3, deg/s3]; 0: limited in acceleration only
+  bool overrides{false};  ///< the feed override changes at random, 5 to 200 %
+  std::uint64_t seed{1};
+  bool deviation{false};  ///< measure it too, which costs time
+};
+
+struct RunResult {
+  double seconds{0};  ///< from the first movement to the last
+  double length{0};   ///< driven in XYZ [mm]
+  double vel{0}, acc{0},
+      jerk{0};  ///< largest share of a joint limit, by differences of the commanded positions
+  double deviation{0};  ///< from the programmed path in XYZ [mm]
+  double planner_s{0};
+  double servo_s{
+      0};  ///< of `timed` cycles; those in which the system took the processor away are left out
+  double slowest{0};  ///< mm/s, the least speed in the middle half of the run
+  std::size_t moves{0}, cycles{0}, timed{0}, faults{0};
+  std::uint64_t hash{0};  ///< of all commanded positions
+};
+
+[[nodiscard]] RunResult run(const Program& program, const RunOptions& options);
+
+/// The least time on the very curve that the planner has made of the program, by velocity and acceleration limits and feeds: a grid eight
+/// times finer than the planner's, limits at its nodes only, one backward and one forward pass.
+[[nodiscard]] double optimum(const Program& program);
+
+/// Length of all moves over their feeds; rapids over what the axes can do.
+[[nodiscard]] double feed_floor(const Program& program);
+
+/// The sum of the closed forms of all moves driven from stop to stop; straight moves only.
+[[nodiscard]] double stops_closed_form(const Program& program, double jerk);
+
+}  // namespace kerf::bench
