@@ -131,6 +131,7 @@ class SetupReader {
     const double linear = s.linear_unit_mm;
     m.traj_max_vel_mm_s = r_.real("TRAJ", "MAX_LINEAR_VELOCITY", 1e9) * linear;
     m.traj_max_acc_mm_s2 = r_.real("TRAJ", "MAX_LINEAR_ACCELERATION", 1e9) * linear;
+    m.rotary_tolerance_deg = std::max(0.0, r_.real("TRAJ", "ROTARY_TOLERANCE"));
     m.traj_max_jerk_mm_s3 = std::max(0.0, r_.real("TRAJ", "MAX_LINEAR_JERK")) * linear;
     m.traj_max_ang_vel_deg_s = r_.real("TRAJ", "MAX_ANGULAR_VELOCITY", 1e9) * s.angular_unit_deg;
     s.default_vel_mm_s = r_.real("TRAJ", "DEFAULT_LINEAR_VELOCITY") * linear;

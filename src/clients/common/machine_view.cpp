@@ -225,7 +225,7 @@ void MachineView::fill_motion() {
   s.current_vel = from_mm(m.vel_mm_s);
   s.distance_to_go = from_mm(m.distance_to_go);
   s.delay_left = m.dwell_left_s;
-  s.position = from_pose(m.pos_cmd);
+  s.position = from_pose(m.pos_cmd + m.external_offset);
   s.actual_position = from_pose(m.pos_fb);
   s.probed_position = from_pose(m.probed);
   s.dtg = from_pose(m.distance_to_go_axes);

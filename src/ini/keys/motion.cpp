@@ -67,6 +67,10 @@ constexpr Key kTrajRows[] = {
         "PLANNER_TYPE", "0 1",
         "0 limits acceleration only, 1 jerk too; without it jerk limits count where they are given")
         .otherwise_as("1"),
+    real("ROTARY_TOLERANCE", "how far G64 may leave the programmed place of a rotary axis")
+        .unit("degrees")
+        .from(0)
+        .otherwise_as("as many degrees as P has mm"),
     real("SCURVE_PEAK_SCALE", "part of the jerk that S-curves use")
         .from(0.1)
         .to(1)
@@ -140,8 +144,7 @@ constexpr Key kAxisRows[] = {
          "external offsets: their share of the axis' velocity and acceleration, 0 none")
         .from(0)
         .to(0.9)
-        .otherwise("0")
-        .no("not yet: external offsets (pins axis.L.eoffset are there and do nothing)"),
+        .otherwise("0"),
     real("HOME", "where the axis is after homing").idle("without effect: [JOINT_n]HOME says it"),
     text("TYPE", "").no("from before LinuxCNC 2.8: TYPE stands in [JOINT_n]"),
 };

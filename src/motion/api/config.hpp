@@ -78,7 +78,8 @@ struct MachineConfig {
   double traj_max_vel_mm_s{1};  ///< [TRAJ]MAX_LINEAR_VELOCITY
   double traj_max_ang_vel_deg_s{360};
   double traj_max_acc_mm_s2{1e9};
-  double traj_max_jerk_mm_s3{0};  ///< [TRAJ]MAX_LINEAR_JERK; 0: not limited
+  double traj_max_jerk_mm_s3{0};   ///< [TRAJ]MAX_LINEAR_JERK; 0: not limited
+  double rotary_tolerance_deg{0};  ///< [TRAJ]ROTARY_TOLERANCE; 0: as many degrees as G64 P has mm
   double linear_units_per_mm{
       1};  ///< machine units in 1 mm: pins and parameter files are in machine units
   double max_feed_override{1};      ///< [DISPLAY]MAX_FEED_OVERRIDE, bounds adaptive feed too

@@ -120,7 +120,9 @@ struct MotionStatus {
   bool sync_in_step{false};  ///< G33, G33.1, G76: the path is where the spindle wants it
   /// motion.switchkins-type asks for other kinematics than those in force, and they come as soon as the machine stands.
   bool kinematics_pending{false};
-  Pose pos_cmd, pos_fb;  ///< machine coordinates, mm and degrees
+  Pose pos_cmd,
+      pos_fb;  ///< machine coordinates, mm and degrees; the first without external offsets
+  Pose external_offset;  ///< what axis.L.eoffset-* add to pos_cmd
   Pose place;            ///< where the path stands: pos_cmd, unless `away`
   Pose tool_offset;
   Pose probed;  ///< where the probe tripped

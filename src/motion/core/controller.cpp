@@ -52,6 +52,14 @@ void Controller::configure(const MachineConfig& config) noexcept {
       limit.min_limit = std::max(limit.min_limit, c.min_limit);
       limit.max_limit = std::min(limit.max_limit, c.max_limit);
     }
+  }
+  offsets_.configure(axis_limit_, kinematics_.axis_mask());
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    AxisConfig& limit = axis_limit_[i];
+    const double rest = 1 - limit.offset_av_ratio;
+    limit.max_vel *= rest;
+    limit.max_acc *= rest;
+    limit.max_jerk *= rest;
     axis_[i].set_limits(std::max(limit.max_acc, 1e-6), limit.max_jerk);
   }
 }
@@ -112,7 +120,8 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
   for (std::size_t n = 0; n < kMaxSpindles; ++n)
     factors[n] =
         executor_.enables().spindle[n] ? std::max(orders.values->spindle_override[n], 0.0) : 1.0;
-  spindles_.step(in.spindle, factors, pose_.x - executor_.tool_offset().x, faults_);
+  spindles_.step(in.spindle, factors, pose_.x + offsets_.pose().x - executor_.tool_offset().x,
+                 faults_);
   for (FaultRecord& record : faults_) {
     record.number = ++fault_number_;
     record.time_ns = now_ns;
@@ -187,7 +196,7 @@ void Controller::switch_power(const Inputs& in, const Orders& orders) noexcept {
     }
   }
   if (enabled_) {
-    if (machine_fault(in, orders) || (closing_down_ && at_rest())) disable();
+    if (machine_fault(in, orders) || (closing_down_ && at_rest() && offsets_.at_rest())) disable();
     return;
   }
   if (!armed_ || !configured_) return;
@@ -294,6 +303,8 @@ bool Controller::settle() noexcept {
     const double skew = q[j] - back[j];
     skew_[j] = known && std::abs(skew) > kSameJoint ? skew : 0.0;
   }
+  pose_ = pose_ - offsets_.pose();
+  pose_before_ = pose_;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) axis_[i].place(pose_[i]);
   executor_.place(pose_);
   return placed && known;
@@ -309,6 +320,7 @@ void Controller::enable() noexcept {
     joint.error = joint.ferrored = joint.faulted = false;
     joint.ferror = joint.ferror_high = 0;
   }
+  offsets_.reset();
   if (!settle()) mode_ = MotionMode::free;
   guard_.reset(joints_, joint_);
 }
@@ -334,6 +346,7 @@ void Controller::disable() noexcept {
     if (config_.joint[j].volatile_home) joint_[j].homed = false;
   }
   for (AxisMover& axis : axis_) axis.place(axis.position());
+  offsets_.stop_dead();
 }
 
 void Controller::take_requests(const Orders& orders) noexcept {
@@ -391,6 +404,8 @@ void Controller::stop_everything(const Orders& orders) noexcept {
   homing_.stop(joints_, joint_);
   for (std::size_t j = 0; j < joints_; ++j) joint_[j].mover.stop();
   for (AxisMover& axis : axis_) axis.stop();
+  // An abort stops what the program and jogs do; offsets follow their pins.
+  if (closing_down_) offsets_.stop();
 }
 
 void Controller::finish_abort(const Orders& orders) noexcept {

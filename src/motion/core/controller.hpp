@@ -9,6 +9,7 @@
 #include "motion/api/config.hpp"
 #include "motion/api/kinematics.hpp"
 #include "motion/core/executor.hpp"
+#include "motion/core/external_offsets.hpp"
 #include "motion/core/guard.hpp"
 #include "motion/core/homing.hpp"
 #include "motion/core/io.hpp"
@@ -43,6 +44,7 @@ class Controller {
   [[nodiscard]] const OutputBank& outputs() const noexcept { return outputs_; }
   [[nodiscard]] const Spindles& spindles() const noexcept { return spindles_; }
   [[nodiscard]] const Executor& executor() const noexcept { return executor_; }
+  [[nodiscard]] const ExternalOffsets& offsets() const noexcept { return offsets_; }
   [[nodiscard]] const Joint& joint(std::size_t j) const noexcept { return joint_[j]; }
   [[nodiscard]] const AxisMover& axis(std::size_t i) const noexcept { return axis_[i]; }
   [[nodiscard]] bool joint_wheel_active(std::size_t j) const noexcept {
@@ -137,12 +139,15 @@ class Controller {
   Executor executor_;
   Homing homing_;
   Guard guard_;
+  ExternalOffsets offsets_;
   Joint joint_[kMaxJoints];
   bool plain_kinematics_{true};  ///< each joint moves an axis alone
   double skew_[kMaxJoints]{};  ///< of a joint from its place by the inverse kinematics; set at rest
   AxisMover axis_[rtapi::kAxes];
   Wheel joint_wheel_[kMaxJoints], axis_wheel_[rtapi::kAxes];
-  AxisConfig axis_limit_[rtapi::kAxes];  ///< of the axis and of the joints that it moves alone
+  AxisConfig
+      axis_limit_[rtapi::kAxes];  ///< of the axis and of the joints that it moves alone, without
+                                  ///< what external offsets have of it
 
   bool configured_{false}, enabled_{false}, armed_{true}, closing_down_{false};
   std::uint32_t enable_request_{0};  ///< the last one seen
@@ -151,8 +156,9 @@ class Controller {
   bool start_due_{false}, start_taken_{false};
   bool jog_stop_before_{false}, jog_dead_before_{false}, probe_before_{false};
   MotionMode mode_{MotionMode::free}, refused_mode_{MotionMode::free};
-  bool away_{false};  ///< jogs move the machine beside the path, which is held
-  Pose pose_, pose_fb_;
+  bool away_{false};     ///< jogs move the machine beside the path, which is held
+  Pose pose_, pose_fb_;  ///< the first without external offsets
+  Pose pose_before_;     ///< pose_ of the last cycle
   std::uint32_t acked_epoch_{0};
   std::uint64_t heartbeat_{0};
   double heartbeat_age_s_{0};

@@ -78,6 +78,8 @@ void Controller::switch_mode(const Orders& orders) noexcept {
 void Controller::enter(MotionMode mode) noexcept {
   mode_ = mode;
   refused_mode_ = MotionMode::free;
+  // Joints know nothing of offsets: in joint mode they are a part of the position.
+  if (mode == MotionMode::free) offsets_.reset();
   (void)settle();
 }
 
@@ -160,13 +162,14 @@ Controller::Range Controller::joint_range(std::size_t j, const Intent& want) con
 }
 
 Controller::Range Controller::axis_range(std::size_t i, const Intent& want) const noexcept {
-  Range range{axis_limit_[i].min_limit, axis_limit_[i].max_limit};
+  const double offset = offsets_.pose()[i];
+  Range range{axis_limit_[i].min_limit - offset, axis_limit_[i].max_limit - offset};
   for (std::size_t j = 0; j < joints_; ++j) {
     if (kinematics_.axis_of_joint(static_cast<std::int32_t>(j)) != static_cast<std::int32_t>(i))
       continue;
     // A leg that stands ahead of its partner gets to its limit first.
-    range.low = std::max(range.low, config_.joint[j].min_limit - skew_[j]);
-    range.high = std::min(range.high, config_.joint[j].max_limit - skew_[j]);
+    range.low = std::max(range.low, config_.joint[j].min_limit - skew_[j] - offset);
+    range.high = std::min(range.high, config_.joint[j].max_limit - skew_[j] - offset);
     if (!want.override_limits) continue;
     if (joint_[j].neg_limit) range.low = axis_[i].position();
     if (joint_[j].pos_limit) range.high = axis_[i].position();
@@ -304,11 +307,17 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   if (!enabled_) {
     for (std::size_t j = 0; j < joints_; ++j)
       if (!is_posthome(j)) joint_[j].pos_cmd = feedback[j];
-    pose_ = pose_fb_;
+    pose_ = pose_fb_ - offsets_.pose();
     guard_.follow(joints_, joint_);
     return;
   }
   homing_.step(joints_, joint_, config_, faults_);
+  const bool by_axes = mode_ != MotionMode::free;
+  offsets_.take(in.offset, by_axes && !closing_down_ && all_homed());
+  const std::uint32_t blocked = by_axes ? offsets_.blocked(pose_, pose_before_, dt) : 0;
+  pose_before_ = pose_;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    if ((blocked >> i & 1U) != 0) axis_[i].stop();
   PathInputs path;
   path.stop = closing_down_ || orders.abort_epoch != acked_epoch_;
   path.stand = orders.hold || path.stop || away_;
@@ -316,12 +325,12 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   path.may_move = mode_ == MotionMode::coordinated;
   path.probe = in.probe;
   path.feed_hold = in.feed_hold;
-  path.feed_inhibit = in.feed_inhibit;
+  path.feed_inhibit = in.feed_inhibit || (blocked != 0 && !away_);
   path.feed_override = want.feed_override;
   path.rapid_override = want.rapid_override;
   path.adaptive_feed = in.adaptive_feed;
   path.max_vel_mm_s = want.max_vel_mm_s;
-  path.pose_fb = pose_fb_;
+  path.pose_fb = pose_fb_ - offsets_.pose();
   path.spindle = in.spindle;
   executor_.step(path, dt, faults_);
   if (mode_ == MotionMode::free) {
@@ -337,6 +346,8 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
     } else {
       step_axes(dt);
     }
+    const PathSpan* under_way = away_ ? nullptr : executor_.move();
+    offsets_.step(pose_, under_way != nullptr ? under_way->end : pose_, dt);
     move_joints();
   }
   follow_posthome(in, dt);
@@ -361,7 +372,7 @@ void Controller::step_axes(double dt) noexcept {
     moves = true;
   }
   if (!moves) return;
-  if (!plain_kinematics_) inside = may_rest_at(rest);
+  if (!plain_kinematics_) inside = may_rest_at(rest + offsets_.pose());
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     if (!axis_[i].active()) continue;
     if (!inside) axis_[i].stop();
@@ -435,7 +446,7 @@ void Controller::take_up_play(double dt) noexcept {
 void Controller::move_joints() noexcept {
   JointVector q{};
   for (std::size_t j = 0; j < joints_; ++j) q[j] = joint_[j].pos_cmd - skew_[j];
-  if (!kinematics_.inverse(pose_, q)) {
+  if (!kinematics_.inverse(pose_ + offsets_.pose(), q)) {
     raise(faults_, Fault::no_inverse, -1, 0, 0, status_.current);
     disable();
     return;

@@ -46,6 +46,7 @@ void Controller::fill_status(const Inputs& in, const Orders& orders, double dt,
   s.mode = mode_;
   executor_.fill(s);
   s.pos_cmd = pose_;
+  s.external_offset = offsets_.pose();
   s.away = away_;
   s.place = away_ ? executor_.pose() : pose_;
   s.pos_fb = pose_fb_;

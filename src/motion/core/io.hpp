@@ -19,6 +19,13 @@ struct WheelInputs {
   double accel_fraction{1};  ///< of the acceleration limit
 };
 
+/// axis.L.eoffset-*
+struct OffsetInputs {
+  bool enable{false}, clear{false};
+  std::int32_t counts{0};
+  double per_count{0};  ///< mm or degrees
+};
+
 struct JointInputs {
   double motor_pos_fb{0};
   double posthome_cmd{0};  ///< of an extra joint
@@ -43,6 +50,7 @@ struct Inputs {
   SpindleInputs spindle[kMaxSpindles];
   WheelInputs joint_wheel[kMaxJoints];
   WheelInputs axis_wheel[rtapi::kAxes];
+  OffsetInputs offset[rtapi::kAxes];
 };
 
 /// The intent cell as read at the start of the cycle.

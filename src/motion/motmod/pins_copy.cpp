@@ -62,8 +62,12 @@ void Motmod::read_inputs() noexcept {
                    has_unlock(j) && is_unlocked_[j].get()};
     read_wheel(p, joint_scale(j), in.joint_wheel[j]);
   }
-  for (std::size_t i = 0; i < axis_.size(); ++i)
-    read_wheel(axis_[i], rtapi::is_rotary(i) ? 1.0 : scale_, in.axis_wheel[i]);
+  for (std::size_t i = 0; i < axis_.size(); ++i) {
+    const double k = rtapi::is_rotary(i) ? 1.0 : scale_;
+    const AxisPins& p = axis_[i];
+    read_wheel(p, k, in.axis_wheel[i]);
+    in.offset[i] = {p.eoffset_enable, p.eoffset_clear, p.eoffset_counts, p.eoffset_scale / k};
+  }
   for (std::size_t n = 0; n < spindle_.size(); ++n) {
     const SpindlePins& p = spindle_[n];
     in.spindle[n] = {p.revs,     p.speed_in, p.orient_fault, p.amp_fault_in,
@@ -119,6 +123,8 @@ void Motmod::write_axes() noexcept {
     const AxisMover& mover = controller_->axis(i);
     const double k = rtapi::is_rotary(i) ? 1.0 : scale_;
     p.pos_cmd = pose[i] * k;
+    p.eoffset = controller_->offsets().pose()[i] * k;
+    p.eoffset_request = controller_->offsets().request(i) * k;
     p.teleop_pos_cmd = mover.target() * k;
     p.teleop_vel_cmd = mover.speed() * k;
     p.teleop_vel_lim = mover.speed_limit() * k;
@@ -166,6 +172,8 @@ void Motmod::write_motion(const hal::Period& period) noexcept {
   pins_.sync_in_step = s.sync_in_step;
   pins_.sync_lag = s.sync_lag_mm * scale_;
   pins_.sync_run_in = s.sync_run_in_mm * scale_;
+  pins_.eoffset_active = controller_->offsets().active();
+  pins_.eoffset_limited = controller_->offsets().limited();
   pins_.in_position = s.in_position;
   pins_.tp_reverse = s.reverse;
   pins_.is_all_homed = s.all_homed;

@@ -42,6 +42,9 @@ class Sampler {
         kinematics_(kinematics),
         config_(config),
         trivial_(is_trivial(kinematics, config)) {
+    for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+      if ((axes_of(kinematics.axis_mask(), config) >> i & 1U) != 0)
+        joint_rest_ = std::min(joint_rest_, 1 - config.axis[i].offset_av_ratio);
     plan_samples();
   }
 
@@ -61,8 +64,9 @@ class Sampler {
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
       if ((axes_of(kinematics_.axis_mask(), config_) >> i & 1U) == 0) continue;
       const AxisConfig& a = config_.axis[i];
+      const double rest = 1 - a.offset_av_ratio;
       rows[count] = {std::abs(d1[i]) + rate_between_[i], std::abs(d2[i]) + curl_between_[i],
-                     a.max_vel, a.max_acc, a.max_jerk};
+                     rest * a.max_vel, rest * a.max_acc, rest * a.max_jerk};
       if (!trivial_) rows[count].twist = axis_twist(s, i);
       ++count;
     }
@@ -133,8 +137,8 @@ class Sampler {
     for (std::size_t j = 0; j < n; ++j) {
       const JointConfig& c = config_.joint[j];
       rows[count++] = {std::abs(after[j] - before[j]) / (2 * h),
-                       std::abs(after[j] - 2 * at[j] + before[j]) / (h * h), c.max_vel, c.max_acc,
-                       c.max_jerk};
+                       std::abs(after[j] - 2 * at[j] + before[j]) / (h * h),
+                       joint_rest_ * c.max_vel, joint_rest_ * c.max_acc, joint_rest_ * c.max_jerk};
     }
     return joint_twists(s, rows + (count - n));
   }
@@ -171,6 +175,7 @@ class Sampler {
   int samples_{1};
   double sampled_length_{0};
   double share_{1};
+  double joint_rest_{1};  ///< of joints that several axes move: what external offsets leave
   double rate_between_[rtapi::kAxes]{}, curl_between_[rtapi::kAxes]{};
 };
 
@@ -235,6 +240,13 @@ PathLimits path_limits_of(const Kinematics& kinematics, const MachineConfig& con
     if (c.max_jerk > 0) out.axes.jerk[i] = std::min(out.axes.jerk[i], c.max_jerk);
     out.low[i] = std::max(out.low[i], c.min_limit);
     out.high[i] = std::min(out.high[i], c.max_limit);
+  }
+  // External offsets have their own share (external_offsets.hpp).
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    const double rest = 1 - config.axis[i].offset_av_ratio;
+    out.axes.vel[i] *= rest;
+    out.axes.acc[i] *= rest;
+    if (out.axes.jerk[i] < path::kNoLimit) out.axes.jerk[i] *= rest;
   }
   out.axes.path_vel = config.traj_max_vel_mm_s;
   out.axes.path_acc = config.traj_max_acc_mm_s2;

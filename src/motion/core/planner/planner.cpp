@@ -119,6 +119,7 @@ void Planner::forget() noexcept {
   moves_.clear();
   meta_.clear();
   events_.clear();
+  merge_.end();
   pieces_.clear();
   sending_ = events_sending_ = events_sent_ = 0;
   slots_.pending.publish(0);
@@ -182,7 +183,7 @@ path::PathMode Planner::mode_of(const PathControl& control) const noexcept {
     default: out.corners = Corners::blend;
   }
   const double p = control.tolerance_mm > 0 ? control.tolerance_mm : kFreeTolerance;
-  out.tolerance = {p, p};
+  out.tolerance = {p, config_.rotary_tolerance_deg > 0 ? config_.rotary_tolerance_deg : p};
   return out;
 }
 
@@ -243,6 +244,10 @@ Planner::Take Planner::take(const PathItem& item, const ServoView& view) noexcep
           [&](const SpindleChange& m) { return spindle_change(item, m); },
           [&](const PathControl& m) {
             mode_ = mode_of(m);
+            const bool blends = mode_.corners == path::PathMode::Corners::blend;
+            merge_mm_ = blends ? std::min(std::max(m.naive_cam_tolerance_mm, 0.0),
+                                          Merge::kShareOfTolerance * mode_.tolerance.mm)
+                               : 0.0;
             return event(item, m);
           },
           [&](const OverrideEnable& m) { return event(item, m); },
@@ -349,16 +354,56 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
     move.piece.feed.rps = per_rev_.rps;
   }
   move.mode = mode_;
+  meta.tolerance_mm = mode_.tolerance.mm;
   move.stop_at_end = probe != nullptr || !plain_;
   if (!(path::axis_cap(move.piece, 0, move.piece.length, limits_) > 0)) return bad_item(item, 0);
   if (!plain_) stop_here();
+  const bool may_merge = kind == MotionKind::feed && sync == nullptr && plain_ &&
+                         curve.shape == Curve::Shape::line && merge_mm_ > 0 && !single_step_;
+  end_ = curve.end;
+  if (may_merge && merge_line(curve.end, move.piece, meta)) {
+    after_traverse_ = false;
+    return Take::done;
+  }
   moves_.push_back(move);
   meta_.push_back(meta);
+  share_tolerance();
+  if (may_merge)
+    merge_.begin(path::to_vec(curve.start), path::to_vec(curve.end));
+  else
+    merge_.end();
   if (move.stop_at_end) due_ = true;
   after_traverse_ = traverse;
-  end_ = curve.end;
   if (probe != nullptr) probing_ = true;
   return Take::done;
+}
+
+bool Planner::merge_line(const Pose& end, const path::Piece& line, const Meta& meta) noexcept {
+  // What stands between two moves keeps its place: outputs switch where they were programmed.
+  const bool between = !events_.empty() && events_.back().after == moves_.size();
+  if (moves_.empty() || between || moves_.back().stop_at_end ||
+      !(moves_.back().piece.feed == line.feed))
+    return false;
+  if (!merge_.add(path::to_vec(end), merge_mm_)) return false;
+  const double speed = line.feed.speed;
+  path::Piece& piece = moves_.back().piece;
+  piece = path::line_move(merge_.start(), path::to_vec(end), speed, false, limits_.vel);
+  piece.feed = line.feed;
+  meta_.back() = meta;
+  meta_.back().merged_off_mm = merge_.off_mm();
+  share_tolerance();
+  return true;
+}
+
+/// A blend gets what merging has left of the tolerance on both of its sides.
+void Planner::share_tolerance() noexcept {
+  const std::size_t n = moves_.size();
+  const double off = meta_[n - 1].merged_off_mm;
+  moves_[n - 1].mode.tolerance.mm = meta_[n - 1].tolerance_mm - off;
+  if (n < 2) return;
+  const Meta& before = meta_[n - 2];
+  moves_[n - 2].mode.tolerance.mm =
+      std::max(before.tolerance_mm - std::max(before.merged_off_mm, off), 0.0);
 }
 
 Planner::Take Planner::output_change(const PathItem& item, const OutputChange& change) noexcept {

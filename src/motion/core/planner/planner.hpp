@@ -14,6 +14,7 @@
 #include "motion/core/path/boxes.hpp"
 #include "motion/core/path/program_path.hpp"
 #include "motion/core/path/reach.hpp"
+#include "motion/core/planner/merge.hpp"
 #include "motion/core/span.hpp"
 
 namespace kerf::motion {
@@ -61,7 +62,10 @@ class Planner {
         cap{0};           ///< above 0: limits for the whole move (kinematics that mix axes)
     double sigma_end{0};  ///< while it is being sent: from the start of what is sent
     MotionKind kind{MotionKind::feed};
-    SyncBounds sync;   ///< per_rev above 0: it follows a spindle
+    SyncBounds sync;         ///< per_rev above 0: it follows a spindle
+    double tolerance_mm{0};  ///< G64 P
+    double merged_off_mm{
+        0};            ///< of the programmed points from the line that took their place (G64 Q)
     bool part{false};  ///< the rest of the move comes later
     bool probe{false}, probe_until_open{false}, probe_fail_is_error{false};
   };
@@ -101,6 +105,10 @@ class Planner {
   Take spindle_change(const PathItem& item, const SpindleChange& change) noexcept;
   void stop_here() noexcept;
   void forget() noexcept;
+  /// The line becomes a part of the last pending one. False: it is one of its own.
+  [[nodiscard]] bool merge_line(const Pose& end, const path::Piece& line,
+                                const Meta& meta) noexcept;
+  void share_tolerance() noexcept;
   [[nodiscard]] path::PathMode mode_of(const PathControl& control) const noexcept;
 
   // sync_items.cpp: what follows a spindle
@@ -147,6 +155,8 @@ class Planner {
   bool placed_{false}, refusing_{false};
   bool probing_{false};  ///< moves behind a probe move wait until it has ended, wherever that is
   path::PathMode mode_;
+  double merge_mm_{0};  ///< G64 Q; 0: lines are not merged
+  Merge merge_;         ///< the last pending move, while more may be merged with it
   double speed_rpm_
       [kMaxSpindles]{};  ///< as the last item left it: unchanged S words never stop the path
   bool css_[kMaxSpindles]{};

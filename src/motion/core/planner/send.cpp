@@ -77,6 +77,7 @@ std::size_t Planner::hand_over_at() const noexcept {
 /// Makes pieces of the first `moves` pending moves; with hand_over only of the first half of the last of them.
 void Planner::commit(std::size_t moves, bool hand_over) noexcept {
   pieces_.clear();
+  merge_.end();
   handed_over_ = hand_over;
   sending_ = moves;
   path::Move whole;
