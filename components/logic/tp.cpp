@@ -28,12 +28,12 @@ class Tp final : public hal::Component<Tp> {
       if (et_.last() < pt_) {
         q_ = true;
         et_ = et_.last() + period.seconds();
-      } else {
+      } else if (q_.last()) {
         q_ = false;
-        if (!in) {
-          et_ = 0.0;
-          runs_ = false;
-        }
+      } else {
+        // Over, and in may still be true: the next pulse begins at its next rising edge.
+        et_ = 0.0;
+        runs_ = false;
       }
     }
   }

@@ -51,10 +51,10 @@ class Watchdog final : public hal::Component<Watchdog> {
       if (now != i.before) {
         i.before = now;
         i.left_ns = i.timeout_ns;
-      } else if (i.left_ns > 0) {
+      } else if (i.left_ns >= 0) {
         i.left_ns -= period.nominal_ns;
       }
-      late = late || i.left_ns <= 0;
+      late = late || i.left_ns < 0;
     }
     if (late) bitten_ = true;
     ok_out_ = enable_in_ && watching_ && !bitten_;

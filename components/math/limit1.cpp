@@ -22,8 +22,8 @@ class Limit1 final : public hal::Component<Limit1> {
   void update(const hal::Period&) noexcept {
     double value = in_;
     const double min = min_, max = max_;
-    if (value > max) value = max;
     if (value < min) value = min;
+    if (value > max) value = max;
     out_ = value;
   }
   hal::Function update_{function<&Limit1::update>("", "Computes out from in")};

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hal/component.hpp"
+#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -58,9 +59,9 @@ class Limit3 final : public hal::Component<Limit3> {
     const double most = std::min(std::fabs(maxv_) * dt, 1e300),
                  change = std::min(std::fabs(maxa_) * dt * dt, 1e300);
     double step = stopping_step(target - value_, change);
-    step = std::clamp(step, -most, most);
+    step = rtapi::limited(step, -most, most);
     // The bounds of the value are never broken, not even for maxa.
-    step = std::clamp(step, step_ - change, step_ + change);
+    step = rtapi::limited(step, step_ - change, step_ + change);
     double value = value_ + step;
     if (value > max && step > 0.0) value = std::max(max, std::min(value_, value));
     if (value < min && step < 0.0) value = std::min(min, std::max(value_, value));

@@ -1,7 +1,7 @@
 // mux_generic: multiplexers of any size and type.
-#include <algorithm>
 
 #include "hal/channels.hpp"
+#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -137,10 +137,10 @@ class MuxGenericChannel : public hal::Channel {
       case hal::Type::floating: return hal::to_raw<double>(value);
       case hal::Type::s32:
         return hal::to_raw<std::int32_t>(
-            static_cast<std::int32_t>(std::clamp(value, -2147483647.0, 2147483647.0)));
+            static_cast<std::int32_t>(rtapi::limited(value, -2147483647.0, 2147483647.0)));
       default:
         return hal::to_raw<std::uint32_t>(
-            static_cast<std::uint32_t>(std::clamp(value, 0.0, 4294967295.0)));
+            static_cast<std::uint32_t>(rtapi::limited(value, 0.0, 4294967295.0)));
     }
   }
   hal::Type from_{hal::Type::floating}, to_{hal::Type::floating};

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hal/component.hpp"
+#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -52,7 +53,7 @@ class Anglejog final : public hal::Component<Anglejog> {
       pin<hal::Out<double>>("current-vel", "Speed along the line [units per second]")};
 
   static std::int32_t whole(double counts) noexcept {
-    return static_cast<std::int32_t>(std::clamp(counts, -2147483648.0, 2147483647.0));
+    return static_cast<std::int32_t>(rtapi::limited(counts, -2147483648.0, 2147483647.0));
   }
   double scale_{0.0}, cosine_{1.0}, sine_{0.0}, target_{0.0}, way_{0.0}, speed_{0.0},
       counts_before_{0.0};
@@ -80,13 +81,13 @@ class Anglejog final : public hal::Component<Anglejog> {
     enable_out_ = enable;
     cos_accel_fraction_ = std::fabs(cosine_) * accel_fraction_in_;
     sin_accel_fraction_ = std::fabs(sine_) * accel_fraction_in_;
-    const double step = max_accel_ * dt, missing = target_ - way_;
+    const double accel = std::fabs(max_accel_), step = accel * dt, missing = target_ - way_;
     double wanted = 0.0;
     if (std::fabs(missing) > step * dt * 0.001)
-      wanted = std::copysign(std::sqrt(2.0 * max_accel_ * std::fabs(missing) + step * step) - step,
-                             missing);
-    wanted = std::clamp(wanted, -std::fabs(max_vel_), std::fabs(max_vel_));
-    speed_ = std::clamp(wanted, speed_ - step, speed_ + step);
+      wanted =
+          std::copysign(std::sqrt(2.0 * accel * std::fabs(missing) + step * step) - step, missing);
+    wanted = rtapi::limited(wanted, -std::fabs(max_vel_), std::fabs(max_vel_));
+    speed_ = rtapi::limited(wanted, speed_ - step, speed_ + step);
     way_ += speed_ * dt;
     active_ = speed_ != 0.0;
     current_vel_ = speed_;

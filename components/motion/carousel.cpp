@@ -35,7 +35,10 @@ class CarouselChannel : public hal::Channel {
     const std::string_view sensors = entry(setup.num_sense, index);
     std::int32_t n = count(b, sensors, kMostSensors,
                            "carousel: num_sense= takes numbers from 1 to 32, one a carousel");
-    if (homes() && encoding_ != Encoding::counts) n = 2;
+    if (encoding_ == Encoding::index) n = 2;
+    // One for each pocket, or some could not be found.
+    if (encoding_ == Encoding::single)
+      n = std::max(n, std::min(pockets_, static_cast<std::int32_t>(kMostSensors)));
     const std::string_view dir = entry(setup.dir, index);
     if (dir != "1" && dir != "2")
       b.fail("carousel: dir= takes 1 (one direction only) or 2 (both), one a carousel");

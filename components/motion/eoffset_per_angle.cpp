@@ -1,8 +1,8 @@
 // eoffset_per_angle: external offset that follows an angle.
-#include <algorithm>
 #include <cmath>
 
 #include "hal/component.hpp"
+#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -94,7 +94,7 @@ class EoffsetPerAngle final : public hal::Component<EoffsetPerAngle> {
         } else {
           enable_out_ = true;
         }
-        const double counts = std::clamp(offset * k, -2147483648.0, 2147483647.0);
+        const double counts = rtapi::limited(offset * k, -2147483648.0, 2147483647.0);
         kcounts_ = static_cast<std::int32_t>(counts);
         eoffset_dbg_ = static_cast<std::int32_t>(counts) / k;
         break;

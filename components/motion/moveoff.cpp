@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hal/component.hpp"
+#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -65,8 +66,8 @@ class Moveoff final : public hal::Component<Moveoff> {
           std::sqrt(2.0 * std::fabs(max_accel.get() * missing) + 0.25 * step * step) - 0.5 * step,
           missing);
       next = std::copysign(std::min(std::fabs(next), std::fabs(missing) / dt), missing);
-      next = std::clamp(next, -std::fabs(max_speed.get()), std::fabs(max_speed.get()));
-      speed = std::clamp(next, speed - step, speed + step);
+      next = rtapi::limited(next, -std::fabs(max_speed.get()), std::fabs(max_speed.get()));
+      speed = rtapi::limited(next, speed - step, speed + step);
       offset += speed * dt;
       return false;
     }
@@ -132,7 +133,7 @@ class Moveoff final : public hal::Component<Moveoff> {
       for (Joint& j : joints_) j.speed = 0.0;
     } else if (state_ == State::applies) {
       for (Joint& j : joints_) {
-        if (!full_) j.move(std::clamp(j.wanted.get(), j.lowest(), j.highest()), dt);
+        if (!full_) j.move(rtapi::limited(j.wanted.get(), j.lowest(), j.highest()), dt);
       }
       since_s_ += dt;
       if (since_s_ >= sample_s_ && moved()) record();

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hal/channels.hpp"
+#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -176,7 +177,7 @@ class PidChannel : public hal::Channel {
   }
   enum class Tuning : std::uint8_t { idle, up, down };
   static double limited(double value, double most) noexcept {
-    return most != 0.0 ? std::clamp(value, -std::fabs(most), std::fabs(most)) : value;
+    return most != 0.0 ? rtapi::limited(value, -std::fabs(most), std::fabs(most)) : value;
   }
   /// The relay: full effort towards the command, until enough half cycles are seen.
   double tune(double error, double dt) noexcept {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hal/channels.hpp"
+#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -74,7 +75,8 @@ class PwmgenChannel : public hal::Channel {
     const std::int64_t dt_ns = dt_ns_ > 0 ? dt_ns_ : period.nominal_ns;
     double scale = scale_;
     if (std::fabs(scale) < 1e-20) scale_ = scale = 1.0;
-    double most = std::clamp(max_dc_.get(), 0.0, 1.0), least = std::clamp(min_dc_.get(), 0.0, most);
+    double most = rtapi::limited(max_dc_.get(), 0.0, 1.0),
+           least = rtapi::limited(min_dc_.get(), 0.0, most);
     max_dc_ = most;
     min_dc_ = least;
     double frequency = pwm_freq_;
@@ -98,7 +100,7 @@ class PwmgenChannel : public hal::Channel {
     const bool negative = duty < 0.0;
     double size = std::fabs(duty);
     if (type_ == 0 && negative) size = 0.0;
-    size = std::clamp(size, least, most);
+    size = rtapi::limited(size, least, most);
     const bool enable = enable_;
     if (enable && mode_ == Mode::plain) {
       const std::int64_t calls_high =

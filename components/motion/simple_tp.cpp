@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hal/component.hpp"
+#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -25,7 +26,7 @@ class SimpleTp final : public hal::Component<SimpleTp> {
   hal::Out<bool> active_{pin<hal::Out<bool>>("active", "True while it moves")};
 
   void update(const hal::Period& period) noexcept {
-    const double dt = period.seconds(), step = maxaccel_ * dt;
+    const double dt = period.seconds(), accel = std::fabs(maxaccel_), step = accel * dt;
     double speed = current_vel_.last(), position = current_pos_.last();
     bool active = false;
     double wanted = 0.0;
@@ -33,13 +34,13 @@ class SimpleTp final : public hal::Component<SimpleTp> {
       const double missing = target_pos_ - position;
       if (std::fabs(missing) > step * dt * 0.001) {
         // The speed from which it can still stop there.
-        wanted = std::copysign(std::sqrt(2.0 * maxaccel_ * std::fabs(missing) + step * step) - step,
+        wanted = std::copysign(std::sqrt(2.0 * accel * std::fabs(missing) + step * step) - step,
                                missing);
         active = true;
       }
     }
-    wanted = std::clamp(wanted, -std::fabs(maxvel_), std::fabs(maxvel_));
-    speed = std::clamp(wanted, speed - step, speed + step);
+    wanted = rtapi::limited(wanted, -std::fabs(maxvel_), std::fabs(maxvel_));
+    speed = rtapi::limited(wanted, speed - step, speed + step);
     if (speed != 0.0) active = true;
     position += speed * dt;
     current_pos_ = position;

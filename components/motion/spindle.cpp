@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hal/component.hpp"
+#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -109,7 +110,7 @@ class Spindle final : public hal::Component<Spindle> {
                         : std::min(base + step, std::min(wanted, 0.0));
     } else {
       const double step = gear.accel * dt;
-      next = std::clamp(wanted, base - step, base + step);
+      next = rtapi::limited(wanted, base - step, base + step);
     }
     brake_ = slows;
     speed_ = next;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hal/channels.hpp"
+#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -172,8 +173,8 @@ class StepgenChannel : public hal::Channel {
     } else {
       wanted = follow(command_ * scale_now, change / dt, dt);
     }
-    wanted = std::clamp(wanted, -most, most);
-    speed_ = std::clamp(wanted, speed_ - change, speed_ + change);
+    wanted = rtapi::limited(wanted, -most, most);
+    speed_ = rtapi::limited(wanted, speed_ - change, speed_ + change);
     addend_ = std::llround(speed_ * base_s * kOne);
     frequency_ = speed_;
   }

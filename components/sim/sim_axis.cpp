@@ -4,6 +4,7 @@
 
 #include "contact.hpp"
 #include "hal/component.hpp"
+#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -117,7 +118,7 @@ class SimAxis final : public hal::Component<SimAxis> {
     const double coulomb = std::max(friction_.get(), 0.0), damping = std::max(damping_.get(), 0.0);
     const double most = max_force_, from = enable_ ? last_wanted_ : wanted;
     const double rate = std::max(bandwidth, damping / inertia);
-    const double count = std::clamp(std::ceil(rate * dt * kStepsOfLoop), 1.0, kMostSteps);
+    const double count = rtapi::limited(std::ceil(rate * dt * kStepsOfLoop), 1.0, kMostSteps);
     const double h = dt / count, wanted_velocity = (wanted - from) / dt;
     double force = 0.0;
     for (double i = 1.0; i <= count && !stuck_; i += 1.0) {
@@ -126,7 +127,7 @@ class SimAxis final : public hal::Component<SimAxis> {
       if (enable_) {
         force = inertia * bandwidth *
                 (bandwidth * (reference - motor_) + 2.0 * (wanted_velocity - velocity_));
-        if (most > 0.0) force = std::clamp(force, -most, most);
+        if (most > 0.0) force = rtapi::limited(force, -most, most);
       }
       accelerate(force, coulomb, damping, inertia, h);
       motor_ += velocity_ * h;

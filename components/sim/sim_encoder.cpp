@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hal/channels.hpp"
+#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -12,10 +13,6 @@ class SimEncoderChannel : public hal::Channel {
       : Channel(b, list.name(b, index)) {}
 
   void make_pulses(const hal::Period& period) noexcept {
-    const auto quarter = static_cast<std::uint64_t>(count_ & 3);
-    phase_a_ = quarter < 2;
-    phase_b_ = quarter == 1 || quarter == 2;
-    phase_z_ = count_ == 0;
     place_ += step_;
     const std::int64_t turn = std::max<std::int64_t>(per_turn_, 4);
     while (place_ >= kOne) {
@@ -26,6 +23,10 @@ class SimEncoderChannel : public hal::Channel {
       place_ += kOne;
       count_ = count_ <= 0 ? turn - 1 : count_ - 1;
     }
+    const auto quarter = static_cast<std::uint64_t>(count_ & 3);
+    phase_a_ = quarter < 2;
+    phase_b_ = quarter == 1 || quarter == 2;
+    phase_z_ = count_ == 0;
     period_s_ = period.seconds();
   }
 
@@ -35,7 +36,7 @@ class SimEncoderChannel : public hal::Channel {
     per_turn_ = std::int64_t{ppr_} * 4;
     // How often make-pulses runs is not known before its first call.
     double counts = speed_ / scale * static_cast<double>(per_turn_) * period_s_;
-    counts = std::clamp(counts, -1.0, 1.0);
+    counts = rtapi::limited(counts, -1.0, 1.0);
     step_ = std::llround(counts * kOne);
   }
 

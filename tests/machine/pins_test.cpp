@@ -80,5 +80,17 @@ TEST(Limits, NoJointExceedsThemInTheFirstPart) {
   EXPECT_EQ(m->motion().faults, 0U) << m->errors();
 }
 
+TEST(Messages, OfRealtimeComponentsReachTheOperator) {
+  MachineOptions options;
+  options.hal = {"loadrt message messages=\"oil is low\"", "addf message.0 servo-thread"};
+  auto m = Machine::start(options);
+  ASSERT_TRUE(m->ready()) << m->errors();
+  m->run_for(0.1);
+  EXPECT_EQ(m->errors().find("oil is low"), std::string::npos);
+  ASSERT_TRUE(m->hal("setp message.0.trigger 1"));
+  m->run_for(0.1);
+  EXPECT_NE(m->errors().find("oil is low"), std::string::npos) << m->errors();
+}
+
 }  // namespace
 }  // namespace kerf::harness

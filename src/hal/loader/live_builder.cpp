@@ -6,7 +6,9 @@
 
 #include "hal/core/value_access.hpp"
 #include "hal/loader/c_modules.hpp"
+#include "hal/operator_line.hpp"
 #include "rtapi/base/suggest.hpp"
+#include "rtapi/log/log.hpp"
 
 namespace kerf::hal {
 
@@ -120,7 +122,28 @@ void LiveBuilder::provide(std::string_view service, void* object) noexcept {
   loaded_.services.emplace_back(service);
 }
 
+namespace {
+
+/// In memory of the component that asks.
+void* operator_line(Builder& b, rtapi::Segment& segment) noexcept {
+  auto ring = rtapi::open_log(segment);
+  if (!ring.ok()) {
+    b.fail(ring.error().message());
+    return nullptr;
+  }
+  void* memory = b.allocate(sizeof(OperatorLine), alignof(OperatorLine));
+  if (memory == nullptr) return nullptr;
+  return new (memory)
+      OperatorLine{[](void* to, std::string_view text) noexcept {
+                     static_cast<rtapi::LogRing*>(to)->write(rtapi::Level::error, text);
+                   },
+                   *ring};
+}
+
+}  // namespace
+
 void* LiveBuilder::find_service(std::string_view service) noexcept {
+  if (service == kOperatorLine) return operator_line(*this, host_.segment());
   const auto it = host_.services_.find(service);
   if (it == host_.services_.end()) return nullptr;
   if (it->second.provider != &loaded_) loaded_.uses.insert(it->second.provider);

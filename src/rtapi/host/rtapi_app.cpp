@@ -248,12 +248,6 @@ rtapi::Result<std::unique_ptr<rtapi::Segment>> open_segment(const Options& o, bo
   return segment;
 }
 
-rtapi::Result<rtapi::LogRing*> open_log(rtapi::Segment& segment) {
-  auto found = segment.find<rtapi::LogRing>(rtapi::LogRing::kBlock);
-  if (found.ok()) return found;
-  return segment.make<rtapi::LogRing>(rtapi::LogRing::kBlock);
-}
-
 /// Ends what was started in this run, and takes the instance's name away.
 void take_down(const rtapi::Segment& segment) {
   (void)rtapi::end_processes_of_run(segment.header().run_id.view(), kPatienceMs);
@@ -267,7 +261,7 @@ struct End {
 };
 
 End run(const Options& o, Supervisor& supervisor, rtapi::Segment& segment, bool made) {
-  auto log = open_log(segment);
+  auto log = rtapi::open_log(segment);
   if (!log.ok()) return {fail(log.error())};
   const bool is_virtual = rtapi::clock_mode(segment) == rtapi::ClockMode::virtual_time;
   if (!is_virtual) {

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <string>
 
+#include "rtapi/shm/segment.hpp"
+
 namespace kerf::rtapi {
 
 namespace {
@@ -24,8 +26,23 @@ const char* level_text(Level level) {
 
 }  // namespace
 
-int LogReader::drain() {
-  int printed = 0;
+Result<LogRing*> open_log(Segment& segment) {
+  auto found = segment.find<LogRing>(LogRing::kBlock);
+  if (found.ok()) return found;
+  return segment.make<LogRing>(LogRing::kBlock);
+}
+
+std::string text_of(const LogRecord& record) {
+  std::string line(record.text.view());
+  for (int i = 0; i < record.values && i < 4; ++i) {
+    char number[32];
+    std::snprintf(number, sizeof number, " %.10g", record.value[i]);
+    line += number;
+  }
+  return line;
+}
+
+bool LogReader::next(LogRecord& out) {
   const std::uint64_t newest = ring_.newest();
   if (newest - seen_ > LogRing::kSlots) {
     log_message(Level::warning, "%llu messages of realtime code were lost",
@@ -33,22 +50,18 @@ int LogReader::drain() {
     seen_ = newest - LogRing::kSlots;
   }
   while (seen_ < newest) {
-    LogRecord record;
-    if (!ring_.read(seen_ + 1, record)) {
-      if (seen_ + 1 == newest) break;  // being written: next time
-      ++seen_;
-      continue;
-    }
+    const bool whole = ring_.read(seen_ + 1, out);
+    if (!whole && seen_ + 1 == newest) return false;  // being written: next time
     ++seen_;
-    std::string line(record.text.view());
-    for (int i = 0; i < record.values && i < 4; ++i) {
-      char number[32];
-      std::snprintf(number, sizeof number, " %.10g", record.value[i]);
-      line += number;
-    }
-    log_message(record.level, "%s", line.c_str());
-    ++printed;
+    if (whole) return true;
   }
+  return false;
+}
+
+int LogReader::drain() {
+  int printed = 0;
+  for (LogRecord record; next(record); ++printed)
+    log_message(record.level, "%s", text_of(record).c_str());
   return printed;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "rtapi/base/fixed_string.hpp"
@@ -20,7 +21,7 @@ struct LogRecord {
   Level level{Level::info};
   std::int32_t values{0};  ///< how many of `value` count
   double value[4]{};
-  FixedString<95> text;
+  FixedString<255> text;
 };
 
 /// One block "log" a segment. Writers: any number of realtime threads; each message takes a slot of its own by one atomic
@@ -54,10 +55,16 @@ class LogRing {
   SeqCell<LogRecord> slot_[kSlots];
 };
 
+class Segment;
+/// The segment's ring; made when it has none.
+[[nodiscard]] Result<LogRing*> open_log(Segment& segment);
+
 /// Reads the ring from the moment of its construction on.
 class LogReader {
  public:
   explicit LogReader(const LogRing& ring) : ring_(ring), seen_(ring.newest()) {}
+  /// The next message. False: none yet.
+  [[nodiscard]] bool next(LogRecord& out);
   /// Prints what is new; gives how many.
   int drain();
 
@@ -65,6 +72,8 @@ class LogReader {
   const LogRing& ring_;
   std::uint64_t seen_;
 };
+/// A message's line.
+[[nodiscard]] std::string text_of(const LogRecord& record);
 
 /// Prefix of this program's messages ("milltask: ..."); the text must outlive the program.
 void set_program_name(const char* name) noexcept;

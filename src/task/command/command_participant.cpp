@@ -90,6 +90,8 @@ void CommandParticipant::beat() {
   p_.motion.intent.heartbeat.set(++beats_);
   next_beat_ = (now_ / kBeat + 1) * kBeat;
   read_ini_pins();
+  for (rtapi::LogRecord record; p_.realtime_log != nullptr && p_.realtime_log->next(record);)
+    if (record.level == rtapi::Level::error) say(MessageKind::error, rtapi::text_of(record));
 }
 
 void CommandParticipant::read_ini_pins() {

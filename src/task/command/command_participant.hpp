@@ -15,6 +15,7 @@
 #include "io/tool_store.hpp"
 #include "motion/api/shared.hpp"
 #include "rtapi/clock/clock.hpp"
+#include "rtapi/log/log.hpp"
 #include "task/api/journal.hpp"
 #include "task/api/protocol.hpp"
 #include "task/api/status.hpp"
@@ -42,6 +43,8 @@ class CommandParticipant final : public rtapi::Participant {
     /// Name of the signal that a pin is linked to, or "".
     std::function<std::string(std::string_view pin)> net_of{};
     JournalWriter* journal{nullptr};  ///< null: none
+    /// What realtime functions say to the operator; null: nothing.
+    rtapi::LogReader* realtime_log{nullptr};
   };
   explicit CommandParticipant(const Parts& parts);
   ~CommandParticipant() override;

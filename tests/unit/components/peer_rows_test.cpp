@@ -1,4 +1,4 @@
-// What LinuxCNC's components do, cycle by cycle, recorded by tests/hal/compare_components_with_peer.
+// What LinuxCNC's components do, cycle by cycle, recorded by tests/hal/compare_with_peer.
 #include <gtest/gtest.h>
 
 #include <algorithm>
