@@ -12,6 +12,7 @@
 #include "ini/convert.hpp"
 #include "ini/reader.hpp"
 #include "io/tool_table.hpp"
+#include "task/screw_file.hpp"
 
 namespace kerf::task {
 namespace {
@@ -51,6 +52,7 @@ class SetupReader {
     display();
     rs274ngc();
     emcio();
+    for (int j = 0; j < out_.setup.motion.joints; ++j) screw(j);
     out_.setup.mdi_queue = static_cast<int>(r_.integer("TASK", "MDI_QUEUED_COMMANDS"));
     out_.setup.motion.heartbeat_timeout_s = r_.real("KERF", "HEARTBEAT_TIMEOUT");
     out_.setup.motion.lost_heartbeat_is_off = r_.choice("KERF", "HEARTBEAT_REACTION") == 1;
@@ -233,6 +235,24 @@ class SetupReader {
     if (absolute > 0) j.home_flags |= motion::home_absolute_encoder | motion::home_no_rehome;
     if (absolute == 2) j.home_flags |= motion::home_no_final_move;
     j.volatile_home = r_.boolean(section, "VOLATILE_HOME");
+  }
+
+  void screw(int index) {
+    const std::string section = "JOINT_" + std::to_string(index);
+    const std::string file = r_.string(section, "COMP_FILE");
+    if (file.empty()) return;
+    if (!r_.has(section, "COMP_FILE_TYPE"))
+      r_.complain(section, "COMP_FILE", "COMP_FILE_TYPE is not given: 0, positions, is used",
+                  false);
+    auto& s = out_.setup;
+    s.screws.resize(motion::kMaxJoints);
+    const auto j = static_cast<std::size_t>(index);
+    const auto type = static_cast<ScrewFileType>(r_.choice(section, "COMP_FILE_TYPE"));
+    const std::string why =
+        read_screw_file(resolve_path(s.paths.ini_dir, file), type, s.joint_unit[j], s.screws[j]);
+    if (!why.empty()) r_.complain(section, "COMP_FILE", why);
+    if (why.empty() && s.motion.joint[j].backlash != 0)
+      r_.complain(section, "BACKLASH", "is not used, since there is a COMP_FILE", false);
   }
 
   /// Home all ends where HOME_SEQUENCE numbers do not follow one another.

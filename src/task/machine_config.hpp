@@ -11,6 +11,7 @@
 #include "interp/config/ini_settings.hpp"
 #include "interp/environment.hpp"
 #include "motion/api/config.hpp"
+#include "motion/api/screw.hpp"
 
 namespace kerf::task {
 
@@ -50,11 +51,12 @@ struct MachineSetup {
   ToolConfig tools;
   ProgramPaths paths;
   interp::PythonSettings python;
-  std::string position_file;     ///< [TRAJ]POSITION_FILE, absolute; "" none
-  std::string startup_code;      ///< [RS274NGC]RS274NGC_STARTUP_CODE
-  std::string on_abort_command;  ///< [RS274NGC]ON_ABORT_COMMAND
-  int mdi_queue{10};             ///< [TASK]MDI_QUEUED_COMMANDS
-  double linear_unit_mm{1};      ///< mm per machine unit
+  std::vector<motion::ScrewTable> screws;  ///< [JOINT_n]COMP_FILE; of no joint, or of each
+  std::string position_file;               ///< [TRAJ]POSITION_FILE, absolute; "" none
+  std::string startup_code;                ///< [RS274NGC]RS274NGC_STARTUP_CODE
+  std::string on_abort_command;            ///< [RS274NGC]ON_ABORT_COMMAND
+  int mdi_queue{10};                       ///< [TASK]MDI_QUEUED_COMMANDS
+  double linear_unit_mm{1};                ///< mm per machine unit
   double angular_unit_deg{1};
   std::array<double, motion::kMaxJoints> joint_unit{};  ///< mm or degrees per unit of [JOINT_n]
   double default_vel_mm_s{0}, default_acc_mm_s2{0};     ///< [TRAJ]DEFAULT_LINEAR_...

@@ -9,7 +9,6 @@ constexpr std::string_view kBlends =
     "without effect: corners are rounded within G64 P and Q, and the planner looks ahead as far as "
     "it takes";
 constexpr std::string_view kIndexer = "not yet: locking rotary indexers";
-constexpr std::string_view kCompensation = "not yet: screw compensation";
 
 constexpr Key kTrajRows[] = {
     text("COORDINATES", "the axes there are, of XYZABCUVW").required().read_by(By::task),
@@ -181,8 +180,14 @@ constexpr Key kJointRows[] = {
         .unit(kUnits)
         .from(0)
         .otherwise("0"),
-    text("COMP_FILE", "table of the screw's errors").no(kCompensation),
-    choice("COMP_FILE_TYPE", "0 1", "what its columns mean").no(kCompensation),
+    text("COMP_FILE",
+         "table of the screw's errors, in place of BACKLASH: lines of position, value going up, "
+         "value "
+         "going down, at most 256; in force once the joint is homed")
+        .read_by(By::task),
+    choice("COMP_FILE_TYPE", "0 1",
+           "its values: 0 where the joint truly is, 1 how much farther the motor has to be")
+        .otherwise("0"),
     boolean(
         "LOCKING_INDEXER",
         "unlocked while it homes, by joint.N.unlock and is-unlocked (motmod unlock_joints_mask)")

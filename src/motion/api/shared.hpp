@@ -4,6 +4,7 @@
 #include "motion/api/config.hpp"
 #include "motion/api/intent.hpp"
 #include "motion/api/path_items.hpp"
+#include "motion/api/screw.hpp"
 #include "motion/api/status.hpp"
 #include "rtapi/sync/spsc_ring.hpp"
 
@@ -21,11 +22,12 @@ struct FaultLog {
 
 /// One block named kMotionBlock, made by motmod when it is loaded.
 struct MotionShared {
-  IntentCell intent;                     ///< task -> servo
-  rtapi::SeqCell<MachineConfig> config;  ///< task -> motion
-  PathRing path;                         ///< task -> planner
-  rtapi::Cell path_cell;                 ///< notified by task after it pushed
-  rtapi::SeqCell<MotionStatus> status;   ///< servo -> everybody, once a cycle
+  IntentCell intent;                             ///< task -> servo
+  rtapi::SeqCell<MachineConfig> config;          ///< task -> motion
+  rtapi::SeqCell<ScrewTable> screw[kMaxJoints];  ///< task -> motion, before `config`
+  PathRing path;                                 ///< task -> planner
+  rtapi::Cell path_cell;                         ///< notified by task after it pushed
+  rtapi::SeqCell<MotionStatus> status;           ///< servo -> everybody, once a cycle
   rtapi::Cell
       status_cell;  ///< notified by servo when task should look: item done, mode, fault, ack
   FaultLog faults;  ///< servo -> everybody

@@ -8,6 +8,7 @@
 
 #include "motion/api/config.hpp"
 #include "motion/api/kinematics.hpp"
+#include "motion/api/screw.hpp"
 #include "motion/core/executor.hpp"
 #include "motion/core/external_offsets.hpp"
 #include "motion/core/guard.hpp"
@@ -29,6 +30,8 @@ class Controller {
   void adopt(const MachineConfig& config) noexcept;
   [[nodiscard]] bool at_rest() const noexcept;
   [[nodiscard]] bool may_configure() const noexcept { return at_rest() && executor_.idle(); }
+  /// One of each joint; they stay the caller's, and change only while may_configure().
+  void use_screws(const ScrewTable* tables) noexcept { screws_ = tables; }
   /// Other kinematics may be put in force: nothing is planned, nothing moves.
   [[nodiscard]] bool may_switch() const noexcept { return may_configure() && !homing_.active(); }
   /// Puts another kind of the kinematics in force while may_switch() and the planner stands still. The joints stay where they
@@ -134,6 +137,7 @@ class Controller {
   FaultRing& planner_faults_;
   std::size_t joints_, spindle_count_;
   MachineConfig config_{};
+  const ScrewTable* screws_{nullptr};
   OutputBank outputs_;
   Spindles spindles_;
   Executor executor_;

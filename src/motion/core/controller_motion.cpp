@@ -430,11 +430,11 @@ void Controller::take_up_play(double dt) noexcept {
   for (std::size_t j = 0; j < joints_; ++j) {
     Joint& joint = joint_[j];
     const JointConfig& c = config_.joint[j];
-    const double side = joint.vel_cmd > kStill    ? 0.5
-                        : joint.vel_cmd < -kStill ? -0.5
-                                                  : std::copysign(0.5, joint.backlash.target());
-    const bool decided = std::abs(joint.vel_cmd) > kStill || joint.backlash.target() != 0;
-    const double wanted = decided ? side * c.backlash : 0.0;
+    if (std::abs(joint.vel_cmd) > kStill) joint.direction = joint.vel_cmd > 0 ? 1 : -1;
+    double wanted = 0.5 * joint.direction * c.backlash;
+    // Before a joint is homed nobody knows its place on the screw, and home would depend on where it was.
+    if (screws_ != nullptr && screws_[j].count > 0)
+      wanted = joint.homed ? screw_correction(screws_[j], joint.pos_cmd, joint.direction) : 0.0;
     if (wanted != joint.backlash.target() || joint.backlash.active()) {
       joint.backlash.set_limits(std::max(kShare * c.max_acc, 1e-6), kShare * c.max_jerk);
       joint.backlash.go_to(wanted, kShare * c.max_vel);

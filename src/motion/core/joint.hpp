@@ -11,7 +11,9 @@ namespace kerf::motion {
 struct Joint {
   AxisMover mover;  ///< free mode
   /// [JOINT_n]BACKLASH: half of it towards the side that the joint moves to, reached within limits of its own.
+  /// With a COMP_FILE, and homed, what its table says in place of it.
   AxisMover backlash;
+  std::int8_t direction{0};  ///< of the last motion
   double pos_cmd{0}, pos_fb{0};
   double motor_pos_fb{0}, motor_offset{0};
   double last_pos{0}, last_vel{0};  ///< what the guard saw in the last cycle

@@ -170,6 +170,7 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
     controller_ = nullptr;
     return;
   }
+  controller_->use_screws(screw_);
   planner_->planner().set_counts(args_.dio, args_.aio, args_.spindles);
   controller_->status().digital_count = args_.dio;
   controller_->status().analog_count = args_.aio;
@@ -203,6 +204,7 @@ void Motmod::take_config() noexcept {
   }
   if (other_kind && controller_->may_switch())
     refused_kind_ = controller_->switch_kinematics(*kinematics_, kind) ? kNoKind : kind;
+  take_screws();
   controller_->configure(config);
   link_->config.write(config);
   config_version_ = version;
@@ -216,6 +218,14 @@ void Motmod::take_config() noexcept {
   for (std::size_t j = 0; j < kMaxJoints; ++j)
     joint_scale_[j] = config.joint[j].rotary ? 1.0 : scale_;
   if (config.axis_mask != 0) axis_mask_ = config.axis_mask;
+}
+
+void Motmod::take_screws() noexcept {
+  for (std::size_t j = 0; j < joint_.size(); ++j) {
+    const std::uint64_t version = shared_->screw[j].version();
+    if (version != screw_version_[j] && shared_->screw[j].read(screw_[j], 2))
+      screw_version_[j] = version;
+  }
 }
 
 std::int32_t Motmod::wanted_kind() const noexcept {

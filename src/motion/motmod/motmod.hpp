@@ -65,6 +65,7 @@ class Motmod final : public hal::Component<Motmod> {
   void publish() noexcept;
   void answer_planner() noexcept;
   void take_config() noexcept;
+  void take_screws() noexcept;
   /// What motion.switchkins-type asks for; true when that is not the kind in force.
   [[nodiscard]] std::int32_t wanted_kind() const noexcept;
   [[nodiscard]] bool wants_switch(std::int32_t& kind) const noexcept;
@@ -92,6 +93,8 @@ class Motmod final : public hal::Component<Motmod> {
   AskedKinematics* asked_{nullptr};  ///< the planner's, when the module is in C
   std::uint32_t axis_mask_{0};
 
+  ScrewTable screw_[kMaxJoints];
+  std::uint64_t screw_version_[kMaxJoints]{};
   Inputs inputs_;
   Orders orders_;
   Intent intent_;

@@ -46,6 +46,8 @@ CommandParticipant::CommandParticipant(const Parts& parts) : p_(parts) {
   messages_ = p_.shared.messages.newest.observe();
   joint_jog_owner_.fill(kNobody);
   axis_jog_owner_.fill(kNobody);
+  for (std::size_t j = 0; j < p_.setup.screws.size() && j < motion::kMaxJoints; ++j)
+    p_.motion.screw[j].write(p_.setup.screws[j]);
   p_.motion.config.write(machine_);
   enable_request_ = p_.motion.intent.enable.observe();
   p_.motion.intent.enable.publish(0);

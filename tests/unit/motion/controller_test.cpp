@@ -170,6 +170,51 @@ TEST(Controller, BacklashIsMadeGoodWithinItsShareOfTheLimits) {
   EXPECT_NEAR(extra(), -0.05, 1e-12) << "a new value takes the same side";
 }
 
+/// [JOINT_n]COMP_FILE: by place and direction, within its share of the limits, once homed.
+TEST(Controller, AScrewTableIsFollowedByPlaceAndDirection) {
+  for (const double jerk : {0.0, 40000.0}) {
+    Rig rig;
+    std::vector<ScrewTable> tables(kMaxJoints);
+    tables[0].count = 3;
+    tables[0].point[0] = {0, 0.1, -0.3};
+    tables[0].point[1] = {10, 0.4, -0.2};
+    tables[0].point[2] = {20, 0, 0};
+    rig.controller->use_screws(tables.data());
+    rig.config.joint[0].backlash = 5;  // does not count
+    rig.config.joint[0].max_jerk = jerk;
+    rig.apply_config();
+    rig.enable();
+    rig.intent.joint_jog[0] = {1, JogIntent::Kind::incremental, 50, 3};
+    rig.run(500);
+    const auto extra = [&] { return rig.controller->joint(0).backlash.position(); };
+    EXPECT_EQ(extra(), 0) << "not homed";
+    rig.ready();
+    rig.run(500);
+    EXPECT_NE(extra(), 0) << "homed";
+    double last = extra(), last_vel = 0;
+    struct Stop {
+      double x, extra;
+    };
+    // As LinuxCNC has them.
+    for (const Stop stop :
+         {Stop{5, 0.25}, Stop{10, 0.4}, Stop{12, 0.32}, Stop{30, 0}, Stop{12, -0.16},
+          Stop{5, -0.25}, Stop{0, -0.3}, Stop{-5, -0.3}, Stop{0, 0.1}}) {
+      rig.line({.x = stop.x}, 100);
+      for (int i = 0; i < 1500; ++i) {
+        rig.cycle();
+        const double vel = (extra() - last) / Rig::kPeriod;
+        EXPECT_LE(std::abs(vel), 50.001);
+        EXPECT_LE(std::abs(vel - last_vel) / Rig::kPeriod, 500.5);
+        last_vel = vel;
+        last = extra();
+      }
+      EXPECT_NEAR(extra(), stop.extra, 1e-6) << stop.x;
+      EXPECT_NEAR(rig.status().joint[0].pos_fb, stop.x, 1e-6) << "feedback is without it";
+    }
+    EXPECT_TRUE(rig.faults.empty());
+  }
+}
+
 TEST(Controller, ALostHeartbeatStopsOnThePathThenSwitchesOff) {
   Rig rig;
   rig.ready();

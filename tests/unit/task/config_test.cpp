@@ -3,10 +3,14 @@
 
 #include <unistd.h>
 
+#include <fstream>
+#include <string>
+
 #include "io/tool_table.hpp"
 #include "rig.hpp"
 #include "task/machine_config.hpp"
 #include "task/position_file.hpp"
+#include "task/screw_file.hpp"
 
 namespace kerf::task::testing {
 namespace {
@@ -36,6 +40,43 @@ TEST(Config, reads_a_plain_mill) {
   EXPECT_EQ(r.setup.paths.parameter_file, "/m/test.var");
   EXPECT_DOUBLE_EQ(r.setup.motion.max_feed_override, 1.5);
   EXPECT_EQ(r.text(), "");
+}
+
+TEST(Config, screw_files_of_both_types_become_corrections) {
+  const std::string path = ::testing::TempDir() + "screw" + std::to_string(::getpid()) + ".comp";
+  const auto table = [&](const std::string& text, int type, motion::ScrewTable& out) {
+    std::ofstream(path) << text;
+    return read_screw_file(path, static_cast<ScrewFileType>(type), 25.4, out);
+  };
+  motion::ScrewTable t;
+  // The manual's examples, in inches.
+  EXPECT_EQ(table("-1.000 -1.005 -0.995\n0.000 0.002 -0.003\n\n# end\n1.000 1.003 0.998\n", 0, t),
+            "");
+  EXPECT_EQ(t.count, 3);
+  EXPECT_NEAR(motion::screw_correction(t, -25.4, 1), 0.005 * 25.4, 1e-12);
+  EXPECT_NEAR(motion::screw_correction(t, 25.4, -1), 0.002 * 25.4, 1e-12);
+  EXPECT_NEAR(motion::screw_correction(t, 12.7, 1), -0.0025 * 25.4, 1e-12);
+  EXPECT_NEAR(motion::screw_correction(t, 99, 1), -0.003 * 25.4, 1e-12) << "beyond the end";
+  EXPECT_EQ(table("-1.000 0.005 -0.005\n0.000 0.002 -0.003\n", 1, t), "");
+  EXPECT_NEAR(motion::screw_correction(t, 0, -1), -0.003 * 25.4, 1e-12);
+  EXPECT_EQ(motion::screw_correction(t, 0, 0), 0);
+  const auto wrong = [&](const std::string& text, const char* what) {
+    EXPECT_THAT(table(text, 0, t), HasSubstr(what)) << text;
+    EXPECT_EQ(t.count, 0);
+  };
+  wrong("0 0 0\n1 1\n", ".comp:2: expected three numbers");
+  wrong("0 0 0 0\n", "found more");
+  wrong("0 0 zero\n", "'zero' is no number");
+  wrong("0 0 nan\n", "no number");
+  wrong("1 1 1\n1 1 1\n", "ascend");
+  wrong("# nothing\n", "no points");
+  std::string many;
+  for (int i = 0; i < 257; ++i) many += std::to_string(i) + " 0 0\n";
+  wrong(many, ":257: more than 256");
+  ::unlink(path.c_str());
+  EXPECT_THAT(
+      read(with("[JOINT_0]\n", "[JOINT_0]\nCOMP_FILE = gone.comp\nCOMP_FILE_TYPE = 0\n")).text(),
+      HasSubstr("cannot open /m/gone.comp"));
 }
 
 TEST(Config, inches_become_millimetres) {
