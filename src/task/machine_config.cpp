@@ -102,12 +102,14 @@ class SetupReader {
       if (digital) {
         const bool on = text == "1" || ini::equal_ignoring_case(text, "true");
         if (!on && text != "0" && !ini::equal_ignoring_case(text, "false"))
-          r_.complain("SAFE_STATE", "PIN", name + ": '" + text + "': expected 0 or 1");
+          r_.complain("SAFE_STATE", "PIN",
+                      std::string(name).append(": '").append(text).append("': expected 0 or 1"));
         safe.digital_mask |= bit;
         if (on) safe.digital |= bit;
       } else {
         if (text.empty() || *end != '\0' || !std::isfinite(value))
-          r_.complain("SAFE_STATE", "PIN", name + ": '" + text + "': expected a number");
+          r_.complain("SAFE_STATE", "PIN",
+                      std::string(name).append(": '").append(text).append("': expected a number"));
         safe.analog_mask |= bit;
         safe.analog[index] = value;
       }

@@ -464,6 +464,28 @@ TEST(Program, fault_of_motion_ends_the_program) {
   EXPECT_THAT(said, HasSubstr("test.ngc:2"));
 }
 
+TEST(Program, a_late_servo_cycle_pauses_or_is_an_estop_as_the_ini_file_says) {
+  for (const bool estop : {false, true}) {
+    Rig rig(std::string(kMillIni) + "[KERF]\nOVERRUN = " + (estop ? "estop" : "hold") + "\n");
+    rig.ready();
+    rig.fake->move_time = rtapi::kSecond;
+    const auto run = rig.start_text("G0 X1\nG0 X2\nM2\n");
+    rig.run_for(0.5);
+    rig.fake->raise(motion::Fault::overrun, -1);
+    rig.run_for(0.2);
+    EXPECT_THAT(rig.messages(), HasSubstr("[KERF]OVERRUN"));
+    if (estop) {
+      EXPECT_EQ(rig.status().task_state, TaskState::estop);
+      EXPECT_EQ(rig.wait(run, 1).state, State::aborted);
+    } else {
+      EXPECT_TRUE(rig.status().paused);
+      EXPECT_EQ(rig.status().task_state, TaskState::on);
+      rig.send({"resume"});
+      EXPECT_EQ(rig.wait(run, 10).state, State::done);
+    }
+  }
+}
+
 TEST(Program, heartbeat_never_pauses) {
   Rig rig;
   rig.ready();
