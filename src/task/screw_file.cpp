@@ -38,7 +38,8 @@ std::string read_screw_file(const std::string& path, ScrewFileType type, double 
   std::string text;
   for (int line = 1; std::getline(in, text); ++line) {
     const auto wrong = [&](const std::string& what) {
-      return path + ":" + std::to_string(line) + ": " + what;
+      std::string out = path;
+      return out.append(":").append(std::to_string(line)).append(": ").append(what);
     };
     double v[3]{};
     bool had = false;
