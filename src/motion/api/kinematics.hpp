@@ -45,6 +45,8 @@ class Kinematics {
   /// For who asks inverse() many times over: true when all answers since the last complete() were real. False: some have yet to be
   /// worked out, and the same must be asked again later. Only for the planner; false only for modules in C.
   [[nodiscard]] virtual bool complete() const noexcept { return true; }
+  /// False: inverse() needs the servo cycle's help (complete()), and many questions take long.
+  [[nodiscard]] virtual bool answers_at_once() const noexcept { return true; }
   /// The axis that joint j moves alone (index in XYZABCUVW), or -1 when it moves several.
   [[nodiscard]] virtual std::int32_t axis_of_joint(std::int32_t joint) const noexcept = 0;
   /// Bit i: axis i of XYZABCUVW exists.

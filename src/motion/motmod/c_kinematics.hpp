@@ -82,6 +82,7 @@ class AskedKinematics final : public Kinematics {
   [[nodiscard]] std::int32_t kinds() const noexcept override { return served_.kinds(); }
   [[nodiscard]] std::int32_t kind() const noexcept override { return served_.kind(); }
   [[nodiscard]] bool complete() const noexcept override;
+  [[nodiscard]] bool answers_at_once() const noexcept override { return false; }
 
   /// @rt. In each servo cycle: works out some of what is asked; `joint`: where the machine stands. True: all of it is there now.
   bool serve(const JointVector& joint) noexcept;

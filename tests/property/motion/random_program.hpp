@@ -20,7 +20,7 @@ inline int property_count(int normal) {
 
 class Random {
  public:
-  explicit Random(unsigned seed) : rng_(seed) {}
+  explicit Random(unsigned start) : rng_(start) {}
   double uniform(double low, double high) {
     return low + (high - low) * std::uniform_real_distribution<double>()(rng_);
   }

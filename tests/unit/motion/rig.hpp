@@ -13,15 +13,18 @@
 
 namespace kerf::motion::test {
 
-/// Joint j moves axis `axes[j]`.
+/// Joint j moves axis `axes[j]`; or a module of kinematics does, which tells everything itself.
 class RigKinematics final : public Kinematics {
  public:
   explicit RigKinematics(std::vector<int> axes) : axes_(std::move(axes)) {}
+  explicit RigKinematics(const Kinematics& all) : kind(all.type()), module(&all) {}
   [[nodiscard]] KinematicsType type() const noexcept override { return kind; }
   [[nodiscard]] std::int32_t joints() const noexcept override {
+    if (module != nullptr) return module->joints();
     return static_cast<std::int32_t>(axes_.size());
   }
   [[nodiscard]] bool forward(const JointVector& q, Pose& p) const noexcept override {
+    if (module != nullptr) return module->forward(q, p);
     for (std::size_t j = axes_.size(); j > 0; --j)
       p[static_cast<std::size_t>(axes_[j - 1])] = q[j - 1];
     if (core_xy) {
@@ -31,6 +34,7 @@ class RigKinematics final : public Kinematics {
     return true;
   }
   [[nodiscard]] bool inverse(const Pose& p, JointVector& q) const noexcept override {
+    if (module != nullptr) return module->inverse(p, q);
     for (std::size_t j = 0; j < axes_.size(); ++j) q[j] = p[static_cast<std::size_t>(axes_[j])];
     if (core_xy) {
       q[0] = p.x + p.y;
@@ -39,14 +43,17 @@ class RigKinematics final : public Kinematics {
     return true;
   }
   [[nodiscard]] std::int32_t axis_of_joint(std::int32_t j) const noexcept override {
+    if (module != nullptr) return module->axis_of_joint(j);
     return core_xy && j < 2 ? -1 : axes_[static_cast<std::size_t>(j)];
   }
   [[nodiscard]] std::uint32_t axis_mask() const noexcept override {
+    if (module != nullptr) return module->axis_mask();
     std::uint32_t mask = 0;
     for (const int a : axes_) mask |= 1U << static_cast<unsigned>(a);
     return mask;
   }
   KinematicsType kind{KinematicsType::identity};
+  const Kinematics* module{nullptr};
   bool core_xy{false};  ///< joints 0 and 1 move X+Y and X-Y
 
  private:
@@ -69,8 +76,9 @@ class HeapMemory final : public path::Memory {
 struct Rig {
   static constexpr double kPeriod = 0.001;
 
-  explicit Rig(std::vector<int> axes = {0, 1, 2})
-      : kinematics(std::move(axes)),
+  explicit Rig(std::vector<int> axes = {0, 1, 2}) : Rig(RigKinematics(std::move(axes))) {}
+  explicit Rig(const RigKinematics& moved_by)
+      : kinematics(moved_by),
         path(std::make_unique<PathRing>()),
         spans(std::make_unique<SpanRing>()),
         faults_in(std::make_unique<FaultRing>()),

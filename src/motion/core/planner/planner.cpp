@@ -62,6 +62,8 @@ void Planner::configure(const MachineConfig& config) noexcept {
   const PathLimits limits = path_limits_of(kinematics_, config);
   limits_ = limits.axes;
   plain_ = limits.plain;
+  mixed_ = !plain_ && !limits_.jerks && kinematics_.answers_at_once();
+  if (mixed_) joint_bounds_.configure(config, limits_);
   path::PathSettings settings;
   low_ = settings.low = limits.low;
   high_ = settings.high = limits.high;
@@ -170,6 +172,7 @@ bool Planner::may_move(const ServoView& view) noexcept {
     place_ = view.place;
     placed_ = true;
     begins_ = true;
+    joint_bounds_.begin();
   }
   return true;
 }
@@ -336,8 +339,11 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
     if (result == Take::done && probe != nullptr) probing_ = true;
     return result;
   }
+  // Judged as a whole: what follows a spindle, and what cannot be looked at in stretches.
+  const bool alone = !plain_ && (!mixed_ || sync != nullptr);
   FaultRecord fault;
-  const bool within = limits_of(item, curve, speed, traverse, meta, fault);
+  const bool within = alone ? limits_of(item, curve, speed, traverse, meta, fault)
+                            : within_soft_limits(curve, kinematics_, config_, skew_, fault);
   if (!kinematics_.complete()) return Take::wait_servo;
   if (!within) return refuse(item, fault);
   // The first feed move after a change of a spindle waits for it at rest; at constant surface speed also the first after a rapid.
@@ -347,7 +353,7 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   path::Move move;
   move.piece =
       piece_of(curve, traverse && speed == 0 ? path::kNoLimit : speed, traverse, limits_.vel);
-  if (!plain_) unstretch(curve, move.piece);
+  if (alone) unstretch(curve, move.piece);
   if (sync != nullptr && !join_thread(*sync, move.piece, meta, fault)) return refuse(item, fault);
   if (per_rev_.spindle >= 0 && !traverse && probe == nullptr && sync == nullptr) {
     move.piece.feed.per_rev = static_cast<std::int8_t>(per_rev_.spindle);
@@ -355,9 +361,9 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   }
   move.mode = mode_;
   meta.tolerance_mm = mode_.tolerance.mm;
-  move.stop_at_end = probe != nullptr || !plain_;
+  move.stop_at_end = probe != nullptr || alone;
   if (!(path::axis_cap(move.piece, 0, move.piece.length, limits_) > 0)) return bad_item(item, 0);
-  if (!plain_) stop_here();
+  if (alone) stop_here();
   const bool may_merge = kind == MotionKind::feed && sync == nullptr && plain_ &&
                          curve.shape == Curve::Shape::line && merge_mm_ > 0 && !single_step_;
   end_ = curve.end;

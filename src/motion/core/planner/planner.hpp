@@ -14,6 +14,7 @@
 #include "motion/core/path/boxes.hpp"
 #include "motion/core/path/program_path.hpp"
 #include "motion/core/path/reach.hpp"
+#include "motion/core/planner/joint_bounds.hpp"
 #include "motion/core/planner/merge.hpp"
 #include "motion/core/span.hpp"
 
@@ -32,7 +33,11 @@ class Planner {
 
   Planner(const Kinematics& kinematics, SpanRing& spans, PlanSlots& slots,
           FaultRing& faults) noexcept
-      : kinematics_(kinematics), spans_(spans), slots_(slots), faults_(faults) {}
+      : kinematics_(kinematics),
+        spans_(spans),
+        slots_(slots),
+        faults_(faults),
+        joint_bounds_(kinematics) {}
   /// Before anything else. False: no memory.
   [[nodiscard]] bool create(path::Memory& memory) noexcept;
 
@@ -126,6 +131,8 @@ class Planner {
   // send.cpp: pieces, spans and the pass from the end
   void commit_if_due(bool more_items, std::int64_t now_ns) noexcept;
   void commit(std::size_t moves, bool hand_over) noexcept;
+  void make_pieces(std::size_t moves) noexcept;
+  [[nodiscard]] bool stop_out_of_reach(std::size_t moves, bool everywhere) noexcept;
   [[nodiscard]] std::size_t hand_over_at() const noexcept;
   [[nodiscard]] bool send() noexcept;
   [[nodiscard]] bool send_events(double sigma) noexcept;
@@ -141,7 +148,11 @@ class Planner {
   FaultRing& faults_;
   MachineConfig config_{};
   path::AxisLimits limits_;
-  bool plain_{true};  ///< each joint is one axis: limits along the path; else each move by itself
+  bool plain_{true};  ///< each joint is one axis: limits along the path; else ...
+  bool mixed_{
+      false};  ///< ... joint_bounds_ of each stretch; if this is false too, each move by itself
+  JointBounds joint_bounds_;
+  JointBounds::Box box_;  ///< of the stretch that is being sent
   std::int32_t digital_{static_cast<std::int32_t>(kMaxDigital)},
       analog_{static_cast<std::int32_t>(kMaxAnalog)};
   std::int32_t spindles_{static_cast<std::int32_t>(kMaxSpindles)};

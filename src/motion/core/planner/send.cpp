@@ -89,7 +89,7 @@ void Planner::commit(std::size_t moves, bool hand_over) noexcept {
     }
     double sigma = 0;
     for (std::size_t i = 0; i < moves; ++i) meta_[i].sigma_end = sigma += moves_[i].piece.length;
-    program_path_.make(moves_.begin(), moves, pieces_);
+    make_pieces(moves);
     if (plain_ && limits_.jerks) boxes_.make(pieces_, limits_);
     if (hand_over) {
       moves_[moves - 1].piece =
@@ -104,6 +104,37 @@ void Planner::commit(std::size_t moves, bool hand_over) noexcept {
   sigma_ = piece_sigma_ = 0;
   thread_end_move_ = 0;
   first_new_ = next_number_;
+}
+
+void Planner::make_pieces(std::size_t moves) noexcept {
+  constexpr int kRounds = 4;
+  for (int round = 0;; ++round) {
+    pieces_.clear();
+    program_path_.make(moves_.begin(), moves, pieces_);
+    if (!mixed_ || round > kRounds || !stop_out_of_reach(moves, round == kRounds)) return;
+  }
+}
+
+/// Blends leave the programmed path, and where that is the end of what the joints reach, the path stops at the corner instead. True: at some.
+bool Planner::stop_out_of_reach(std::size_t moves, bool everywhere) noexcept {
+  bool any = false;
+  double begin = 0;
+  for (const path::Piece& piece : pieces_) {
+    const double end = begin + piece.length;
+    const bool blend = piece.shape == path::Piece::Shape::cubic && !piece.straight();
+    if (blend && !joint_bounds_.reaches(piece, skew_)) {
+      any = true;
+      // The corners within it, else the next one.
+      bool found = false;
+      for (std::size_t m = 0; m + 1 < moves; ++m) {
+        const double corner = meta_[m].sigma_end;
+        if (!everywhere && (corner < begin - kSamePlace || (corner > end && found))) continue;
+        moves_[m].stop_at_end = found = true;
+      }
+    }
+    begin = end;
+  }
+  return any;
 }
 
 /// False: no room in the ring.
@@ -121,11 +152,20 @@ bool Planner::send() noexcept {
     }
     const path::Piece& piece = pieces_[piece_];
     const bool whole = meta_[std::min(move_, sending_ - 1)].even_acc > 0;
-    const int n = whole ? 1 : path::divisions(piece);
     const double from = sigma_ - piece_sigma_;
-    double to = piece.length * static_cast<double>(stretch_ + 1) / n;
-    const bool last = static_cast<int>(stretch_) + 1 == n;
-    if (last) to = piece.length;
+    double to = piece.length;
+    bool last = true;
+    if (mixed_ && !whole) {
+      const double most =
+          piece.feed.rapid ? 1.0 : config_.max_feed_override * config_.max_feed_override;
+      box_ = joint_bounds_.box_of(piece, from, to,
+                                  path::feed_cap(piece, from, to) * std::max(most, 1.0));
+      last = to >= piece.length;
+    } else {
+      const int n = whole ? 1 : path::divisions(piece);
+      last = static_cast<int>(stretch_) + 1 == n;
+      if (!last) to = piece.length * static_cast<double>(stretch_ + 1) / n;
+    }
     // An event divides it; so does the end of a move where the shown line would lag too far behind.
     bool divided = false;
     const auto divide = [&](double at) {
@@ -213,6 +253,9 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
     speed.cap = meta.cap;
     body.even_acc = meta.even_acc;
     body.even_jerk = piece.feed.sync ? 0.0 : meta.even_jerk;
+  } else if (mixed_) {
+    speed.cap = box_.cap;
+    body.even_acc = box_.acc;
   } else {
     speed.cap = path::axis_cap(piece, from, to, limits_);
     if (limits_.jerks && !piece.feed.sync) {
