@@ -1,16 +1,18 @@
-// planner_bench [--seed N] [--quick] [--count CYCLES]
+// planner_bench [--seed N] [--quick] [--count CYCLES] [--gcode FOLDER]
 //
 // Runs generated programs through planner and servo cycle without HAL, one millisecond a cycle, limited in acceleration and in jerk, and
 // prints beside the goals: time, offline optimum and feed floor; the largest share of a joint limit in any cycle (by differences of the
 // commanded positions) and the distance from the programmed path; corner speeds; exact stops; what planning and the servo cycle cost; whether
 // runs repeat bit by bit. Then the same programs under an override that changes at random all along. --count drives random programs with
-// overrides, holds, aborts and resumes for that many cycles instead. Exit 1 when a limit was passed.
+// overrides, holds, aborts and resumes for that many cycles instead. --gcode writes the quick programs
+// there and prints name, time and length of each (compare_with_peer reads that). Exit 1 when a limit was passed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "bench/motion/campaign.hpp"
@@ -175,20 +177,39 @@ void throughput(bool quick, std::uint64_t seed) {
   }
 }
 
+int write_programs(const char* folder, std::uint64_t seed) {
+  for (const Entry& e : families(true, seed)) {
+    std::string name = e.program.name;
+    for (char& c : name)
+      if (c == ' ' || c == ',') c = '_';
+    if (!bench::write_gcode(e.program, std::string(folder) + "/" + name + ".ngc")) {
+      std::fprintf(stderr, "planner_bench: cannot write to %s\n", folder);
+      return 2;
+    }
+    const bench::RunResult r = bench::run(e.program, {0, false, seed, true});
+    std::printf("%s\t%g\t%.3f\t%.3f\t%.5f\t%.6f\n", name.c_str(), e.program.p_mm, r.seconds,
+                r.length, r.acc, r.deviation);
+  }
+  return 0;
+}
+
 int main_of(int argc, char** argv) {
   std::uint64_t seed = 1, count = 0;
   bool quick = false;
+  const char* gcode = nullptr;
   for (int i = 1; i < argc; ++i) {
     const bool value = i + 1 < argc;
     if (std::strcmp(argv[i], "--seed") == 0 && value) {
       seed = std::strtoull(argv[++i], nullptr, 10);
     } else if (std::strcmp(argv[i], "--count") == 0 && value) {
       count = std::strtoull(argv[++i], nullptr, 10);
+    } else if (std::strcmp(argv[i], "--gcode") == 0 && value) {
+      gcode = argv[++i];
     } else if (std::strcmp(argv[i], "--quick") == 0) {
       quick = true;
     } else {
       std::puts(
-          "Usage: planner_bench [--seed N] [--quick] [--count CYCLES]\n"
+          "Usage: planner_bench [--seed N] [--quick] [--count CYCLES] [--gcode FOLDER]\n"
           "Times of generated programs beside their optima, the shares of the joint limits they "
           "use, and what planning costs.\n"
           "--count: random programs with overrides, holds, aborts and resumes for that many servo "
@@ -196,6 +217,7 @@ int main_of(int argc, char** argv) {
       return std::strcmp(argv[i], "--help") == 0 ? 0 : 2;
     }
   }
+  if (gcode != nullptr) return write_programs(gcode, seed);
   if (count > 0) {
     const bench::CampaignResult r = bench::campaign(count, seed);
     bench::print(r);

@@ -4,9 +4,11 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <ctime>
 #include <random>
+#include <vector>
 
 #include "motion/core/path/reach.hpp"
 #include "unit/motion/rig.hpp"
@@ -333,6 +335,36 @@ double feed_floor(const Program& program) {
     at = end;
   }
   return seconds;
+}
+
+bool write_gcode(const Program& program, const std::string& file) {
+  std::FILE* out = std::fopen(file.c_str(), "w");
+  if (out == nullptr) return false;
+  std::fprintf(
+      out,
+      program.p_mm > 0 ? "G21 G90 G94 G17 G40 G49 G64 P%.9g\n" : "G21 G90 G94 G17 G40 G49 G61.1\n",
+      program.p_mm);
+  std::fprintf(out, "G0 X0 Y0 Z0 A0\n");
+  Pose at;
+  const auto words = [&](const Pose& end, double feed) {
+    std::fprintf(out, " X%.6f Y%.6f Z%.6f A%.6f", end.x, end.y, end.z, end.a);
+    if (feed > 0) std::fprintf(out, " F%.6f", feed * 60);
+    at = end;
+  };
+  for (const auto& item : program.items) {
+    if (const auto* line = std::get_if<motion::LinearMove>(&item)) {
+      std::fprintf(out, line->kind == motion::MotionKind::traverse ? "G0" : "G1");
+      words(line->end, line->vel_mm_s);
+      std::fprintf(out, "\n");
+    } else if (const auto* arc = std::get_if<motion::ArcMove>(&item)) {
+      const double i = arc->centre[0] - at.x, j = arc->centre[1] - at.y;
+      std::fprintf(out, arc->normal[2] < 0 ? "G2" : "G3");
+      words(arc->end, arc->vel_mm_s);
+      std::fprintf(out, " I%.6f J%.6f\n", i, j);
+    }
+  }
+  std::fprintf(out, "M2\n");
+  return std::fclose(out) == 0;
 }
 
 double stops_closed_form(const Program& program, double jerk) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+#include <string>
 
 #include "bench/motion/families.hpp"
 
@@ -37,6 +37,9 @@ struct RunResult {
 
 /// Length of all moves over their feeds; rapids over what the axes can do.
 [[nodiscard]] double feed_floor(const Program& program);
+
+/// The program as G-code that LinuxCNC reads too. False: the file cannot be written.
+[[nodiscard]] bool write_gcode(const Program& program, const std::string& file);
 
 /// The sum of the closed forms of all moves driven from stop to stop; straight moves only.
 [[nodiscard]] double stops_closed_form(const Program& program, double jerk);
