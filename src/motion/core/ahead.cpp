@@ -190,6 +190,8 @@ Course course_ahead(const PlanSlots& slots, std::uint64_t number, double left, R
   // The first way as long as it gives all that is wanted.
   if (best.feasible && best.target >= cap && cap >= state.speed) return best;
   if (best.feasible && best.target <= cap && cap <= state.speed) return best;
+  // No end of the group in sight: less of its limits gives nothing more.
+  if (best.feasible && best.known >= path::kNoLimit) return best;
   for (int groups = 2; groups <= kGroups; ++groups) {
     RampLimits limits;
     double first_end = 0;

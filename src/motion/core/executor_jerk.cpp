@@ -16,7 +16,7 @@ constexpr int kSteps = 60;
 /// A leg goes on that long before what lies ahead is looked at again; changes of override and holds end it at once.
 constexpr double kKeep = 0.004;
 /// A cap that has risen by less is not worth a look.
-constexpr double kWorth = 1.03;
+constexpr double kWorth = 1.05;
 
 /// When `way` has been driven on the ramp; the speed is never negative on it. Newton, kept between bounds.
 double time_at(const Ramp& ramp, RampState from, double way, double most) noexcept {
