@@ -75,14 +75,14 @@ class Bench:
                               capture_output=True, text=True, check=True, timeout=TIME_LIMIT_S).stdout
         found = re.search(r"straight_lines_median.*lines=([\d.]+)M/s", said)
         million = float(found.group(1))
-        comparison.row("(a) without text", f"{million:.2f} M/s", goal=">= 3 M/s", ok=million >= 3)
+        comparison.row("(a) without text", f"{million:.2f} M/s", goal=">= 3 M/s", verdict=million >= 3)
 
     def memory(self):
         """Largest resident size."""
         for what, make, count in (("5 000 000 G1 lines", programs.lines, 5_000_000), ("10 000 subs", programs.many_subs, 10_000)):
             path, _ = self.program(make, count)
             kilobytes = self.run(self.own, path)[1]
-            comparison.row(f"memory, {what}", f"{kilobytes / 1024:.1f} MB", goal="< 64 MB", ok=kilobytes < 64 * 1024)
+            comparison.row(f"memory, {what}", f"{kilobytes / 1024:.1f} MB", goal="< 64 MB", verdict=kilobytes < 64 * 1024)
             if make is programs.lines:
                 self.first_call(path, count)
             os.unlink(path)
@@ -95,7 +95,7 @@ class Bench:
                 child.stdout.read(1)
                 times.append((time.monotonic() - begin) * 1000)
                 child.kill()
-        comparison.row(f"first call, {count} lines", f"{statistics.median(times):.1f} ms", goal="< 50 ms", ok=statistics.median(times) < 50)
+        comparison.row(f"first call, {count} lines", f"{statistics.median(times):.1f} ms", goal="< 50 ms", verdict=statistics.median(times) < 50)
 
     def growth(self):
         """Time of a line when there is ten times and a hundred times as much of something."""
