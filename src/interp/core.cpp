@@ -241,7 +241,8 @@ Outcome Core::execute_block(ParsedBlock& b) {
     if (part == nullptr) return undo_block(), Outcome::error;
     return execute_block(*part);
   }
-  if (!build(b, block_) || !store(b) || !run_comment(b) || !run_rows(block_)) {
+  if (!build(b, block_) || !store(b) || !run_comment(b) || !run_rows(block_) ||
+      !compensation.has_room()) {
     undo_block();
     return Outcome::error;
   }

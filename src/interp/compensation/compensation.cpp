@@ -14,6 +14,9 @@ constexpr double kTwoPi = 6.283185307179586;
 /// Moves in the plane shorter than this (mm) have no direction.
 constexpr double kNoMove = 1e-9;
 
+/// Blocks that may wait for the end of one move: some 30 MB. A program of any length runs in bounded memory.
+constexpr std::size_t kMostWaiting = 10000;
+
 /// Lathe tools: direction from the centre of the tip to the controlled point, x and z, in radii. Manual: "Tool Orientation".
 constexpr double kTip[10][2] = {{0, 0}, {-1, 1}, {-1, -1}, {1, -1}, {1, 1},
                                 {0, 1}, {-1, 0}, {0, -1},  {1, 0},  {0, 0}};
@@ -321,6 +324,13 @@ void Compensation::release() {
     deliver(*w);
     spare_.splice(spare_.end(), waiting_, w);
   }
+}
+
+bool Compensation::has_room() const {
+  if (release_ || waiting_.size() < kMostWaiting || (core_.out.empty() && !has_move_)) return true;
+  return core_.fail(
+      0, "Turn the compensation off with G40 where the tool does not move in the plane for long",
+      "%zu blocks wait for the next move in the plane of the cutter compensation", waiting_.size());
 }
 
 void Compensation::finish(const SourceLine& source) {

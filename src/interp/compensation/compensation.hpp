@@ -57,6 +57,8 @@ class Compensation {
   [[nodiscard]] bool waits() const noexcept { return !waiting_.empty(); }
   /// This block must end by finish() instead of delivering its calls.
   [[nodiscard]] bool busy() const noexcept { return staged_ || waits(); }
+  /// False, with the reason: this block would wait, and too many do already (kMostWaiting).
+  [[nodiscard]] bool has_room() const;
   /// Delivers what no longer waits, of blocks before and of this one.
   void finish(const SourceLine& source);
   void undo() noexcept {

@@ -60,6 +60,23 @@ M2
   }
 }
 
+TEST(Limits, WithCutterCompensationABoundedNumberOfBlocksWaits) {
+  Rig rig;
+  ASSERT_TRUE(
+      rig.interp
+          .open_text("waits.ngc",
+                     "G21 G41.1 D2\nG1 X10 F100\nY20\no1 while [1]\nM8\n#1=[#1+1]\no1 endwhile\n")
+          .ok());
+  ASSERT_EQ(run_steps(rig.interp, 100000), Outcome::error);
+  EXPECT_EQ(rig.interp.error().text,
+            "10000 blocks wait for the next move in the plane of the cutter compensation");
+  (void)rig.calls();
+  // Nothing of them runs after the abort.
+  rig.interp.abort();
+  ASSERT_EQ(rig.interp.execute_mdi("M9"), Outcome::ok);
+  EXPECT_EQ(rig.calls().find("FLOOD_ON"), std::string::npos);
+}
+
 TEST(Limits, RecursionGoesAsDeepAsTheDialectSays) {
   Dialect deep = linuxcnc_dialect();
   deep.call_levels = 10000;
