@@ -22,6 +22,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -40,6 +41,8 @@ struct SourceLine {
   std::int32_t call_level{0};  ///< 0 in the main program
   std::string_view file;       ///< path as opened, "" for MDI
   std::string_view text;       ///< the line as written, without the line end
+  /// Digits of the N word, as written, of the block that lets these calls go. With cutter compensation that is a later one.
+  std::optional<std::string_view> label{};
 };
 
 /// G17, G18, G19 with normals +Z, +Y, +X; G17.1, G18.1, G19.1, in which only canned cycles work.

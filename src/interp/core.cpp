@@ -256,6 +256,17 @@ std::optional<Tool> Core::find_tool(int number) const {
   return env.find_tool(number);
 }
 
+namespace {
+/// The digits behind the N of a line, as they are written.
+std::string_view label_of(std::string_view line) {
+  const std::size_t n = line.find_first_of("nN");
+  if (n == std::string_view::npos) return {};
+  std::size_t end = n + 1;
+  while (end < line.size() && line[end] >= '0' && line[end] <= '9') ++end;
+  return line.substr(n + 1, end - n - 1);
+}
+}  // namespace
+
 Outcome Core::finish_block(const ParsedBlock& p) {
   for (const Tool& tool : tool_changes) {
     std::erase_if(changed_tools, [&](const Tool& t) { return t.number == tool.number; });
@@ -270,6 +281,7 @@ Outcome Core::finish_block(const ParsedBlock& p) {
     source.call_level = block_level_;
     source.file = flows.programs[block_program_].path;
     source.text = p.text;
+    if (p.sequence >= 0) source.label = label_of(p.text);
     if (repeats.left > 0) {
       repeats.source = source;
       repeats.file = source.file;
@@ -312,6 +324,7 @@ Outcome Core::next_repeat() {
   SourceLine source = repeats.source;
   source.file = repeats.file;
   source.text = repeats.text;
+  if (source.sequence >= 0) source.label = label_of(repeats.text);
   out.deliver(canon, source);
   return block_done();
 }
@@ -445,22 +458,24 @@ bool Core::target(const Block& b, Pose& end) {
     if (state.plane_code != 170)
       return fail(b.has('@') ? '@' : '^', "", "Cannot use polar coordinate except in G17 plane");
     double radius = std::hypot(state.position.x, state.position.y);
-    double angle = std::atan2(state.position.y, state.position.x) * 180.0 / 3.14159265358979323846;
+    // In radians all along, so that no rounding changes the last digit of LinuxCNC's figures.
+    constexpr double kRadians = 3.14159265358979323846 / 180.0;
+    double angle = std::atan2(state.position.y, state.position.x);
     if (state.distance == DistanceMode::incremental) {
       if (radius < 1e-9)
         return fail(
             b.has('@') ? '@' : '^', "",
             "Incremental motion with polar coordinates is indeterminate when at the origin");
       radius += b.has('@') ? mm(b['@']) : 0;
-      angle += b.get('^', 0);
+      angle += b.get('^', 0) * kRadians;
     } else {
       if (b.has('@')) radius = mm(b['@']);
-      if (b.has('^')) angle = b['^'];
+      if (b.has('^')) angle = b['^'] * kRadians;
       if (!b.has('^') && radius != 0 && std::hypot(state.position.x, state.position.y) < 1e-9)
         return fail('@', "", "Must specify angle in polar coordinate if at the origin");
     }
-    end.x = radius * std::cos(angle * 3.14159265358979323846 / 180.0);
-    end.y = radius * std::sin(angle * 3.14159265358979323846 / 180.0);
+    end.x = radius * std::cos(angle);
+    end.y = radius * std::sin(angle);
   }
   if (b.g53) {
     if (state.cutter_comp != 400)

@@ -1,4 +1,5 @@
 // Active comments: MSG, DEBUG, PRINT, LOG..., abort. Manual: "Messages", "Logging", "Comment Parameters".
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -82,7 +83,9 @@ bool Core::run_comment(const ParsedBlock& b) {
   const auto keep = [this](std::string_view t) { return out.keep(t); };
   switch (b.comment) {
     case CommentKind::none: break;
-    case CommentKind::plain: comment(text); break;
+    case CommentKind::plain:
+      if (!text.empty()) comment(text.substr(std::min(text.find_first_not_of(" \t"), text.size())));
+      break;
     case CommentKind::msg: out.call<&Canon::message>(keep(text)); break;
     case CommentKind::debug:
       if (params.get(kDebugEnable) == 0) break;

@@ -15,20 +15,26 @@ void TextCanon::end(const char* to) {
   ::fwrite_unlocked(line_, 1, static_cast<std::size_t>(to - line_), out_);
 }
 
+void TextCanon::no_label() {
+  constexpr std::string_view kNone = " N..... ";
+  label_size_ = static_cast<std::size_t>(put(label_, kNone) - label_);
+}
+
+void TextCanon::next_block(const SourceLine& source) {
+  if (!source.label) return no_label();
+  constexpr std::size_t kColumns = 8;
+  char* to = put(label_, " N");
+  to = put(to, source.label->substr(0, sizeof label_ - 2));
+  while (to < label_ + kColumns) *to++ = ' ';
+  label_size_ = static_cast<std::size_t>(to - label_);
+}
+
 char* TextCanon::begin(std::string_view name) {
   char* to = line_;
   ++counter_;
   for (std::uint32_t least = 10000; least > counter_; least /= 10) *to++ = ' ';
   to = write_digits(to, counter_);
-  if (sequence_ < 0) {
-    to = put(to, " N..... ");
-  } else {
-    to = put(to, " N");
-    const char* const first = to;
-    to = write_digits(to, static_cast<std::uint32_t>(sequence_));
-    while (to < first + 5) *to++ = ' ';
-    *to++ = ' ';
-  }
+  to = put(to, {label_, label_size_});
   return put(to, name);
 }
 
@@ -233,7 +239,7 @@ void TextCanon::pallet_shuttle() { line("PALLET_SHUTTLE()"); }
 void TextCanon::program_end() { line("PROGRAM_END()"); }
 void TextCanon::finish() { line("FINISH()"); }
 void TextCanon::on_reset() {
-  sequence_ = -1;
+  no_label();
   line("ON_RESET()");
 }
 void TextCanon::user_mcode(int number, std::string_view, double p, double q) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -20,7 +21,9 @@ class TextCanon final : public Canon {
  public:
   /// `out` stays open; the caller flushes it. Rows of the tool table are printed in machine units.
   explicit TextCanon(std::FILE* out, double machine_unit_mm = 1.0)
-      : out_(out), machine_unit_mm_(machine_unit_mm) {}
+      : out_(out), machine_unit_mm_(machine_unit_mm) {
+    no_label();
+  }
 
   /// Where the peer's listing takes the machine to be when it asks after a tool change: it does not see that a tool offset moves the
   /// program's zero. The tool offset at the end of the last motion, when another one is on; asking forgets it.
@@ -30,7 +33,7 @@ class TextCanon final : public Canon {
     return offset_of_last_motion_;
   }
 
-  void next_block(const SourceLine& source) override { sequence_ = source.sequence; }
+  void next_block(const SourceLine& source) override;
   void use_length_units(Units units) override;
   void select_plane(Plane plane) override;
   void set_g5x_offset(int system, const Pose& offset) override;
@@ -128,12 +131,21 @@ class TextCanon final : public Canon {
     std::memcpy(to, s.data(), s.size());
     return to + s.size();
   }
+  void no_label();
   void end(const char* to);
-  [[nodiscard]] double length(double mm) const { return mm / unit_mm_; }
+  /// In program units. A word in inches went to mm and comes back: where it was a decimal it is that again, so that halves
+  /// round as they do for the word.
+  [[nodiscard]] double length(double mm) const {
+    if (unit_mm_ == 1) return mm;
+    const double back = mm / unit_mm_;
+    const double decimal = std::nearbyint(back * 1e6) / 1e6;
+    return std::fabs(decimal - back) <= 4e-16 * std::fabs(back) ? decimal : back;
+  }
 
   std::FILE* out_;
   double unit_mm_{1};
-  std::int32_t sequence_{-1};
+  char label_[24];  ///< of the block: " N10    ", " N..... "
+  std::size_t label_size_{0};
   std::uint32_t counter_{0};
   std::array<bool, kMaxSpindles> css_{};
   double machine_unit_mm_;

@@ -49,6 +49,22 @@ TEST(SmoothPath, CornersArePassedAtSpeedWithinTheTolerance) {
   EXPECT_LT(seconds[0], seconds[1]);
 }
 
+TEST(Probe, ToWhereItStandsMeetsNothingAndGoesOn) {
+  auto m = homed_machine();
+  for (const char* feed : {"G94 F100", "G93 F100"}) {
+    ASSERT_TRUE(m->mdi("G0 X5 Y0"));
+    ASSERT_TRUE(m->mdi(std::string(feed) + " G38.3 X5")) << m->errors();
+    ASSERT_TRUE(m->mdi("G94 G0 Y[10 + #5070] X#5061")) << m->errors();
+    EXPECT_NEAR(m->joint(1), 10, 1e-9);
+    EXPECT_NEAR(m->joint(0), 5, 1e-9);
+    // Nothing touches the probe, which is what G38.5 goes for.
+    ASSERT_TRUE(m->mdi(std::string(feed) + " G38.5 X5")) << m->errors();
+    ASSERT_TRUE(m->mdi("G94 G0 Y[20 + #5070]")) << m->errors();
+    EXPECT_GE(m->joint(1), 20);
+    EXPECT_FALSE(m->mdi("F100 G38.2 X5"));
+  }
+}
+
 TEST(SmoothPath, AStepAfterAPauseEndsAtTheEndOfItsBlock) {
   auto m = homed_machine();
   const auto path = m->write_program(zigzag("G64 P0.05"));

@@ -73,7 +73,9 @@ bool probe(Core& c, const Block& b, int code) {
   if (!c.target(b, end)) return false;
   double linear = 0, angular = 0;
   feed_length(c.state.position, end, linear, angular);
-  if (std::max(linear, angular) < 1e-9)
+  // G38.3 and G38.5 there are no error where nothing is met; programs in the field go on from there.
+  const bool must_meet = code == 382 || code == 384;
+  if (must_meet && std::max(linear, angular) < 1e-9)
     return c.fail(0, "Probe from further away", "Start point too close to probe point");
   inverse_time_feed(c, b, linear, angular);
   c.out.call<&Canon::turn_probe_on>();

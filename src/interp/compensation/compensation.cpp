@@ -258,6 +258,7 @@ void Compensation::make(const Move& move) {
 void Compensation::deliver(Waiting& w) {
   w.source.file = w.file;
   w.source.text = w.text;
+  w.source.label = label_;
   core_.shown = &w.modal;
   const auto which = w.overtaken ? CanonBuffer::Which::waiting : CanonBuffer::Which::all;
   bool announced = false;
@@ -335,6 +336,7 @@ bool Compensation::has_room() const {
 
 void Compensation::finish(const SourceLine& source) {
   sync_ = SyncReason::none;
+  label_ = source.label;
   const bool in_order = core_.settings.compensation_look_ahead > 0;
   bool announced = false;
   const std::size_t before = release_ ? release_at_ : 0;

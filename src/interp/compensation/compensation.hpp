@@ -142,6 +142,7 @@ class Compensation {
   LookAhead look_ahead_;
   std::optional<GuardedMove> closing_;  ///< the open move with its end
   SyncReason sync_{SyncReason::none};
+  std::optional<std::string_view> label_;  ///< of the block being finished
 };
 
 }  // namespace kerf::interp
