@@ -176,6 +176,8 @@ class Core {
   [[nodiscard]] Pose machine_position() const { return state.frame.to_machine(state.position); }
   /// Program coordinates of the tool, which cutter compensation keeps beside the programmed position.
   [[nodiscard]] Pose tool_position() const { return compensation.tool_position(state.position); }
+  /// What #5420-#5428 and #<_x> are: tool_position(), or in the sub of a lathe cycle the end of its last move.
+  [[nodiscard]] Pose shown_position() const;
   /// Offsets changed: the machine stands where it stood, its program coordinates are others.
   void set_frame(const CanonFrame& frame);
   /// Value of #number as the program sees it.

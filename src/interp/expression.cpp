@@ -107,8 +107,8 @@ double Core::parameter(int index) const {
   if (index == kToolLast) return spindle_tool.orientation;
   if (index >= kPosition) {
     const auto axis = static_cast<std::size_t>(index - kPosition);
-    const double v = tool_position()[axis];
-    return rtapi::is_rotary(axis) ? v : v / state.unit_mm();
+    const double v = shown_position()[axis];
+    return rtapi::is_rotary(axis) ? v : in_units(v, state.unit_mm());
   }
   return params.get(index);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "interp/canon.hpp"
@@ -40,6 +41,15 @@ struct SplineEnd {
 /// Plain copyable; task attaches a copy to each queued item and gives it back to Interpreter::restore() after an abort.
 /// Lengths in mm, angles in degrees, feeds in mm/min (degrees/min), speeds in rpm, whatever G20/G21 says.
 /// G-codes are stored times ten (G38.2 = 382), as clients of the status channel know them.
+/// A length in units of `unit_mm`. A word in inches went to mm and comes back: where it was a decimal it is that again, so that
+/// halves round as they do for the word.
+[[nodiscard]] inline double in_units(double mm, double unit_mm) noexcept {
+  if (unit_mm == 1) return mm;
+  const double back = mm / unit_mm;
+  const double decimal = std::nearbyint(back * 1e6) / 1e6;
+  return std::fabs(decimal - back) <= 4e-16 * std::fabs(back) ? decimal : back;
+}
+
 struct ModalState {
   Pose position;                  ///< end of the last move, program coordinates
   CanonFrame frame;               ///< active work offset, rotation, G92 offset, tool offset

@@ -16,8 +16,8 @@ double relative(const Core& c) {
 }
 template <std::size_t Axis>
 double absolute(const Core& c) {
-  const double v = c.state.frame.to_machine(c.tool_position())[Axis];
-  return rtapi::is_rotary(Axis) ? v : v / c.state.unit_mm();
+  const double v = c.state.frame.to_machine(c.shown_position())[Axis];
+  return rtapi::is_rotary(Axis) ? v : in_units(v, c.state.unit_mm());
 }
 
 constexpr int kSystemCode[10] = {0, 540, 550, 560, 570, 580, 590, 591, 592, 593};

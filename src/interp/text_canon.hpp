@@ -3,7 +3,6 @@
 
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
@@ -133,14 +132,7 @@ class TextCanon final : public Canon {
   }
   void no_label();
   void end(const char* to);
-  /// In program units. A word in inches went to mm and comes back: where it was a decimal it is that again, so that halves
-  /// round as they do for the word.
-  [[nodiscard]] double length(double mm) const {
-    if (unit_mm_ == 1) return mm;
-    const double back = mm / unit_mm_;
-    const double decimal = std::nearbyint(back * 1e6) / 1e6;
-    return std::fabs(decimal - back) <= 4e-16 * std::fabs(back) ? decimal : back;
-  }
+  [[nodiscard]] double length(double mm) const { return in_units(mm, unit_mm_); }
 
   std::FILE* out_;
   double unit_mm_{1};

@@ -49,20 +49,35 @@ TEST(SmoothPath, CornersArePassedAtSpeedWithinTheTolerance) {
   EXPECT_LT(seconds[0], seconds[1]);
 }
 
-TEST(Probe, ToWhereItStandsMeetsNothingAndGoesOn) {
+TEST(Probe, WhatIsSoAlreadyIsAnErrorOrAResultWithoutAMove) {
   auto m = homed_machine();
-  for (const char* feed : {"G94 F100", "G93 F100"}) {
-    ASSERT_TRUE(m->mdi("G0 X5 Y0"));
-    ASSERT_TRUE(m->mdi(std::string(feed) + " G38.3 X5")) << m->errors();
-    ASSERT_TRUE(m->mdi("G94 G0 Y[10 + #5070] X#5061")) << m->errors();
-    EXPECT_NEAR(m->joint(1), 10, 1e-9);
-    EXPECT_NEAR(m->joint(0), 5, 1e-9);
-    // Nothing touches the probe, which is what G38.5 goes for.
-    ASSERT_TRUE(m->mdi(std::string(feed) + " G38.5 X5")) << m->errors();
-    ASSERT_TRUE(m->mdi("G94 G0 Y[20 + #5070]")) << m->errors();
-    EXPECT_GE(m->joint(1), 20);
-    EXPECT_FALSE(m->mdi("F100 G38.2 X5"));
+  const auto result = [&](const std::string& probe, double x, double success) {
+    ASSERT_TRUE(m->mdi("G90 G94 G0 X5 Y0"));
+    ASSERT_TRUE(m->mdi(probe)) << probe << m->errors();
+    EXPECT_NEAR(m->joint(0), x, 1e-9) << probe;
+    ASSERT_TRUE(m->mdi("G94 G0 Y[10 + #5070] X#5061"));
+    EXPECT_NEAR(m->joint(1), 10 + success, 1e-9) << probe;
+    EXPECT_NEAR(m->joint(0), x, 1e-9) << "the place of the probe is the programmed or met one";
+  };
+  for (const char* feed : {"G94 F100 ", "G93 F100 "}) {
+    // To where it stands.
+    result(std::string(feed) + "G38.3 X5", 5, 0);
+    result(std::string(feed) + "G38.5 X5", 5, 0);
+    // Nothing met on the way.
+    result(std::string(feed) + "G38.3 X7", 7, 0);
+    // Open already, which is what G38.5 goes for.
+    result(std::string(feed) + "G38.5 X7", 5, 1);
   }
+  EXPECT_FALSE(m->mdi("G94 F100 G38.4 X7"));
+  EXPECT_NE(m->errors().find("Probe is already clear when starting G38.4 or G38.5 move"),
+            std::string::npos)
+      << m->errors();
+  EXPECT_FALSE(m->mdi("F100 G38.2 X5"));
+  // The program goes on from where it stands, not from where the probe would have ended.
+  const auto program = "G90 G0 X5 Y0\nF600 G38.5 X9\nG91 G1 X1\nG90 G38.5 Y9\nG1 Y2\nM2\n";
+  EXPECT_EQ(m->run_text(program).state, task::CommandState::done) << m->errors();
+  EXPECT_NEAR(m->joint(0), 6, 1e-9);
+  EXPECT_NEAR(m->joint(1), 2, 1e-9);
 }
 
 TEST(SmoothPath, AStepAfterAPauseEndsAtTheEndOfItsBlock) {

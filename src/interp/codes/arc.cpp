@@ -54,14 +54,14 @@ bool center_form(Core& c, const Block& b, const PlaneRow& p, Flat& f) {
   const double least = inch ? c.settings.arc_tolerance_inch * 25.4 : c.settings.arc_tolerance_mm;
   const bool zero = r1 < least || r2 < least;
   if (!zero && abs_err <= coarse && (abs_err <= fine || rel_err <= 0.001)) return true;
-  const double u = c.state.unit_mm();
+  const auto u = [&c](double mm) { return in_units(mm, c.state.unit_mm()); };
   const char a1 = rtapi::kAxisLetters[p.e1], a2 = rtapi::kAxisLetters[p.e2];
   if (zero) {
     return c.fail(0, "The centre must not lie on the start or the end",
                   "Zero-radius arc: start=(%c%.4f,%c%.4f) center=(%c%.4f,%c%.4f) "
                   "end=(%c%.4f,%c%.4f) r1=%.4f r2=%.4f",
-                  a1, f.s1 / u, a2, f.s2 / u, a1, f.c1 / u, a2, f.c2 / u, a1, f.x1 / u, a2,
-                  f.x2 / u, r1 / u, r2 / u);
+                  a1, u(f.s1), a2, u(f.s2), a1, u(f.c1), a2, u(f.c2), a1, u(f.x1), a2, u(f.x2),
+                  u(r1), u(r2));
   }
   return c.fail(
       0,
@@ -69,8 +69,8 @@ bool center_form(Core& c, const Block& b, const PlaneRow& p, Flat& f) {
       "zero",
       "Radius to end of arc differs from radius to start: start=(%c%.4f,%c%.4f) "
       "center=(%c%.4f,%c%.4f) end=(%c%.4f,%c%.4f) r1=%.4f r2=%.4f abs_err=%.4g rel_err=%.4f%%",
-      a1, f.s1 / u, a2, f.s2 / u, a1, f.c1 / u, a2, f.c2 / u, a1, f.x1 / u, a2, f.x2 / u, r1 / u,
-      r2 / u, abs_err / u, rel_err * 100);
+      a1, u(f.s1), a2, u(f.s2), a1, u(f.c1), a2, u(f.c2), a1, u(f.x1), a2, u(f.x2), u(r1), u(r2),
+      u(abs_err), rel_err * 100);
 }
 
 bool radius_form(Core& c, const Block& b, bool ccw, Flat& f) {

@@ -4,6 +4,7 @@
 // The sub is interpreted with its expressions, loops and calls, but of its blocks only the moves count (G0-G3 with X Z U W,
 // I K R, and the corners A and C). So every check of the profile comes before the first canonical call of the cycle.
 #include <cmath>
+#include <optional>
 
 #include "interp/codes/families.hpp"
 #include "interp/lathe/passes.hpp"
@@ -137,27 +138,37 @@ bool rounded_profile(Core& c, const ProfileReading& p, Path& profile) {
   return true;
 }
 
+/// From `start` the tool gets to the beginning of the way without going through the part.
+bool reaches(const Path& way, Point start) {
+  const double begin = way.front().from.s;
+  return start.s <= begin || lathe::clear_of(way, {begin, start.h}, start);
+}
+
 /// What the tool follows at this distance. Error: it cannot, or cannot get to its beginning.
 bool way_beside(Core& c, const Path& path, double distance, Point start, Path& way) {
   way = lathe::allowance(path, distance);
   if (way.empty())
     return c.fail('d', "Write a smaller D", "G7X error: The profile is too narrow for D");
-  const double begin = way.front().from.s;
-  if (start.s <= begin || lathe::clear_of(way, {begin, start.h}, start)) return true;
+  if (reaches(way, start)) return true;
   return c.fail(0, "Begin further away, beside the beginning of the profile",
                 "G7X error: The cycle begins inside the part");
 }
 
 bool finish(Core& c, ProfileReading& p, const Path& profile) {
   const Point start{p.start.z, p.start.x};
-  Orientation o = orientation(profile, start, false);
-  Path path = o.from_zx(profile);
-  if (!lathe::runs_forward(path)) {
-    o = orientation(profile, start, true);
-    path = o.from_zx(profile);
-    if (!lathe::runs_forward(path))
-      return not_monotonic(c, "Z or X of the profile must not turn back on the way");
+  // Along Z as G71, or along X as G72 where Z turns back or the cycle begins in front of the face.
+  std::optional<Orientation> chosen;
+  for (const bool across : {false, true}) {
+    const Orientation o = orientation(profile, start, across);
+    const Path path = o.from_zx(profile);
+    if (!lathe::runs_forward(path)) continue;
+    const bool reached = reaches(path, o.from_zx(start));
+    if (reached || !chosen) chosen = o;
+    if (reached) break;
   }
+  if (!chosen) return not_monotonic(c, "Z or X of the profile must not turn back on the way");
+  const Orientation o = *chosen;
+  const Path path = o.from_zx(profile);
   const Block& b = p.block;
   const double from = c.mm(b.get('d', 0)), to = c.mm(b.get('e', 0));
   const double passes = std::nearbyint(b.get('p', 1));
@@ -209,14 +220,14 @@ bool rough(Core& c, const ProfileReading& p, const Path& profile) {
 
 bool check_cycle(Core& c, const Block& b, int code, int& sub) {
   const int g = code / 10, tenth = code % 10;
+  if (!b.has('q'))
+    return c.fail(0, "Write Q with the number of the sub that has the profile",
+                  "G7x.x  requires a Q word");
   if (c.state.plane_code != 180)
     return c.fail(0, "Write G18 before", "G%d.%d can only be used in XZ plane (G18)", g, tenth);
   if (c.state.cutter_comp != 400 && !finishing(code))
     return c.fail(0, "Write G40 before", "G%d.%d cannot be used with cutter compensation enabled",
                   g, tenth);
-  if (!b.has('q'))
-    return c.fail(0, "Write Q with the number of the sub that has the profile",
-                  "G7x.x  requires a Q word");
   if (!c.integer(b, 'q', 0, sub)) return false;
   if (sub < 0) return c.fail('q', "", "Bad format unsigned integer");
   if (b.get('i', 1) <= 0)
@@ -273,6 +284,14 @@ bool Core::begin_profile(const Block& b, int code) {
   if (!find_and_enter(*current, flows.labels.number(sub))) return false;
   flows.profile = std::move(p);
   return true;
+}
+
+Pose Core::shown_position() const {
+  if (flows.profile == nullptr || !flows.profile->steps.empty()) return tool_position();
+  Pose at = state.position;
+  at.z = flows.profile->at.s;
+  at.x = flows.profile->at.h;
+  return at;
 }
 
 Outcome Core::profile_step() {

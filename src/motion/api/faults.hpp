@@ -277,8 +277,11 @@ inline std::string fault_text(const FaultRecord& r, const MachineConfig& config)
       return "Probe move" + line_of(r.tag) +
              " ended without contact. Check the probe and the start height";
     case Fault::probe_already_tripped:
-      return "Probe move" + line_of(r.tag) + " not begun: the probe is " +
-             (r.value != 0 ? "closed" : "open") + " already. Move it clear first";
+      return std::string("Probe is already ") +
+             (r.value != 0 ? "tripped when starting G38.2 or G38.3 move"
+                           : "clear when starting G38.4 or G38.5 move") +
+             line_of(r.tag) + ". It was not begun; " +
+             (r.value != 0 ? "move the probe clear first" : "begin where the probe touches");
     case Fault::probe_unexpected:
       return "Probe tripped" + line_of(r.tag) +
              " during a move that does not probe; the path was stopped";

@@ -317,11 +317,9 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
   if (!in.stop) fire_synchronised();
   if (move.probe) {
     probe_tripped_ = false;
-    if (in.probe != move.probe_until_open) {
-      raise(faults, Fault::probe_already_tripped, -1, in.probe ? 1 : 0, 0, span.tag);
-      fail_path(span);
-      return Outcome::done;
-    }
+    probed_ = move.end;  // the programmed point, until something is met
+    if (!move.point && in.probe != move.probe_until_open)
+      return probe_is_there(span, move, in, faults);
   }
   if (move.point) {
     if (rests) pose_ = move.end;
@@ -390,6 +388,21 @@ double Executor::wanted_under_way(const PathSpan& move, const PathInputs& in,
     }
   }
   return x;
+}
+
+/// What the probe move goes for is so already: an error, or for G38.3 and G38.5 (as LinuxCNC does it) a result without a move.
+Executor::Outcome Executor::probe_is_there(const Span& span, const PathSpan& move,
+                                           const PathInputs& in, FaultList& faults) noexcept {
+  if (move.probe_fail_is_error) {
+    raise(faults, Fault::probe_already_tripped, -1, in.probe ? 1 : 0, 0, span.tag);
+    fail_path(span);
+    return Outcome::done;
+  }
+  probed_ = in.pose_fb;
+  probe_tripped_ = true;
+  ++place_number_;
+  finish(span, move.done_seq);
+  return Outcome::done;
 }
 
 void Executor::watch_probe(const Span& span, const PathSpan& move, const PathInputs& in,

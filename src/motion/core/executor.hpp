@@ -122,6 +122,8 @@ class Executor {
   /// The same for a stretch in execution, which the spindle may hold up.
   [[nodiscard]] double wanted_under_way(const PathSpan& move, const PathInputs& in,
                                         const FeedScale& scale) noexcept;
+  Outcome probe_is_there(const Span& span, const PathSpan& move, const PathInputs& in,
+                         FaultList& faults) noexcept;
   void watch_probe(const Span& span, const PathSpan& move, const PathInputs& in,
                    FaultList& faults) noexcept;
   /// Gives the time used.
