@@ -25,6 +25,7 @@ class NurbsCurve {
 
   /// The parameter runs from 0 to spans(); whole numbers are the knots, between them the curve is smooth.
   [[nodiscard]] int spans() const { return static_cast<int>(points_.size()) - order_ + 1; }
+  [[nodiscard]] int order() const { return order_; }
   [[nodiscard]] CurvePoint at(double u) const;
   /// The same seen from one span, so that derivatives at its ends are those of its side.
   [[nodiscard]] CurvePoint at(double u, int span) const;

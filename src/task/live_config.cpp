@@ -79,17 +79,22 @@ struct LiveConfig::Table {
       {"traj_arc_blend_tangent_kink_ratio", "ARC_BLEND_KINK_RATIO", IniPin::Type::real, 0.1},
       {"traj_default_acceleration", "DEFAULT_LINEAR_ACCELERATION", IniPin::Type::real, 1e99},
       {"traj_default_velocity", "DEFAULT_LINEAR_VELOCITY", IniPin::Type::real, 1},
-      {"traj_max_jerk", "MAX_LINEAR_JERK", IniPin::Type::real, 0},
-      {"traj_planner_type", "PLANNER_TYPE", IniPin::Type::integer, 0},
       {"traj_scurve_peak_scale", "SCURVE_PEAK_SCALE", IniPin::Type::real, 1},
   };
 };
 
 LiveConfig::LiveConfig(const MachineSetup& setup, const ini::IniFile& ini)
     : linear_unit_mm_(setup.linear_unit_mm), angular_unit_deg_(setup.angular_unit_deg) {
-  add_joints(setup);
-  add_axes(setup);
-  add_traj(setup, ini);
+  // The pins show jerk limits also where PLANNER_TYPE switches them off.
+  MachineSetup shown = setup;
+  shown.motion.traj_max_jerk_mm_s3 = setup.jerks.traj_mm_s3;
+  for (std::size_t j = 0; j < setup.jerks.joint.size(); ++j)
+    shown.motion.joint[j].max_jerk = setup.jerks.joint[j];
+  for (std::size_t a = 0; a < setup.jerks.axis.size(); ++a)
+    shown.motion.axis[a].max_jerk = setup.jerks.axis[a];
+  add_joints(shown);
+  add_axes(shown);
+  add_traj(shown, ini);
   for (const IniPin& pin : pins_) seen_.push_back(pin.initial);
   good_ = seen_;
   touched_.assign(pins_.size(), false);
@@ -153,6 +158,16 @@ void LiveConfig::add_traj(const MachineSetup& setup, const ini::IniFile& ini) {
   place.traj = &MachineConfig::traj_max_vel_mm_s;
   add("ini.traj_max_velocity", IniPin::Type::real,
       to_units(setup.motion.traj_max_vel_mm_s, place.unit), place);
+  planner_type_ = pins_.size();
+  Place type;
+  type.kind = Kind::planner_type;
+  const double limits_jerk = reader.real("TRAJ", "PLANNER_TYPE", 1);
+  add("ini.traj_planner_type", IniPin::Type::integer, limits_jerk, type);
+  place.rule = Rule::not_negative;
+  place.traj = &MachineConfig::traj_max_jerk_mm_s3;
+  add("ini.traj_max_jerk", IniPin::Type::real,
+      to_units(setup.motion.traj_max_jerk_mm_s3, place.unit), place);
+  place.rule = Rule::positive;
   place.traj = &MachineConfig::traj_max_acc_mm_s2;
   add("ini.traj_max_acceleration", IniPin::Type::real,
       to_units(setup.motion.traj_max_acc_mm_s2, place.unit), place);
@@ -161,6 +176,7 @@ void LiveConfig::add_traj(const MachineSetup& setup, const ini::IniFile& ini) {
 const char* LiveConfig::wrong(const Place& place, double value) noexcept {
   if (place.kind == Kind::none) return "";
   if (std::isnan(value)) return "expected a number";
+  if (place.kind == Kind::planner_type && value != 0 && value != 1) return "expected 0 or 1";
   if (place.kind == Kind::sequence && std::fabs(value) > motion::kNoHomeSequence)
     return "expected -100 to 100";
   if (place.rule == Rule::positive && !(value > 0)) return "expected a number above 0";
@@ -179,6 +195,19 @@ void LiveConfig::apply(const Place& place, double value, MachineConfig& machine)
       machine.joint[place.index].home_sequence = static_cast<std::int32_t>(value);
       return;
     case Kind::traj: machine.*place.traj = from_units(value, place.unit); return;
+    case Kind::planner_type: return;  // apply_planner_type()
+  }
+}
+
+void LiveConfig::apply_planner_type(MachineConfig& machine) const {
+  const bool off = good_[planner_type_] == 0;
+  if (!off && !touched_[planner_type_]) return;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Place& p = places_[i];
+    const bool jerk = (p.kind == Kind::joint && p.joint == &JointConfig::max_jerk) ||
+                      (p.kind == Kind::axis && p.axis == &AxisConfig::max_jerk) ||
+                      (p.kind == Kind::traj && p.traj == &MachineConfig::traj_max_jerk_mm_s3);
+    if (jerk) apply(p, off ? 0.0 : good_[i], machine);
   }
 }
 
@@ -236,6 +265,7 @@ bool LiveConfig::take(std::span<const double> values, MachineConfig& machine,
           return same_object(places_[n], places_[i]);
         }))
       apply(places_[i], good_[i], next);
+  apply_planner_type(next);
   std::vector<std::string> pairs;
   check_pairs(machine, next, pairs);
   for (const std::string& text : pairs)

@@ -39,7 +39,7 @@ class LiveConfig {
  private:
   enum class Rule : std::uint8_t { any, positive, not_negative };
   /// Where a value goes; none: the pin exists, and nothing depends on it here.
-  enum class Kind : std::uint8_t { none, joint, axis, sequence, traj };
+  enum class Kind : std::uint8_t { none, joint, axis, sequence, traj, planner_type };
   struct Place {
     Kind kind{Kind::none};
     Rule rule{Rule::any};
@@ -61,10 +61,13 @@ class LiveConfig {
   /// Pairs that belong together: keeps the last good ones of a pair that cannot be.
   void check_pairs(const motion::MachineConfig& old, motion::MachineConfig& next,
                    std::vector<std::string>& complaints) const;
+  /// ini.traj_planner_type 0 switches all jerk limits off, 1 puts those of the pins in force.
+  void apply_planner_type(motion::MachineConfig& machine) const;
   static bool same_object(const Place& a, const Place& b) noexcept;
 
   std::vector<IniPin> pins_;
   std::vector<Place> places_;
+  std::size_t planner_type_{0};               ///< its pin
   std::vector<double> seen_;                  ///< of each pin, as last read
   std::vector<double> good_;                  ///< of each pin, as last accepted
   std::vector<bool> touched_;                 ///< pins that were ever changed

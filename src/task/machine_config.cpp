@@ -297,21 +297,26 @@ class SetupReader {
     auto& m = out_.setup.motion;
     const bool asked = r_.has("TRAJ", "PLANNER_TYPE");
     const bool off = asked && r_.choice("TRAJ", "PLANNER_TYPE") == 0;
-    if (off) m.traj_max_jerk_mm_s3 = 0;
-    bool any = m.traj_max_jerk_mm_s3 > 0;
+    JerkLimits& limits = out_.setup.jerks;
+    limits.traj_mm_s3 = m.traj_max_jerk_mm_s3;
+    bool any = limits.traj_mm_s3 > 0;
     for (std::size_t j = 0; j < static_cast<std::size_t>(std::max(m.joints, 0)); ++j) {
       double& jerk = m.joint[j].max_jerk;
-      if (off) jerk = 0;
-      if (!(jerk > 0) && !m.joint[j].rotary) jerk = m.traj_max_jerk_mm_s3;
+      if (!(jerk > 0) && !m.joint[j].rotary) jerk = limits.traj_mm_s3;
       any = any || jerk > 0;
+      limits.joint[j] = jerk;
+      if (off) jerk = 0;
     }
     for (std::size_t a = 0; a < rtapi::kAxes; ++a) {
       double& jerk = m.axis[a].max_jerk;
       const bool exists = (m.axis_mask & (1U << a)) != 0;
-      if (off || !exists) jerk = 0;
-      if (exists && !(jerk > 0) && !rtapi::is_rotary(a)) jerk = m.traj_max_jerk_mm_s3;
+      if (!exists) jerk = 0;
+      if (exists && !(jerk > 0) && !rtapi::is_rotary(a)) jerk = limits.traj_mm_s3;
       any = any || jerk > 0;
+      limits.axis[a] = jerk;
+      if (off) jerk = 0;
     }
+    if (off) m.traj_max_jerk_mm_s3 = 0;
     if (asked && !off && !any)
       r_.complain("TRAJ", "PLANNER_TYPE",
                   "is 1, but there is no [JOINT_n]MAX_JERK, [AXIS_L]MAX_JERK or "

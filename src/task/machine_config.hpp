@@ -41,11 +41,19 @@ struct ToolConfig {
 using interp::ProgramPaths;
 using interp::resolve_path;
 
+/// The INI file's jerk limits, [TRAJ]MAX_LINEAR_JERK put in where a linear joint or axis has none. 0: not limited.
+struct JerkLimits {
+  double traj_mm_s3{0};
+  std::array<double, motion::kMaxJoints> joint{};
+  std::array<double, rtapi::kAxes> axis{};
+};
+
 struct MachineSetup {
   std::string ini_file;      ///< as it was given
   std::string machine_name;  ///< [EMC]MACHINE
   std::string journal;       ///< [KERF]JOURNAL
   motion::MachineConfig motion;
+  JerkLimits jerks;  ///< those of `motion`, which has none while [TRAJ]PLANNER_TYPE is 0
   interp::Settings interp;
   OperatorLimits limits;
   ToolConfig tools;

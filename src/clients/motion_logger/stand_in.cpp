@@ -149,6 +149,10 @@ void StandIn::execute(const PathItem& item) {
                    status_.kind = m.kind;
                    move_to(m.end);
                  },
+                 [this](const CubicMove& m) {
+                   status_.kind = MotionKind::feed;
+                   move_to(m.end);
+                 },
                  [](const Dwell&) {},
                  [this](const OutputChange& o) {
                    const auto n = static_cast<std::size_t>(std::max(0, o.index));

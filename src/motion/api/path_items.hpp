@@ -75,6 +75,25 @@ struct ArcMove {
   }
 };
 
+/// A piece of a curve (G5, G5.1, G5.2), from where the path ends to `end`: q(s) = q0 + first s + second s^2/2 + third s^3/6, s from 0 to `length`,
+/// with the third that leads to `end`. s is the length of the curve: |q'| is 1 within a thousandth in XYZ. Pieces that agree in direction and
+/// second derivative where they meet are driven as one curve.
+struct CubicMove {
+  static constexpr const char* kName = "cubic-move";
+  Pose end;
+  Pose first, second;  ///< derivatives by s at the begin
+  double length{0};
+  double vel_mm_s{0};
+  template <class V>
+  static constexpr void fields(V&& v) {
+    v("end", &CubicMove::end, "mm|deg");
+    v("first", &CubicMove::first, "");
+    v("second", &CubicMove::second, "1/mm");
+    v("length", &CubicMove::length, "mm");
+    v("vel", &CubicMove::vel_mm_s, "mm/s");
+  }
+};
+
 /// G4: the path stands for this time.
 struct Dwell {
   static constexpr const char* kName = "dwell";
@@ -296,7 +315,7 @@ struct MessageSet {
 
 using PathItems =
     MessageSet<LinearMove, ArcMove, Dwell, OutputChange, SpindleChange, PathControl, OverrideEnable,
-               ToolOffset, ProbeMove, Marker, SyncMove, TapMove, FeedPerRev>;
+               ToolOffset, ProbeMove, Marker, SyncMove, TapMove, FeedPerRev, CubicMove>;
 
 /// One place of the path ring. `epoch`: the abort epoch in force when it was queued; consumers drop items of older epochs.
 struct PathItem {

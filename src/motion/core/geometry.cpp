@@ -13,6 +13,8 @@ constexpr double kMetricLength = 1e-7;
 /// An end on the ray from the centre through the start, within this (mm), is a full turn.
 constexpr double kFullCircleAcross = 1e-7;
 constexpr double kSmallestRadius = 1e-9;
+constexpr double kShortestCubic = 1e-6;
+constexpr double kLeastEven = 0.5, kMostEven = 1.5;
 /// Arcs that turn farther [rad] get a closed bound of their extent.
 constexpr double kClosedBound = 2 * kTwoPi;
 
@@ -64,6 +66,19 @@ Pose slope_in(const Curve& c, const Frame& f, double phi) noexcept {
   return d;
 }
 
+/// A cubic has its extremes where its first derivative, a quadratic, is 0.
+template <class Take>
+void take_cubic(const Curve& curve, Take&& take) noexcept {
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    const double a = curve.third[i] / 2, b = curve.second[i], c = curve.first[i];
+    const double root = b * b - 4 * a * c;
+    if (!(root >= 0)) continue;
+    const double q = -0.5 * (b + std::copysign(std::sqrt(root), b));
+    for (const double s : {a != 0 ? q / a : -1.0, q != 0 ? c / q : -1.0})
+      if (s > 0 && s < curve.length) take(i, point_at(curve, s)[i]);
+  }
+}
+
 /// Bound of an arc of many turns: its rings all around, at their largest, moved along the axis. O(1), never too small.
 template <class Take>
 void take_rings(const Curve& c, Take&& take) noexcept {
@@ -83,6 +98,31 @@ bool is_finite(const Pose& p) noexcept {
     if (!std::isfinite(p[i])) return false;
   }
   return true;
+}
+
+bool make_cubic(const Pose& start, const CubicMove& move, Curve& out) noexcept {
+  if (!is_finite(start) || !is_finite(move.end) || !is_finite(move.first) ||
+      !is_finite(move.second) || !std::isfinite(move.length))
+    return false;
+  out = Curve{};
+  out.start = start;
+  out.end = move.end;
+  const double l = move.length;
+  if (!(l > kShortestCubic)) return false;
+  out.shape = Curve::Shape::cubic;
+  out.metric = FeedMetric::xyz;
+  out.length = l;
+  out.first = move.first;
+  out.second = move.second;
+  out.third = (move.end - start - move.first * l - move.second * (l * l / 2)) * (6 / (l * l * l));
+  // Whoever says that it is by its length is taken at its word only so far.
+  const auto even = [](const Pose& d) {
+    const double speed = norm3(d.x, d.y, d.z);
+    return speed > kLeastEven && speed < kMostEven;
+  };
+  const Pose middle = out.first + out.second * (l / 2) + out.third * (l * l / 8);
+  return even(out.first) && even(middle) &&
+         even(out.first + out.second * l + out.third * (l * l / 2));
 }
 
 bool make_line(const Pose& start, const Pose& end, std::uint32_t axis_mask, Curve& out) noexcept {
@@ -200,11 +240,18 @@ Pose point_at(const Curve& c, double s) noexcept {
   if (s <= 0) return c.start;
   if (s >= c.length) return c.end;
   if (c.shape == Curve::Shape::arc) return arc_point(c, arc_angle_at(c, s));
+  if (c.shape == Curve::Shape::cubic)
+    return c.start + c.first * s + c.second * (s * s / 2) + c.third * (s * s * s / 6);
   return c.start + (c.end - c.start) * (s / c.length);
 }
 
 void derivatives_at(const Curve& c, double s, Pose& first, Pose& second) noexcept {
   second = Pose{};
+  if (c.shape == Curve::Shape::cubic) {
+    first = c.first + c.second * s + c.third * (s * s / 2);
+    second = c.second + c.third * s;
+    return;
+  }
   if (c.shape != Curve::Shape::arc) {
     first = c.length > 0 ? (c.end - c.start) * (1.0 / c.length) : Pose{};
     return;
@@ -228,6 +275,7 @@ void extent_of(const Curve& c, Pose& low, Pose& high) noexcept {
   };
   low = high = c.start;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) take(i, c.end[i]);
+  if (c.shape == Curve::Shape::cubic) return take_cubic(c, take);
   if (c.shape != Curve::Shape::arc) return;
   if (c.angle > kClosedBound) return take_rings(c, take);
   // Extremes of XYZ: where the slope changes its sign between two samples, found by bisection.

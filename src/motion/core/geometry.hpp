@@ -14,7 +14,7 @@ enum class FeedMetric : std::int32_t { none = 0, xyz = 1, uvw = 2, abc = 3 };
 /// One piece of path. `length` is its length in the feed metric (mm, or degrees for abc), and the parameter `s` of all
 /// functions runs from 0 to it.
 struct Curve {
-  enum class Shape : std::int32_t { point = 0, line = 1, arc = 2 };
+  enum class Shape : std::int32_t { point = 0, line = 1, arc = 2, cubic = 3 };
   Shape shape{Shape::point};
   FeedMetric metric{FeedMetric::none};
   double length{0};
@@ -26,6 +26,8 @@ struct Curve {
   double radius{0};  ///< at the start [mm]
   double growth{0};  ///< of the radius [mm/rad]
   double axial{0};   ///< along the normal [mm/rad]
+  // Cubic: p(s) = start + first s + second s^2/2 + third s^3/6.
+  Pose first, second, third;
 };
 
 /// Moves below this length (mm or degrees, in every axis) are points: they take no time.
@@ -36,6 +38,9 @@ inline constexpr double kPointLength = 1e-9;
                              Curve& out) noexcept;
 /// False: NaN or infinity, a radius of zero, a normal that is no unit vector, no turns.
 [[nodiscard]] bool make_arc(const Pose& start, const ArcMove& move, Curve& out) noexcept;
+
+/// False: NaN or infinity, no length, a derivative that is not that of a length.
+[[nodiscard]] bool make_cubic(const Pose& start, const CubicMove& move, Curve& out) noexcept;
 
 /// Point at s; exactly `start` at 0 and `end` at `length`.
 [[nodiscard]] Pose point_at(const Curve& c, double s) noexcept;

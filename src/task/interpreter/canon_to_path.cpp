@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "task/interpreter/spline_cubics.hpp"
 #include "task/interpreter/spline_path.hpp"
 
 namespace kerf::task {
@@ -181,7 +182,24 @@ void CanonToPath::nurbs_feed(std::span<const interp::SplinePoint> points, int or
     p.y = at[1];
   }
   const double velocity_mm_s = linear_mm_s();
-  for (const SplinePiece& piece : spline_pieces(interp::NurbsCurve(machine, order))) {
+  const interp::NurbsCurve curve(machine, order);
+  const std::vector<CubicPiece> cubics = spline_cubics(curve);
+  for (const CubicPiece& piece : cubics) {
+    motion::CubicMove move;
+    move.end = state_.position;
+    move.end.x = piece.x;
+    move.end.y = piece.y;
+    move.first = {.x = piece.dx, .y = piece.dy};
+    move.second = {.x = piece.ddx, .y = piece.ddy};
+    move.length = piece.length;
+    move.vel_mm_s = velocity_mm_s;
+    add_path(move);
+    state_.position = move.end;
+    state_.pending_outputs = 0;
+  }
+  if (!cubics.empty()) return;
+  // A cusp: the curve has no direction there.
+  for (const SplinePiece& piece : spline_pieces(curve)) {
     Pose end = state_.position;
     end.x = piece.x;
     end.y = piece.y;

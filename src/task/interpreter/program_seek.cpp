@@ -106,7 +106,8 @@ bool ProgramSeek::look_at_items() {
         (out->synchronised ? output.pending : output.value) = out->value;
       }
       const bool moves = std::holds_alternative<motion::LinearMove>(*path) ||
-                         std::holds_alternative<motion::ArcMove>(*path);
+                         std::holds_alternative<motion::ArcMove>(*path) ||
+                         std::holds_alternative<motion::CubicMove>(*path);
       for (auto& [which, output] : outputs_)
         if (moves && output.pending) output.value = std::exchange(output.pending, std::nullopt);
     } else if (const auto* error = std::get_if<ProgramError>(&item.body)) {

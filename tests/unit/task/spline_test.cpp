@@ -1,10 +1,12 @@
-// Splines as arcs: near the curve, touching each other, the same in every work offset.
+// Splines as cubics and as arcs: near the curve, touching each other, the same in every work offset.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 
 #include "task/interpreter/canon_to_path.hpp"
+#include "task/interpreter/spline_cubics.hpp"
 #include "task/interpreter/spline_path.hpp"
 
 namespace kerf::task {
@@ -17,6 +19,7 @@ struct Vec {
   double x{0}, y{0};
 };
 double length(Vec v) { return std::hypot(v.x, v.y); }
+double length_of(Vec v) { return length(v); }
 
 /// Unit tangents of a piece at its two ends.
 std::pair<Vec, Vec> tangents(Vec from, const SplinePiece& p) {
@@ -156,6 +159,78 @@ TEST(Spline, odd_control_points_end_too) {
   EXPECT_EQ(spline_pieces(NurbsCurve(odd[1], 4)).back().turn, 0);
 }
 
+/// Point of a piece, and its first and second derivative.
+std::array<Vec, 3> on(Vec from, const CubicPiece& p, double s) {
+  const double l = p.length;
+  const auto of = [&](double q0, double q1, double d, double dd) {
+    const double ddd = 6 / (l * l * l) * (q1 - q0 - d * l - dd * l * l / 2);
+    return std::array{q0 + d * s + dd * s * s / 2 + ddd * s * s * s / 6,
+                      d + dd * s + ddd * s * s / 2, dd + ddd * s};
+  };
+  const auto x = of(from.x, p.x, p.dx, p.ddx), y = of(from.y, p.y, p.dy, p.ddy);
+  return {Vec{x[0], y[0]}, Vec{x[1], y[1]}, Vec{x[2], y[2]}};
+}
+
+TEST(Spline, cubics_follow_it_by_its_length_and_with_its_curvature) {
+  std::mt19937 rng(7);
+  std::uniform_real_distribution<double> size(-20, 20), weight(0.5, 2);
+  int had = 0;
+  for (int program = 0; program < 60; ++program) {
+    std::vector<SplinePoint> points;
+    const int order = 3 + program % 3;
+    for (int i = 0; i < order + program % 4; ++i)
+      points.push_back({15.0 * i + size(rng) / 2, size(rng), program % 2 == 0 ? 1.0 : weight(rng)});
+    const NurbsCurve curve(points, order);
+    const auto pieces = spline_cubics(curve);
+    if (pieces.empty()) continue;
+    ++had;
+    Vec from{curve.at(0).x, curve.at(0).y};
+    double length = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      const auto end = on(from, pieces[i], pieces[i].length);
+      EXPECT_NEAR(end[0].x, pieces[i].x, 1e-9);
+      EXPECT_NEAR(length_of(on(from, pieces[i], pieces[i].length / 2)[1]), 1, 2e-3);
+      length += pieces[i].length;
+      from = {pieces[i].x, pieces[i].y};
+      if (i + 1 == pieces.size()) continue;
+      const auto next = on(from, pieces[i + 1], 0);
+      EXPECT_NEAR(end[1].x, next[1].x, 1e-9) << "direction";
+      EXPECT_NEAR(end[1].y, next[1].y, 1e-9) << "direction";
+      if (order < 4) continue;
+      EXPECT_NEAR(end[2].x, next[2].x, 1e-9) << "curvature";
+      EXPECT_NEAR(end[2].y, next[2].y, 1e-9) << "curvature";
+    }
+    EXPECT_NEAR(from.x, points.back().x, 1e-9);
+    EXPECT_NEAR(from.y, points.back().y, 1e-9);
+    EXPECT_NEAR(length, curve.length(), 1e-5 * length);
+    // Each point of the curve has one of the pieces beside it.
+    double worst = 0;
+    for (int i = 0; i <= 300; ++i) {
+      const auto at = curve.at(1.0 * curve.spans() * i / 300);
+      double best = 1e9;
+      Vec start{curve.at(0).x, curve.at(0).y};
+      for (const CubicPiece& p : pieces) {
+        for (int k = 0; k <= 200; ++k) {
+          const auto q = on(start, p, p.length * k / 200);
+          // Off the tangent: samples along it are wider apart than the tolerance.
+          const Vec d{at.x - q[0].x, at.y - q[0].y};
+          if (length_of(d) > p.length / 100) continue;
+          best = std::min(best, std::fabs(d.x * q[1].y - d.y * q[1].x));
+        }
+        start = {p.x, p.y};
+      }
+      worst = std::max(worst, best);
+    }
+    EXPECT_LE(worst, 2 * kCubicTolerance_mm) << "program " << program;
+  }
+  EXPECT_GT(had, 50);
+  // A cusp and a point have no direction.
+  const SplinePoint cusp[] = {{0, 0}, {10, 10}, {0, 10}, {10, 0}},
+                    point[] = {{1, 1}, {1, 1}, {1, 1}};
+  EXPECT_TRUE(spline_cubics(NurbsCurve(cusp, 4)).empty());
+  EXPECT_TRUE(spline_cubics(NurbsCurve(point, 3)).empty());
+}
+
 TEST(Spline, becomes_moves_in_machine_coordinates_with_the_feed) {
   std::deque<TaskItem> list;
   ToolConfig tools;
@@ -167,16 +242,22 @@ TEST(Spline, becomes_moves_in_machine_coordinates_with_the_feed) {
   list.clear();
   const SplinePoint quarter[] = {{1, 0}, {1, 1, std::sqrt(0.5)}, {0, 1}};
   canon.nurbs_feed(quarter, 3);
-  ASSERT_EQ(list.size(), 2u);
+  ASSERT_GT(list.size(), 2u);
+  double length = 0;
   for (const TaskItem& item : list) {
-    const auto& arc = std::get<motion::ArcMove>(std::get<PathBody>(item.body));
-    EXPECT_NEAR(arc.centre[0], 100, 1e-9);
-    EXPECT_NEAR(arc.centre[1], 50, 1e-9);
-    EXPECT_EQ(arc.normal[2], 1);
-    EXPECT_DOUBLE_EQ(arc.vel_mm_s, 10);
-    EXPECT_DOUBLE_EQ(arc.end.z, -17);
-    EXPECT_DOUBLE_EQ(arc.end.a, 7);
+    const auto& piece = std::get<motion::CubicMove>(std::get<PathBody>(item.body));
+    EXPECT_NEAR(std::hypot(piece.end.x - 100, piece.end.y - 50), 1, 1e-12);
+    // A clamped cubic spline has q'' - h^2/12 q at its knots, up to terms in h^4; q = -q'' on the unit circle. The terms in h^4
+    // are 0.008 h^4 at most with four pieces (by solving for the spline of a quarter circle).
+    const double h = piece.length;
+    EXPECT_NEAR(std::hypot(piece.second.x, piece.second.y) - 1, h * h / 12, h * h * h * h / 100)
+        << "curvature";
+    EXPECT_DOUBLE_EQ(piece.vel_mm_s, 10);
+    EXPECT_DOUBLE_EQ(piece.end.z, -17);
+    EXPECT_DOUBLE_EQ(piece.end.a, 7);
+    length += piece.length;
   }
+  EXPECT_NEAR(length, std::acos(0), 1e-6);
   EXPECT_NEAR(canon.state().position.x, 99, 1e-9);
   EXPECT_NEAR(canon.state().position.y, 50, 1e-9);
   canon.set_planner_mode(1, 0.5);

@@ -94,7 +94,7 @@ bool ProgramPath::sharp(const Move& a, const Move& b) const noexcept {
 
 ProgramPath::Joint ProgramPath::joint_between(const Move& a, const Move& b) const noexcept {
   if (a.stop_at_end || a.mode.corners == PathMode::Corners::exact_stop) return Joint::stop;
-  const bool lines = a.piece.shape == Piece::Shape::cubic && b.piece.shape == Piece::Shape::cubic;
+  const bool lines = a.piece.straight() && b.piece.straight();
   const bool tangent = max_abs(b.piece.first(0) - a.piece.first(a.piece.length)) < kTangent &&
                        (!settings_.limits.jerks ||
                         max_abs(b.piece.second(0) - a.piece.second(a.piece.length)) < kSameBend);

@@ -22,6 +22,14 @@ constexpr double kFreeTolerance = 0.1;
 path::Piece piece_of(const Curve& curve, double feed, bool rapid,
                      const path::Vec& max_vel) noexcept {
   const path::Vec from = path::to_vec(curve.start), to = path::to_vec(curve.end);
+  if (curve.shape == Curve::Shape::cubic) {
+    path::Feed f;
+    f.speed = feed;
+    path::Piece p = path::straight_piece(from, path::to_vec(curve.first), curve.length, f);
+    p.c = path::to_vec(curve.second);
+    p.d = path::to_vec(curve.third);
+    return p;
+  }
   if (curve.shape != Curve::Shape::arc) return path::line_move(from, to, feed, rapid, max_vel);
   path::Piece p;
   p.shape = path::Piece::Shape::arc;
@@ -39,11 +47,20 @@ path::Piece piece_of(const Curve& curve, double feed, bool rapid,
   return p;
 }
 
+/// Every axis that moves has an acceleration (and a jerk, where that is limited) to do so.
+bool can_accelerate(const path::Piece& p, const path::AxisLimits& limits) noexcept {
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    const bool moves = p.b[i] != 0 || p.c[i] != 0 || p.d[i] != 0;
+    if (moves && !(limits.acc[i] > 0 && limits.jerk[i] > 0)) return false;
+  }
+  return limits.path_acc > 0;
+}
+
 /// Ceilings of a whole move count along its length: sigma is not stretched for slow axes then.
 void unstretch(const Curve& curve, path::Piece& piece) noexcept {
-  if (piece.shape == path::Piece::Shape::arc)
+  if (curve.shape == Curve::Shape::arc)
     piece.rate = curve.angle / curve.length;
-  else
+  else if (curve.shape == Curve::Shape::line)
     piece.b *= piece.length / curve.length;
   piece.length = curve.length;
 }
@@ -239,6 +256,12 @@ Planner::Take Planner::take(const PathItem& item, const ServoView& view) noexcep
             const bool shaped = make_arc(end_, m, curve);
             return take_move(item, curve, shaped, {m.vel_mm_s, m.kind});
           },
+          [&](const CubicMove& m) {
+            if (!may_move(view)) return Take::wait_servo;
+            Curve curve;
+            const bool shaped = make_cubic(end_, m, curve);
+            return take_move(item, curve, shaped, {m.vel_mm_s});
+          },
           [&](const Dwell& m) {
             return m.seconds >= 0 && std::isfinite(m.seconds) ? event(item, m)
                                                               : bad_item(item, m.seconds);
@@ -362,7 +385,9 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   move.mode = mode_;
   meta.tolerance_mm = mode_.tolerance.mm;
   move.stop_at_end = probe != nullptr || alone;
-  if (!(path::axis_cap(move.piece, 0, move.piece.length, limits_) > 0)) return bad_item(item, 0);
+  if (!(path::axis_cap(move.piece, 0, move.piece.length, limits_) > 0) ||
+      !can_accelerate(move.piece, limits_))
+    return bad_item(item, 0);
   if (alone) stop_here();
   const bool may_merge = kind == MotionKind::feed && sync == nullptr && plain_ &&
                          curve.shape == Curve::Shape::line && merge_mm_ > 0 && !single_step_;

@@ -20,7 +20,8 @@ bool Planner::ends_thread(const PathItem& item) noexcept {
   if (const auto* spindle = std::get_if<SpindleChange>(&item.body))
     return spindle->action != SpindleChange::Action::set_speed;
   return std::holds_alternative<LinearMove>(item.body) ||
-         std::holds_alternative<ArcMove>(item.body) || std::holds_alternative<Dwell>(item.body) ||
+         std::holds_alternative<ArcMove>(item.body) ||
+         std::holds_alternative<CubicMove>(item.body) || std::holds_alternative<Dwell>(item.body) ||
          std::holds_alternative<ProbeMove>(item.body) || std::holds_alternative<TapMove>(item.body);
 }
 
