@@ -28,7 +28,7 @@ ALLOWED = {
     "interp/rs274": ["rtapi/base", "ini"],   # the program
     "io": ["rtapi", *HAL_CLIENT, "ini"],
     "task": ["rtapi", "ini", "interp", "io", "motion/api", *HAL_CLIENT],
-    "launcher": ["rtapi", "ini", *HAL_CLIENT, "hal/cmd",  # it carries out the HAL files
+    "launcher": ["rtapi", "ini", *HAL_CLIENT, "hal/core/value_text.hpp", "hal/cmd",  # it carries out the HAL files
                   "task/api", "motion/api"],
     "clients": ["rtapi", "ini", *HAL_CLIENT, "task/api", "motion/api"],
     "gateway": ["rtapi", "ini", *HAL_CLIENT, "task/api", "motion/api"],

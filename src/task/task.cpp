@@ -217,10 +217,10 @@ rtapi::Status Task::connect() {
   open_journal();
   KERF_TRY(const rtapi::LogRing* realtime_log, rtapi::open_log(p.segment));
   p.realtime_log = std::make_unique<rtapi::LogReader>(*realtime_log);
-  p.command = std::make_unique<CommandParticipant>(CommandParticipant::Parts{
-      *p.motion, *p.shared, *p.exchange, *p.link, p.setup, p.options.pid, p.tools.get(),
-      p.live.get(), p.ini_pins.get(), net_reader(p.segment), p.journal.get(),
-      p.realtime_log.get()});
+  p.command = std::make_unique<CommandParticipant>(
+      CommandParticipant::Parts{*p.motion, *p.shared, *p.exchange, *p.link, p.setup, p.options.pid,
+                                p.tools.get(), p.live.get(), p.ini_pins.get(),
+                                net_reader(p.segment), p.journal.get(), p.realtime_log.get()});
   p.shared->facts.write(facts_of(p.setup, p.ini));
   if (p.options.listen)
     KERF_CHECK(p.command->listen(rtapi::socket_name(p.segment.instance(), kTaskService)));
