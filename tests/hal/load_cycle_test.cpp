@@ -38,7 +38,10 @@ struct Recipe {
 };
 const std::map<std::string, Recipe>& recipes() {
   static const std::map<std::string, Recipe> table = {
+      {"bldc", {{}, {"cfg=qi6,aH"}}},
       {"carousel", {{}, {"pockets=10,8"}}},
+      {"lcd", {{}, {"fmt_strings=Place %4.4f|Second page %d"}}},
+      {"message", {{}, {"messages=one,two"}}},
       {"sampler", {{}, {"depth=16", "cfg=ffbs"}}},
       {"streamer", {{}, {"depth=16", "cfg=ffbs"}}},
       {"motmod", {{{"trivkins"}}, {"servo_period_nsec=1000000", "num_joints=3"}}},

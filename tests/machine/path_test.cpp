@@ -80,6 +80,21 @@ TEST(Probe, WhatIsSoAlreadyIsAnErrorOrAResultWithoutAMove) {
   EXPECT_NEAR(m->joint(1), 2, 1e-9);
 }
 
+TEST(SmoothPath, CoolantBetweenLinesThatQJoinsKeepsItsPlace) {
+  auto m = homed_machine();
+  double flood_at = -1, off_at = -1;
+  bool before = false;
+  m->on_cycle([&](const motion::MotionStatus& s) {
+    const bool flood = m->bit("iocontrol.0.coolant-flood");
+    if (flood != before) (flood ? flood_at : off_at) = s.pos_cmd.x;
+    before = flood;
+  });
+  const auto text = "G21 G90 F600 G64 P.1 Q.1\nG1 X5\nM8\nG1 X10\nM9\nG1 X15\nM2\n";
+  EXPECT_EQ(m->run_text(text).state, task::CommandState::done) << m->errors();
+  EXPECT_NEAR(flood_at, 5, 0.2);
+  EXPECT_NEAR(off_at, 10, 0.2);
+}
+
 TEST(SmoothPath, AStepAfterAPauseEndsAtTheEndOfItsBlock) {
   auto m = homed_machine();
   const auto path = m->write_program(zigzag("G64 P0.05"));

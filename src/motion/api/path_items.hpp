@@ -320,7 +320,8 @@ using PathItems =
 /// One place of the path ring. `epoch`: the abort epoch in force when it was queued; consumers drop items of older epochs.
 struct PathItem {
   std::uint32_t epoch{0};
-  std::uint32_t reserved{0};
+  std::uint32_t apart{
+      0};  ///< 1: task does something between the item before and this one (coolant, a message), so that G64 Q must not merge them
   std::uint64_t seq{
       0};  ///< 1, 2, 3 ... in queue order, never reused; MotionStatus::executed_seq counts up to it
   SourceTag tag;

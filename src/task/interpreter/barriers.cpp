@@ -29,6 +29,7 @@ bool InterpreterParticipant::pump(rtapi::WaitSpec& next) {
       history_.queued(item.tag.id, last_seq_);
     } else if (is_aside(item)) {
       asides_.push_back({pending_seq_, std::move(item)});
+      aside_before_next_ = true;
     } else {
       if (!barrier_.marked) {
         // The marker carries the tag, so that everybody sees at which line the machine stands.

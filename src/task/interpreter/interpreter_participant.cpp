@@ -204,11 +204,13 @@ bool InterpreterParticipant::push(const PathBody& body, const motion::SourceTag&
   item.epoch = epoch_;
   item.seq = last_seq_ + 1;
   item.tag = tag;
+  item.apart = aside_before_next_ ? 1 : 0;
   item.body = body;
   ring_full_ = !p_.motion.path.push(item);
   if (ring_full_) return false;
   news_.probe = news_.probe || std::holds_alternative<motion::ProbeMove>(body);
   pending_seq_ = ++last_seq_;
+  aside_before_next_ = false;
   pushed_ = true;
   return true;
 }

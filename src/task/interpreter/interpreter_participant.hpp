@@ -180,7 +180,8 @@ class InterpreterParticipant final : public rtapi::Participant {
   bool stopped_{false};
   std::uint32_t step_resumes_{0};
   std::uint64_t last_seq_{0};
-  std::uint64_t pending_seq_{0};  ///< last item queued under this epoch
+  std::uint64_t pending_seq_{0};   ///< last item queued under this epoch
+  bool aside_before_next_{false};  ///< task does something before the next item
   bool pushed_{false};
   int silent_blocks_{0};
   bool ring_full_{false};

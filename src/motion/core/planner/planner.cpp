@@ -392,6 +392,7 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   const bool may_merge = kind == MotionKind::feed && sync == nullptr && plain_ &&
                          curve.shape == Curve::Shape::line && merge_mm_ > 0 && !single_step_;
   end_ = curve.end;
+  if (item.apart != 0) merge_.end();
   if (may_merge && merge_line(curve.end, move.piece, meta)) {
     after_traverse_ = false;
     return Take::done;
