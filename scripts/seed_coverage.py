@@ -13,7 +13,10 @@ tab-separated columns
         several tests are separated by commas
   note  free text
 
-Exit: 0 all fine, 1 a repeated id, a broken row or a test that does not exist.
+Seeds 000, 001 and 002 are the M-code manuals: each row of theirs has a test or is no behaviour. The test programs and scripts that
+the rows name carry the label `seeds`; `scripts/test -L seeds` runs them and ends with the count (--closing).
+
+Exit: 0 all fine, 1 a repeated id, a broken row or a test that does not exist, or with --closing a row that is left.
 """
 
 import argparse
@@ -28,6 +31,7 @@ ID = re.compile(r"^(\d{3}|edge)-[a-z0-9_]+-\d{2,3}$")
 GTEST = re.compile(r"\b(?:TEST|TEST_F|TEST_P|TYPED_TEST|TYPED_TEST_P)\s*\(\s*(\w+)\s*,\s*(\w+)\s*\)")
 GTEST_NAME = re.compile(r"^(?:\w+/)?(\w+)(?:/\d+)?\.(\w+)(?:/\w+)?$")
 SAME = "same as "
+CLOSED = ("000", "001", "002")
 
 
 class Row:
@@ -64,12 +68,12 @@ def read_rows(paths, complain):
 
 
 def google_tests(tests):
-    """Every Suite.Name that a source file under tests/ defines."""
-    names = set()
+    """Every Suite.Name that a source file under tests/ defines, with its file."""
+    names = {}
     for path in sorted(tests.rglob("*")):
         if path.suffix in {".cpp", ".cc", ".hpp"} and path.is_file():
             text = path.read_text(encoding="utf-8", errors="replace")
-            names.update(f"{suite}.{name}" for suite, name in GTEST.findall(text))
+            names.update({f"{suite}.{name}": path for suite, name in GTEST.findall(text)})
     return names
 
 
@@ -88,13 +92,19 @@ def resolve(row, rows, complain):
 
 
 def check_test(row, root, known, complain):
+    """The source files and case directories of the tests that `row` names."""
+    places = []
     for name in (part.strip() for part in row.test.split(",")):
         match = GTEST_NAME.match(name)
-        if match and f"{match.group(1)}.{match.group(2)}" in known:
-            continue
-        if "/" in name and any((base / name).is_dir() for base in (root / "tests", root)):
-            continue
-        complain(f"{row.place}: {row.id}: no test or case directory '{name}'")
+        test = f"{match.group(1)}.{match.group(2)}" if match else ""
+        folder = next((base / name for base in (root / "tests", root) if "/" in name and (base / name).is_dir()), None)
+        if test in known:
+            places.append(known[test])
+        elif folder:
+            places.append(folder)
+        else:
+            complain(f"{row.place}: {row.id}: no test or case directory '{name}'")
+    return places
 
 
 def main():
@@ -103,6 +113,10 @@ def main():
     parser.add_argument("--missing", action="store_true", 
                         help="list the rows without a test (not those that are `same as` another)")
     parser.add_argument("--seed", metavar="NNN", help="only list this seed's missing rows")
+    parser.add_argument("--closing", action="store_true",
+                        help=f"one line for the seeds {', '.join(CLOSED)} together: rows, tested, no behaviour, left")
+    parser.add_argument("--places", action="store_true",
+                        help="the source files and case directories that the rows of these seeds name (read by cmake/kerf.cmake)")
     parser.add_argument("--root", type=Path, default=Path(__file__).resolve().parent.parent,
                         help="the repository (default: the one this script is in)")
     args = parser.parse_args()
@@ -117,11 +131,13 @@ def main():
 
     counts = {path.stem: Counter() for path in paths}
     missing = []
+    places = set()
     for row in rows.values():
         target = resolve(row, rows, problems.append)
         if target is None:
             continue
-        count = counts[row.id.split("-")[0]]
+        seed = row.id.split("-")[0]
+        count = counts[seed]
         count["rows"] += 1
         if target.test == "no behaviour":
             count["none"] += 1
@@ -132,9 +148,19 @@ def main():
         else:
             count["tested"] += 1
             if target is row:
-                check_test(row, args.root, known, problems.append)
+                found = check_test(row, args.root, known, problems.append)
+                if seed in CLOSED:
+                    places.update(found)
 
-    if args.missing:
+    if args.places:
+        print(*sorted(places), sep="\n")
+    elif args.closing:
+        closed = sum((counts[seed] for seed in CLOSED if seed in counts), Counter())
+        print(f"seeds {', '.join(CLOSED)}: {closed['rows']} rows: {closed['tested']} tested, {closed['none']} no behaviour, "
+              f"{closed['later']} left")
+        if closed["later"]:
+            problems.append(f"{closed['later']} rows have no test; list them with scripts/seed_coverage.py --missing")
+    elif args.missing:
         for row in missing:
             if args.seed in (None, row.id.split("-")[0]):
                 print(f"{row.id}\t{row.gist}")

@@ -12,6 +12,12 @@ constexpr std::int32_t kAbortedByChanger = 101;
 /// iocontrol.0.state
 enum State : std::int32_t { kIdle = 0, kPreparing, kStarting, kChanging, kAborting, kFaulted };
 
+/// Do the pins ask the same in both?
+bool same_questions(const IoOutputs& a, const IoOutputs& b) {
+  return a.tool_prepare == b.tool_prepare && a.tool_change == b.tool_change &&
+         a.start_change == b.start_change && a.emc_abort == b.emc_abort;
+}
+
 }  // namespace
 
 IoControl::IoControl(IoLink& link, rtapi::Cell& to_io, IoPins& pins, ToolStore& tools,
@@ -38,15 +44,20 @@ void IoControl::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   if (wishes.confirmations != confirmations_seen_) {
     confirmations_seen_ = wishes.confirmations;
     // Only of a question that has been asked.
-    in.tool_prepared = in.tool_prepared || (started_ && out_.tool_prepare);
-    in.tool_changed = in.tool_changed || (started_ && out_.tool_change);
+    confirmed_ = started_ && (out_.tool_prepare || out_.tool_change);
   }
+  in.tool_prepared = in.tool_prepared || (confirmed_ && out_.tool_prepare);
+  in.tool_changed = in.tool_changed || (confirmed_ && out_.tool_change);
   const IoOutputs before = out_;
   estop_chain(in, wishes, now);
   out_.coolant_flood = wishes.flood;
   out_.coolant_mist = wishes.mist;
   if (options_.v2) watch_changer(in);
-  tool_orders(in, wishes);
+  tool_orders(in, wishes, now);
+  if (!same_questions(out_, before)) {
+    settled_ = now + 2 * options_.servo_period;
+    confirmed_ = false;
+  }
   out_.state = out_.emc_abort      ? kAborting
                : out_.start_change ? kStarting
                : out_.tool_change  ? kChanging
@@ -65,7 +76,7 @@ void IoControl::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   link_.publish(state_);
   const bool busy = out_.user_request_enable || out_.tool_prepare || out_.tool_change ||
                     out_.start_change || out_.emc_abort || out_.toolchanger_fault_ack ||
-                    !(out_ == before);
+                    now < settled_ || !(out_ == before);
   // On the grid of its period, so that looks at pins fall on the same instants whatever woke it.
   const rtapi::Nanos period = busy ? kBusyPeriod : kIdlePeriod;
   next.wake_at((now / period + 1) * period);
@@ -83,19 +94,15 @@ void IoControl::estop_chain(const IoInputs& in, const IoWishes& wishes, rtapi::N
   }
 }
 
-void IoControl::tool_orders(const IoInputs& in, const IoWishes& wishes) {
+void IoControl::tool_orders(const IoInputs& in, const IoWishes& wishes, rtapi::Nanos now) {
+  const IoOutputs before = out_;
   if (wishes.abort_epoch != abort_seen_) {
     abort_seen_ = wishes.abort_epoch;
     if (started_) drop_handshake();
     if (options_.v2) signal_abort(wishes.abort_reason);
   }
-  if (out_.emc_abort) {
-    // In the cycle of the question the answer is not looked at: HAL has not seen it.
-    if (abort_asked_) {
-      abort_asked_ = false;
-      return;
-    }
-    if (!in.emc_abort_ack) return;
+  const auto stands = [&] { return now < settled_ || !same_questions(out_, before); };
+  if (out_.emc_abort && !stands() && in.emc_abort_ack) {
     out_.emc_abort = false;
     out_.emc_reason = 0;
   }
@@ -106,7 +113,7 @@ void IoControl::tool_orders(const IoInputs& in, const IoWishes& wishes) {
       link_.finish_order(false, "aborted");
       continue;
     }
-    if (!carry_out(*order, in)) return;
+    if (out_.emc_abort || stands() || !carry_out(*order, in)) return;
     started_ = false;
   }
 }
@@ -137,7 +144,7 @@ bool IoControl::carry_out(const ToolOrder& order, const IoInputs& in) {
 
 void IoControl::signal_abort(std::int32_t reason) {
   out_.emc_reason = reason;
-  out_.emc_abort = abort_asked_ = true;
+  out_.emc_abort = true;
 }
 
 void IoControl::watch_changer(const IoInputs& in) {
@@ -207,7 +214,6 @@ void IoControl::take_prepared(int tool) {
 }
 
 bool IoControl::prepare(const ToolOrder& order, const IoInputs& in) {
-  // The answer is looked at in the next cycle, when HAL has seen the question.
   // A changer with a fault is not asked; M6 tells.
   if (faulted_) {
     drop_handshake();
@@ -236,8 +242,6 @@ bool IoControl::change(const ToolOrder& order, const IoInputs& in) {
       started_ = true;
       return false;
     }
-    state_.prepared_tool = state_.prepared_index = -1;
-    out_.tool_prep_index = out_.tool_prep_number = out_.tool_prep_pocket = 0;
     link_.finish_order(true, {});
     return true;
   }

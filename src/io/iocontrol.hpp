@@ -3,8 +3,10 @@
 // Handshakes, each ended by an abort:
 //   T n   tool-prep-index, -number, -pocket are set, then tool-prepare; HAL answers tool-prepared; tool-prepare goes off.
 //   M6    tool-change is set; HAL answers tool-changed; tool-change goes off, tool-number is the new tool, tool-from-pocket its
-//         pocket, the tool-prep pins return to 0. The tool that is in the spindle already is not changed. A tool whose T was
-//         aborted is asked for again first.
+//         pocket, the tool-prep pins return to 0. The tool that is in the spindle already is not changed, and stays prepared. A tool
+//         whose T was aborted is asked for again first.
+// A question stands, and is off before the next one, for two servo periods at least: what reads it in a realtime thread sees each
+// edge, also when its answer is looped back.
 // Random changers swap pockets with the spindle (pocket 0) and save the tool table.
 //
 // With [EMCIO]EMCIO = iov2 (manual: "I/O Control V2") the changer and Kerf can also tell each other what went wrong:
@@ -29,6 +31,7 @@ struct IoOptions {
   bool v2{false};                                  ///< iov2 with PROTOCOL_VERSION 2
   bool start_change{false};                        ///< -support-start-change
   std::string fault_text{"toolchanger error %d"};  ///< [TASK]IO_ERROR; %d: the reason
+  rtapi::Nanos servo_period{rtapi::kMillisecond};
 };
 
 class IoControl final : public rtapi::Participant {
@@ -49,7 +52,7 @@ class IoControl final : public rtapi::Participant {
   static constexpr rtapi::Nanos kRequestTime = rtapi::kSecond;
 
   void estop_chain(const IoInputs& in, const IoWishes& wishes, rtapi::Nanos now);
-  void tool_orders(const IoInputs& in, const IoWishes& wishes);
+  void tool_orders(const IoInputs& in, const IoWishes& wishes, rtapi::Nanos now);
   /// True when the order has ended.
   bool carry_out(const ToolOrder& order, const IoInputs& in);
   bool prepare(const ToolOrder& order, const IoInputs& in);
@@ -81,7 +84,8 @@ class IoControl final : public rtapi::Participant {
   bool started_{false};  ///< the order in progress has set its pins
   bool faulted_{false};  ///< the changer has reported a fault that nobody has cleared
   std::int32_t reason_{0};
-  bool abort_asked_{false};  ///< emc-abort has just been raised
+  rtapi::Nanos settled_{0};  ///< before this HAL may not have seen the last edge of a question
+  bool confirmed_{false};    ///< the operator has answered the question in progress
 };
 
 }  // namespace kerf::io

@@ -414,6 +414,8 @@ class SetupReader {
     t.start_change = program.find("-support-start-change") != std::string::npos;
     const std::string fault = r_.string("TASK", "IO_ERROR");
     if (!fault.empty()) t.fault_text = fault;
+    if (const auto period = r_.integer("EMCMOT", "SERVO_PERIOD", 0); period > 0)
+      t.servo_period_ns = period;
     out_.setup.interp.random_toolchanger = t.random_changer;
     out_.setup.interp.spindle_on_during_change =
         r_.boolean(kSection, "TOOL_CHANGE_WITH_SPINDLE_ON");

@@ -31,6 +31,7 @@ struct ToolConfig {
   bool v2{false};                                  ///< with PROTOCOL_VERSION 2
   bool start_change{false};                        ///< -support-start-change
   std::string fault_text{"toolchanger error %d"};  ///< [TASK]IO_ERROR
+  std::int64_t servo_period_ns{1000000};           ///< questions of io stand for two of them
   bool quill_up{false};
   bool at_g30{false};
   bool has_position{false};

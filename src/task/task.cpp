@@ -180,7 +180,8 @@ rtapi::Status Task::prepare() {
   const ToolConfig& tools = p.setup.tools;
   p.iocontrol = std::make_unique<io::IoControl>(
       *p.link, p.shared->to_io, *pins, *p.tools,
-      io::IoOptions{tools.random_changer, tools.v2, tools.start_change, tools.fault_text});
+      io::IoOptions{tools.random_changer, tools.v2, tools.start_change, tools.fault_text,
+                    rtapi::Nanos{tools.servo_period_ns}});
   return {};
 }
 

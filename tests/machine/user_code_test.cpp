@@ -1,9 +1,12 @@
 // M100 to M199 that misbehave: the machine is idle and safe, and nothing of them is left.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
+#include <fstream>
 
 #include "harness/machine.hpp"
 
@@ -67,6 +70,104 @@ TEST_F(UserCode, OneThatIsDeletedWhileItRunsRunsToItsEnd) {
   EXPECT_EQ(m->run_text("M151\nG0 X9\nM2\n").state, task::CommandState::error);
   EXPECT_NE(m->errors().find("M151"), std::string::npos);
   EXPECT_NEAR(m->joint(0), 2, 1e-9);
+}
+
+/// Much more than memory would hold, if it were kept; abort ends it.
+TEST_F(UserCode, OneThatNeverStopsPrintingFillsNoMemoryAndIsEnded) {
+  start({{"M151", "while :; do head -c 1000000 /dev/zero | tr '\\0' '\\n' >&2; done\n"}});
+  const auto resident = [] {
+    long pages = 0, all = 0;
+    std::ifstream("/proc/self/statm") >> all >> pages;
+    return pages * ::sysconf(_SC_PAGESIZE);
+  };
+  const auto files = [] {
+    std::size_t bytes = 0;
+    for (const auto& entry : fs::directory_iterator("/proc/self/fd")) {
+      struct stat file {};
+      if (::stat(entry.path().c_str(), &file) == 0 && S_ISREG(file.st_mode) && file.st_nlink == 0)
+        bytes += static_cast<std::size_t>(file.st_size);
+    }
+    return bytes;
+  };
+  const long before = resident();
+  const auto id = m->start_program(m->write_program("M151\nG0 X9\nM2\n"));
+  // It lives in real time; so does this wait.
+  for (int i = 0; i < 100; ++i) {
+    m->cycle();
+    ::usleep(2000);
+  }
+  EXPECT_FALSE(task::is_terminal(m->outcome(id).state));
+  EXPECT_LT(resident() - before, 8'000'000);
+  EXPECT_LT(files(), 1'000'000U);
+  m->abort();
+  EXPECT_TRUE(m->run_until([&] { return m->task().idle; }, 10));
+  EXPECT_FALSE(has_children());
+  EXPECT_TRUE(m->mdi("G0 X1"));
+}
+
+TEST_F(UserCode, WhatIsLeftInTheBackgroundMayGoOnPrinting) {
+  start({{"M151", "(sleep 0.3; echo late >&2; touch came) &\nexit 0\n"}});
+  const std::size_t before = descriptors();
+  EXPECT_EQ(m->run_text("M151\nG0 X2\nM2\n").state, task::CommandState::done) << m->errors();
+  EXPECT_NEAR(m->joint(0), 2, 1e-9);
+  const auto printed = [&] { return fs::exists("came") || fs::exists(m->folder() + "/came"); };
+  for (int i = 0; i < 500 && !printed(); ++i) {
+    m->run_for(0.01);
+    ::usleep(10000);
+  }
+  EXPECT_TRUE(printed()) << "ended by its own words";
+  fs::remove("came");
+  for (int i = 0; i < 100 && descriptors() != before; ++i) {
+    m->run_for(0.01);
+    ::usleep(10000);
+  }
+  EXPECT_EQ(descriptors(), before);
+}
+
+/// One that cannot be started at all says which of the causes it is, or what the system says.
+TEST_F(UserCode, FilesThatAreNoProgramsAreNamed) {
+  start({{"M151", "exit 0\n"}});
+  const std::string at = m->folder() + "/";
+  const auto write = [&](const char* name, const std::string& text, bool executable) {
+    std::ofstream(at + name) << text;
+    fs::permissions(at + name, executable ? fs::perms::owner_all : fs::perms::owner_read);
+  };
+  write("M160", "#!/bin/sh\nexit 0\n", false);
+  write("M161", "#!/no/such/interpreter\n", true);
+  write("M162",
+        std::string("\x7f"
+                    "ELF\0\0 nothing",
+                    14),
+        true);
+  write("M163", "", true);
+  write("M170", "#!/bin/sh\r\nexit 0\r\n", true);
+  fs::create_directory(at + "M164");
+  fs::create_symlink("nowhere", at + "M165");
+  fs::create_symlink("M166", at + "M166");
+  write("m167", "#!/bin/sh\nexit 0\n", true);
+  write("M168.sh", "#!/bin/sh\nexit 0\n", true);
+  struct Row {
+    const char* code;
+    const char* says;  ///< "" for one that runs
+  };
+  for (const Row& row : {Row{"M160", "not executable"}, Row{"M161", "/no/such/interpreter"},
+                         Row{"M162", "M162"}, Row{"M170", "Windows"}, Row{"M163", ""},
+                         Row{"M164", "is a directory"}, Row{"M165", "leads nowhere"},
+                         Row{"M166", "Unknown m code used: M166"}, Row{"M167", "lower case"},
+                         Row{"M168", "extension"}, Row{"M169", "Unknown m code used: M169"}}) {
+    const auto reply = m->run_text("G0 X1\n" + std::string(row.code) + "\nG0 X9\nM2\n");
+    if (*row.says == 0) {
+      EXPECT_EQ(reply.state, task::CommandState::done) << row.code << reply.text;
+      continue;
+    }
+    EXPECT_EQ(reply.state, task::CommandState::error) << row.code;
+    EXPECT_NE(reply.text.find(row.says), std::string::npos) << row.code << ": " << reply.text;
+    EXPECT_NE(reply.text.find("test.ngc:2"), std::string::npos) << row.code << ": " << reply.text;
+    EXPECT_TRUE(m->run_until([&] { return m->task().idle; }, 5)) << row.code;
+    EXPECT_NEAR(m->joint(0), 1, 1e-9) << row.code;
+    EXPECT_TRUE(m->mdi("M151")) << row.code;
+  }
+  EXPECT_FALSE(has_children());
 }
 
 }  // namespace

@@ -119,6 +119,7 @@ void MachineView::fill_task() {
   s.block_delete = t.block_delete;
   s.input_timeout = t.input_timeout;
   s.prompt = t.prompt;
+  s.waiting_for = t.waiting_for;
   s.call_level = t.call_level;
   // An MDI line has no number.
   const bool in_file = !t.source.empty();

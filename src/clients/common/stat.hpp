@@ -60,6 +60,7 @@ struct Stat {
   std::uint64_t echo_serial_number{0}, heartbeat{0}, taskbeat{0};
   std::string command, file, ini_filename;
   task::Prompt prompt;  ///< what the program asks the operator
+  task::WaitingFor waiting_for;
   std::array<int, 17> gcodes{};
   std::array<int, 10> mcodes{};
   std::array<double, 5> settings{};

@@ -106,6 +106,12 @@ void Halui::block_delete_off(int) { port_.send({"block-delete", "off"}); }
 void Halui::optional_stop_on(int) { port_.send({"optional-stop", "on"}); }
 void Halui::optional_stop_off(int) { port_.send({"optional-stop", "off"}); }
 
+/// Only to the question that the pins show: the next one is not yet read by anybody.
+void Halui::prompt_ok(int) {
+  const task::Prompt& prompt = stat_->prompt;
+  if (prompt.kind != task::PromptKind::none) port_.send({"answer", std::to_string(prompt.number)});
+}
+
 void Halui::home_all(int) { port_.send({"home"}); }
 void Halui::joint_home(int index) { port_.send({"home", std::to_string(joint(index))}); }
 void Halui::joint_unhome(int index) { port_.send({"unhome", std::to_string(joint(index))}); }

@@ -90,6 +90,7 @@ class Halui {
   void block_delete_off(int);
   void optional_stop_on(int);
   void optional_stop_off(int);
+  void prompt_ok(int);
   void home_all(int);
   void joint_home(int index);
   void joint_unhome(int index);

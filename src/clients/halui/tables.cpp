@@ -71,6 +71,7 @@ struct Tables {
       {"program.block-delete.off", &H::block_delete_off},
       {"program.optional-stop.on", &H::optional_stop_on},
       {"program.optional-stop.off", &H::optional_stop_off},
+      {"prompt.ok", &H::prompt_ok},
   };
   static constexpr ButtonRow kHomeAll = {"home-all", &H::home_all};
   static constexpr ButtonRow kJointButtons[] = {{"home", &H::joint_home},
@@ -117,6 +118,14 @@ struct Tables {
        [](const Scene& s, int) -> double { return s.stat.block_delete; }},
       {"program.optional-stop.is-on", PinType::bit,
        [](const Scene& s, int) -> double { return s.stat.optional_stop; }},
+      {"prompt.is-waiting", PinType::bit,
+       [](const Scene& s, int) -> double { return s.stat.prompt.kind != task::PromptKind::none; }},
+      {"prompt.is-tool-change", PinType::bit,
+       [](const Scene& s, int) -> double {
+         return s.stat.prompt.kind == task::PromptKind::tool_change;
+       }},
+      {"prompt.tool", PinType::u32,
+       [](const Scene& s, int) -> double { return std::max(s.stat.prompt.tool, 0); }},
       {"joint.selected", PinType::u32,
        [](const Scene& s, int) -> double { return s.halui.selected_joint_; }},
       {"axis.selected", PinType::u32,

@@ -77,6 +77,12 @@ constexpr Subcommand kRows[]{
        return std::to_string(p.number) + " " + task::to_string(p.kind) + " " +
               std::string(p.text.view());
      }},
+    {.name = "waiting",
+     .help = "What the program waits for, with its pin and net, or NONE.",
+     .get = [](Session& s, const Values&) -> std::string {
+       const std::string text = task::wait_text(s.stat().waiting_for);
+       return text.empty() ? "NONE" : text;
+     }},
     {.name = "answer",
      .help = "Yes to what PROMPT asks; with its number, to that question only.",
      .set_arguments = kPrompt,

@@ -49,7 +49,9 @@ struct Intent {
   bool single_step{false};
   /// Held: axis jogs move the machine beside the path. Ends where it was left, and only there.
   bool away{false};
-  bool reserved[5]{};
+  /// The path is run backwards, as a negative adaptive feed does; with both it goes forwards.
+  bool backwards{false};
+  bool reserved[4]{};
   std::uint32_t spindle_stop_seq
       [kMaxSpindles]{};     ///< a new value stops that spindle at once, whatever the path says
   std::uint32_t wishes{0};  ///< grows with each of the wishes below

@@ -322,6 +322,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   path.stop = closing_down_ || orders.abort_epoch != acked_epoch_;
   path.stand = orders.hold || path.stop || away_;
   path.single_step = single_step_ = want.single_step;
+  path.backwards = want.backwards;
   path.may_move = mode_ == MotionMode::coordinated;
   path.probe = in.probe;
   path.feed_hold = in.feed_hold;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "motion/core/path/reach.hpp"
 #include "motion/core/profile.hpp"
@@ -347,6 +348,7 @@ void Executor::set_scale(const PathInputs& in) noexcept {
   scale_ = scale_of(enables_.adaptive ? factor(in.adaptive_feed, max_adaptive_) : 1.0);
   const bool reverses = enables_.adaptive && adaptive_reverses_;
   back_scale_ = scale_of(reverses ? factor(-in.adaptive_feed, max_adaptive_) : 0.0);
+  if (in.backwards) std::swap(scale_, back_scale_);
   sync_.feed_speeds(scale_.rps);
   sync_.feed_speeds(back_scale_.rps);
 }

@@ -26,6 +26,7 @@ struct PathInputs {
   bool stand{false};  ///< brake on the path and stay: hold, abort, lost heartbeat
   bool stop{false};   ///< the same, but for a hold: what follows a spindle stops for nothing else
   bool single_step{false};  ///< Intent::single_step
+  bool backwards{false};    ///< Intent::backwards
   bool may_move{true};      ///< coordinated mode; else moves wait and only events are carried out
   bool probe{false}, feed_hold{false}, feed_inhibit{false};
   double feed_override{1}, rapid_override{1}, adaptive_feed{1};

@@ -200,8 +200,8 @@ void automatic(CommandObject& c, int what, std::optional<int> line) {
     case 1: return c.send({{"cmd", "pause"}});
     case 2: return c.send({{"cmd", "resume"}}, Ends::with_program);
     case 3: return c.send({{"cmd", "step"}}, Ends::with_program);
-    case 4:
-    case 5: throw_error("command.auto: programs run forwards only");
+    case 4: return c.send({{"cmd", "direction"}, {"way", "reverse"}});
+    case 5: return c.send({{"cmd", "direction"}, {"way", "forward"}});
     default: unexpected();
   }
 }
@@ -343,7 +343,8 @@ void add_machine(Class& c) {
 
 void add_program(Class& c) {
   c.def("auto", automatic, py::arg("what"), py::arg("line") = py::none(),
-        "auto(AUTO_RUN, line), auto(AUTO_PAUSE), auto(AUTO_RESUME), auto(AUTO_STEP)")
+        "auto(AUTO_RUN, line), auto(AUTO_PAUSE), auto(AUTO_RESUME), auto(AUTO_STEP); while it "
+        "is paused auto(AUTO_REVERSE), auto(AUTO_FORWARD): which way it goes on")
       .def("abort",
            [](CommandObject& o) {
              o.send({{"cmd", "abort"}});

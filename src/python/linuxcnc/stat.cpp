@@ -177,6 +177,16 @@ void add_task(StatClass& c) {
              d["text"] = std::string(s.prompt.text.view());
              return d;
            })
+      .add("waiting_for",
+           [](const Stat& s) -> py::object {
+             if (s.waiting_for.object.empty()) return py::none();
+             py::dict d;
+             d["text"] = task::wait_text(s.waiting_for);
+             d["object"] = std::string(s.waiting_for.object.view());
+             d["pin"] = std::string(s.waiting_for.pin.view());
+             d["net"] = std::string(s.waiting_for.net.view());
+             return d;
+           })
       .KERF_STAT(command)
       .KERF_STAT(file)
       .KERF_STAT(ini_filename)

@@ -58,6 +58,7 @@ constexpr ArgumentInfo kSpindleArgs[]{
 constexpr ArgumentInfo kSwitchArgs[]{{"on", flag, true, kOnOff, ""}};
 constexpr ArgumentInfo kAnswerArgs[]{
     {"prompt", integer, false, nullptr, "number of the question; absent: whichever is asked"}};
+constexpr ArgumentInfo kDirectionArgs[]{{"way", text, true, "forward|reverse", ""}};
 constexpr ArgumentInfo kOutputArgs[]{
     {"index", integer, true, nullptr, "number of motion.digital-out-NN"},
     {"on", flag, true, kOnOff, ""}};
@@ -105,6 +106,11 @@ constexpr CommandInfo kCommands[]{
     {CommandId::run, "run", "Runs the open program. Done when it has ended.", kRunArgs},
     {CommandId::pause, "pause", "Stops motion on the path; resume goes on.", {}},
     {CommandId::resume, "resume", "Goes on after pause, step, M0, M1 and M60.", {}},
+    {CommandId::direction, "direction",
+     "Which way resume runs the path of the held program: back over what motion remembers of it, "
+     "to "
+     "where that begins, or forwards again. Forwards at the start of each program.",
+     kDirectionArgs},
     {CommandId::away,
      "away",
      "Pauses and frees the axes for jogs beside the path. Done when they may be jogged; return "

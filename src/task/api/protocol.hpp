@@ -36,6 +36,7 @@ enum class CommandId : std::uint8_t {
   run,
   pause,
   resume,
+  direction,
   away,
   back,
   step,

@@ -134,9 +134,14 @@ void CommandParticipant::take_faults() {
     if (!p_.motion.faults.slot[faults_seen_ % motion::FaultLog::kSlots].read(fault) ||
         fault.number != faults_seen_)
       continue;
-    const bool placed = fault.tag.line > 0 && !view_.idle;
+    // Whoever typed a line of MDI knows which.
+    const bool typed = fault.tag.call_level == 0 &&
+                       std::any_of(pending_.begin(), pending_.end(), [](const auto& p) {
+                         return p.second.begun && p.second.command == CommandId::mdi;
+                       });
+    const bool placed = fault.tag.line > 0 && !view_.idle && !typed;
     motion::FaultRecord shown = fault;
-    if (placed) shown.tag.line = 0;  // the message begins with its place
+    if (placed || typed) shown.tag.line = 0;  // the message begins with its place
     last_fault_ = motion::fault_text(shown, machine_);
     // The machine may still be in a sub of another file. Before the first block is executed, the source is unknown and can only
     // be the program.

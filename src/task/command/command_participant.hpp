@@ -185,6 +185,7 @@ class CommandParticipant final : public rtapi::Participant {
   void do_mdi(Ticket ticket, const std::string& text, bool by_hand);
   void pause();
   void do_step(Ticket ticket);
+  void do_direction(Ticket ticket, bool backwards);
   void do_answer(Ticket ticket, const Request& request);
   void do_override(Ticket ticket, const Request& request);
   void do_spindle(Ticket ticket, const Request& request);

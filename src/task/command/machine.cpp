@@ -111,7 +111,7 @@ void CommandParticipant::abort_all(std::uint32_t reason) {
   for (auto& seq : want_.spindle_stop_seq) ++seq;
   stop_jogs(kNobody);
   end_away();
-  want_.single_step = false;
+  want_.single_step = want_.backwards = false;
   write_intent();
   p_.motion.intent.hold.publish(0);
   p_.exchange.paused.set(0);

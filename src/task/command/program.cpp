@@ -27,6 +27,7 @@ void CommandParticipant::execute(Ticket ticket, const Request& request, int clie
     case CommandId::resume:
     case CommandId::tool_table: return do_program(ticket, request);
     case CommandId::step: return do_step(ticket);
+    case CommandId::direction: return do_direction(ticket, request.text("way") == "reverse");
     case CommandId::answer: return do_answer(ticket, request);
     case CommandId::away: return do_away(ticket);
     case CommandId::back: return do_back(ticket);
@@ -217,6 +218,9 @@ void CommandParticipant::do_step(Ticket ticket) {
   if (refuse_unless_homed(ticket, "Can't run a program when not homed")) return;
   if (aborting())
     return reply(ticket, CommandState::error, "can't step while the program is being aborted");
+  if (want_.backwards)
+    return reply(ticket, CommandState::error,
+                 "steps go forwards: set the direction to forward, or resume");
   const bool running = std::any_of(pending_.begin(), pending_.end(), [](const auto& p) {
     return p.second.order &&
            (p.second.command == CommandId::run || p.second.command == CommandId::step);
@@ -240,6 +244,19 @@ void CommandParticipant::do_step(Ticket ticket) {
   p_.exchange.paused.set(0);
   p_.exchange.resumes.add(1);
   p_.exchange.wake_interpreter();
+  reply(ticket, CommandState::done);
+}
+
+/// Only of a path that is held: nothing turns round under way.
+void CommandParticipant::do_direction(Ticket ticket, bool backwards) {
+  if (refuse_away(ticket)) return;
+  if (view_.idle && !other_orders(ticket))
+    return reply(ticket, CommandState::error, "no program runs whose direction could be set");
+  if (p_.motion.intent.hold.observe() == 0)
+    return reply(ticket, CommandState::error,
+                 "pause the program first; resume then runs it the way that is set");
+  want_.backwards = backwards;
+  write_intent();
   reply(ticket, CommandState::done);
 }
 

@@ -178,7 +178,10 @@ bool InterpreterParticipant::begin_barrier(TaskItem& item) {
   } else if (const auto* store = std::get_if<StoreTools>(&item.body)) {
     store_tools(*store);
   } else if (const auto* error = std::get_if<ProgramError>(&item.body)) {
-    fail(error->text, error->file, error->line);
+    if (error->file.empty() && error->line == 0)
+      fail_here(error->text);
+    else
+      fail(error->text, error->file, error->line);
     return false;
   }
   return true;

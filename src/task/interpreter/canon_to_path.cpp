@@ -383,6 +383,16 @@ void CanonToPath::change_tool() {
 }
 
 void CanonToPath::output(int index, bool analog, bool synchronised, double value) {
+  const int count = analog ? analog_count_ : digital_count_;
+  if (index < 0 || index >= count) {
+    char name[40];
+    std::snprintf(name, sizeof name, "motion.%s-out-%02d", analog ? "analog" : "digital", index);
+    add(ProgramError{std::string(name) + " does not exist: motmod has " + std::to_string(count) +
+                         (analog ? " analog outputs (num_aio)" : " digital outputs (num_dio)"),
+                     {},
+                     0});
+    return;
+  }
   add_path(motion::OutputChange{index, analog, synchronised, 0, value});
   if (synchronised) ++state_.pending_outputs;
 }

@@ -56,6 +56,11 @@ class CanonToPath final : public interp::Canon {
   void set_position(const motion::Pose& machine) { state_.position = machine; }
   /// After an abort: what stops with it.
   void forget_outputs();
+  /// How many outputs motmod has (num_dio, num_aio).
+  void set_output_counts(int digital, int analog) noexcept {
+    digital_count_ = digital;
+    analog_count_ = analog;
+  }
   /// Queues path control, override switches and tool offset again, as they are now.
   void announce(std::uint64_t tag_id);
 
@@ -157,6 +162,7 @@ class CanonToPath final : public interp::Canon {
   }
   void add_path(const PathBody& body) { list_.push_back(TaskItem{tag_, TaskItemBody(body)}); }
   void traverse_machine(const motion::Pose& end, motion::MotionKind kind);
+  /// One that motion does not have fails in its place, behind what was programmed before it.
   void output(int index, bool analog, bool synchronised, double value);
   void frame_changed();
   [[nodiscard]] double feed_mm_s(const motion::Pose& end) const;
@@ -177,6 +183,8 @@ class CanonToPath final : public interp::Canon {
   std::vector<DeliveredBlock> delivered_;
   std::vector<interp::Tool> tool_changes_;
   bool reload_{false};
+  int digital_count_{motion::kMaxDigital},
+      analog_count_{motion::kMaxAnalog};  ///< until motion says
 };
 
 }  // namespace kerf::task

@@ -48,7 +48,8 @@ InterpreterParticipant::InterpreterParticipant(const Parts& parts)
       canon_(list_, p_.setup.tools),
       interp_(p_.environment, canon_, p_.setup.interp),
       parameter_file_(p_.setup.paths.parameter_file) {
-  (void)p_.motion.status.read(status_);
+  if (p_.motion.status.read(status_))
+    canon_.set_output_counts(status_.digital_count, status_.analog_count);
   epoch_ = p_.motion.intent.abort_epoch.observe();
   // A motion that outlived an earlier task has seen numbers already.
   last_seq_ = std::max({status_.executed_seq, status_.current_seq, p_.motion.path.pushed()});
@@ -111,7 +112,8 @@ void InterpreterParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
     search(next);
   else if (!aborting_)
     work(next);
-  if (user_.running()) user_.add_to(next, p_.segment);
+  user_.drain();
+  user_.add_to(next, p_.segment);
   hear_database(next);
   if (pushed_) p_.motion.path_cell.notify();
   show();

@@ -43,6 +43,9 @@ std::string near_miss(const std::string& folder, const std::string& name) {
   std::error_code ec;
   for (const auto& entry : fs::directory_iterator(folder, ec)) {
     const std::string file = entry.path().filename().string();
+    if (file == name && entry.is_directory(ec)) return entry.path().string() + " is a directory";
+    if (file == name && !fs::exists(entry.path(), ec))
+      return entry.path().string() + " is a link that leads nowhere";
     if (file == lower)
       return entry.path().string() + " begins with a lower case m: it must be named " + name;
     if (file.size() > name.size() && file.compare(0, name.size(), name) == 0 &&

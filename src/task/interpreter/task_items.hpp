@@ -65,7 +65,7 @@ struct StoreTools {
 };
 struct ProgramEnd {};
 struct ProgramError {
-  std::string text, file;
+  std::string text, file;  ///< no file: at the item's tag
   std::int32_t line{0};
 };
 

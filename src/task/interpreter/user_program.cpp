@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
-#include <sys/mman.h>
 #include <sys/syscall.h>
 #include <sys/timerfd.h>
 #include <sys/wait.h>
@@ -11,6 +10,8 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <utility>
 
 #include "rtapi/clock/join_clock.hpp"
 
@@ -31,17 +32,47 @@ void close_one(int& fd) {
   fd = -1;
 }
 
-std::string read_tail(int fd) {
-  const off_t size = ::lseek(fd, 0, SEEK_END);
-  const off_t from =
-      size > static_cast<off_t>(kKeptError) ? size - static_cast<off_t>(kKeptError) : 0;
-  std::string out(static_cast<std::size_t>(size - from), '\0');
-  const ssize_t n = ::pread(fd, out.data(), out.size(), from);
-  out.resize(n > 0 ? static_cast<std::size_t>(n) : 0);
-  return out;
+/// Why the system finds "no such file" in a file that is there: the program of its first line.
+std::string missing_interpreter(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  if (!std::getline(file, line) || line.rfind("#!", 0) != 0) return {};
+  if (line.back() == '\r') return "its lines end as on Windows; save it with the line ends of Unix";
+  const std::size_t from = line.find_first_not_of(" \t", 2);
+  if (from == std::string::npos) return {};
+  return "its first line names " + line.substr(from, line.find_first_of(" \t", from) - from) +
+         ", which is not there";
 }
 
 }  // namespace
+
+/// At most 64 KiB, so that a program that never stops printing keeps nobody here.
+bool UserProgram::read_some(int fd, std::string* tail) {
+  char buffer[4096];
+  for (int i = 0; i < 16; ++i) {
+    const ssize_t n = ::read(fd, buffer, sizeof buffer);
+    if (n == 0) return false;
+    if (n < 0) return errno == EAGAIN || errno == EINTR;
+    const auto size = static_cast<std::size_t>(n);
+    (void)!::write(STDERR_FILENO, buffer, size);
+    if (tail == nullptr) continue;
+    tail->append(buffer, size);
+    if (tail->size() > kKeptError) tail->erase(0, tail->size() - kKeptError);
+  }
+  return true;
+}
+
+void UserProgram::drain() {
+  if (error_fd_ >= 0 && !read_some(error_fd_, &last_words_)) close_one(error_fd_);
+  for (auto at = left_.begin(); at != left_.end();) {
+    if (read_some(*at, nullptr)) {
+      ++at;
+      continue;
+    }
+    ::close(*at);
+    at = left_.erase(at);
+  }
+}
 
 UserProgram::~UserProgram() {
   if (pid_ > 0) {
@@ -49,6 +80,7 @@ UserProgram::~UserProgram() {
     (void)::waitpid(pid_, nullptr, 0);
   }
   close_all();
+  for (const int fd : left_) ::close(fd);
 }
 
 void UserProgram::close_all() {
@@ -62,10 +94,13 @@ rtapi::Status UserProgram::start(
     const std::string& path, const std::vector<std::string>& arguments,
     const std::vector<std::pair<std::string, std::string>>& environment) {
   if (running()) return fail(Errc::busy, "a user program runs already");
-  error_fd_ = ::memfd_create("kerf-user-program", MFD_CLOEXEC);
-  if (error_fd_ < 0)
+  int ends[2]{-1, -1};
+  if (::pipe2(ends, O_CLOEXEC) != 0)
     return fail(Errc::system,
-                std::string("cannot keep the program's messages: ") + std::strerror(errno));
+                std::string("cannot read the program's messages: ") + std::strerror(errno));
+  error_fd_ = ends[0];
+  (void)::fcntl(error_fd_, F_SETFL, O_NONBLOCK);
+  last_words_.clear();
 
   std::vector<std::string> own;
   for (const auto& [name, value] : environment) own.push_back(name + "=" + value);
@@ -91,7 +126,7 @@ rtapi::Status UserProgram::start(
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawnattr_init(&attributes);
   ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  ::posix_spawn_file_actions_adddup2(&actions, error_fd_, STDERR_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
   sigset_t none, all;
   ::sigemptyset(&none);
   ::sigfillset(&all);
@@ -110,9 +145,12 @@ rtapi::Status UserProgram::start(
   }
   ::posix_spawn_file_actions_destroy(&actions);
   ::posix_spawnattr_destroy(&attributes);
+  ::close(ends[1]);
   if (error != 0) {
     close_all();
-    return fail(Errc::system, "cannot run " + path + ": " + std::strerror(error));
+    const std::string why = error == ENOENT ? missing_interpreter(path) : std::string();
+    return fail(Errc::system,
+                "cannot run " + path + ": " + (why.empty() ? std::strerror(error) : why));
   }
   pid_ = pid;
   pidfd_ = static_cast<int>(::syscall(SYS_pidfd_open, pid, 0));
@@ -128,6 +166,7 @@ rtapi::Status UserProgram::start(
 
 std::optional<UserProgram::Exit> UserProgram::poll() {
   if (pid_ <= 0) return std::nullopt;
+  drain();
   int status = 0;
   const pid_t ended = ::waitpid(pid_, &status, WNOHANG);
   if (ended == 0) {
@@ -139,9 +178,14 @@ std::optional<UserProgram::Exit> UserProgram::poll() {
   if (grace_fd_ >= 0) (void)::kill(-pid_, SIGKILL);  // its children outlived the polite request
   Exit out;
   out.status = ended < 0 ? 255 : WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  out.error_text = read_tail(error_fd_);
-  if (!out.error_text.empty())
-    (void)!::write(STDERR_FILENO, out.error_text.data(), out.error_text.size());
+  drain();  // what is in the pipe; a pipe holds no more than one look takes
+  out.error_text = last_words_;
+  if (error_fd_ >= 0) left_.push_back(std::exchange(error_fd_, -1));
+  if (left_.size() > kMostLeft) {
+    ::close(left_.front());
+    left_.erase(left_.begin());
+  }
+  drain();
   while (!out.error_text.empty() && (out.error_text.back() == '\n' || out.error_text.back() == ' '))
     out.error_text.pop_back();
   close_all();
@@ -158,7 +202,9 @@ void UserProgram::terminate() {
 }
 
 void UserProgram::add_to(rtapi::WaitSpec& spec, const rtapi::Segment& segment) const {
+  for (const int fd : left_) spec.watch_fd(fd);
   if (pid_ <= 0) return;
+  if (error_fd_ >= 0) spec.watch_fd(error_fd_);
   spec.watch_fd(pidfd_);
   if (grace_fd_ >= 0) spec.watch_fd(grace_fd_);
   if (const auto* joins = rtapi::clock_joins(segment); joins != nullptr) spec.watch(*joins);

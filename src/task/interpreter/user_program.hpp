@@ -17,8 +17,9 @@ class Segment;
 
 namespace kerf::task {
 
-/// A child process in a process group of its own, so that what it starts ends with it on abort. Its standard error is kept
-/// (the last 4 KiB) for the operator's message and goes on to ours when it ends. Nothing blocks.
+/// A child process in a process group of its own, so that what it starts ends with it on abort. Its standard error goes on to ours as
+/// it comes, and the last 4 KiB are kept for the operator's message: however much it prints, no memory grows. What it leaves in the
+/// background may go on writing there. Nothing blocks.
 class UserProgram {
  public:
   struct Exit {
@@ -41,16 +42,25 @@ class UserProgram {
   /// Asks the group to end; poll() kills it when it has not within 200 ms of real time (the program lives outside of
   /// virtual time).
   void terminate();
-  /// Wakes the waiter at its end. Virtual time stands still meanwhile, unless the program itself waits in it (`halcmd sleep S`).
+  /// Passes on what has been written to standard error; call it in each step.
+  void drain();
+  /// Wakes the waiter at its end, and when there is something to drain. Virtual time stands still meanwhile, unless the program itself waits in it (`halcmd sleep S`).
   void add_to(rtapi::WaitSpec& spec, const rtapi::Segment& segment) const;
 
  private:
+  /// Pipes of that many programs' background processes are read on; the oldest is then closed.
+  static constexpr std::size_t kMostLeft = 4;
+
   void close_all();
+  /// False at its end. `tail`: where the last words are kept, or null.
+  static bool read_some(int fd, std::string* tail);
 
   pid_t pid_{0};
   int pidfd_{-1};
-  int error_fd_{-1};  ///< memfd
+  int error_fd_{-1};  ///< a pipe's end
   int grace_fd_{-1};  ///< timerfd, once terminate() was called
+  std::string last_words_;
+  std::vector<int> left_;  ///< pipes that background processes of ended programs hold
 };
 
 }  // namespace kerf::task

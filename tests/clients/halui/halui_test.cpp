@@ -342,6 +342,25 @@ TEST(Halui, StatesFollowTheMachine) {
   shows("tool.length_offset.z", 12);
 }
 
+TEST(Halui, ThePromptIsAnsweredByItsNumber) {
+  Panel p;
+  EXPECT_EQ(p.press("prompt.ok"), "") << "nothing is asked";
+  p.stat.prompt = {17, task::PromptKind::tool_change, 3, {}};
+  p.look();
+  EXPECT_EQ(p.get("prompt.is-waiting"), 1);
+  EXPECT_EQ(p.get("prompt.is-tool-change"), 1);
+  EXPECT_EQ(p.get("prompt.tool"), 3);
+  EXPECT_EQ(p.press("prompt.ok"), "answer 17");
+  p.stat.prompt = {18, task::PromptKind::stop, -1, {}};
+  p.look();
+  EXPECT_EQ(p.get("prompt.is-waiting"), 1);
+  EXPECT_EQ(p.get("prompt.is-tool-change"), 0);
+  EXPECT_EQ(p.get("prompt.tool"), 0);
+  p.stat.prompt = {};
+  p.look();
+  EXPECT_EQ(p.get("prompt.is-waiting"), 0);
+}
+
 TEST(Halui, RelativePositionTakesOffToolOffsetRotationAndG92) {
   Panel p;
   p.stat.position.x = 10 - 3;  // program (2, 1) turned by 90 degrees about (10, 20), G92 (1, 2)

@@ -249,6 +249,28 @@ TEST(HaluiMachine, RunsPausesStepsAndStopsAProgram) {
   EXPECT_TRUE(p.until("program.is-idle", 2));
 }
 
+TEST(HaluiMachine, AnswersM0AndTheToolChange) {
+  PanelMachine p;
+  p.power_on_and_home();
+  p.machine->hal("unlinkp iocontrol.0.tool-changed");
+  const auto file = p.machine->write_program("M0\nT2 M6\nG0 X2\nM2\n");
+  ASSERT_TRUE(p.machine->does({"open", file}));
+  p.press("program.run");
+  EXPECT_TRUE(p.until("prompt.is-waiting", 2)) << "M0";
+  EXPECT_FALSE(p.bit("prompt.is-tool-change"));
+  p.run_for(1);
+  EXPECT_NEAR(p.machine->joint(0), 0, 1e-9);
+  p.press("prompt.ok");
+  EXPECT_TRUE(p.until("prompt.is-tool-change", 5)) << p.machine->errors();
+  EXPECT_EQ(p.machine->get("halui.prompt.tool"), 2);
+  p.press("prompt.ok");
+  EXPECT_TRUE(p.until("program.is-idle", 5));
+  EXPECT_FALSE(p.bit("prompt.is-waiting"));
+  EXPECT_EQ(p.machine->get("halui.tool.number"), 2);
+  EXPECT_NEAR(p.machine->joint(0), 2, 1e-6);
+  EXPECT_EQ(p.port->complaints, "");
+}
+
 TEST(HaluiMachine, MdiButtonsExecuteTheirLineAndComeBack) {
   PanelMachine p("MDI_COMMAND = G0 X7\nMDI_COMMAND = G1 F600 Y3\n");
   p.power_on_and_home();
