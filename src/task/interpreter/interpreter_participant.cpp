@@ -48,8 +48,7 @@ InterpreterParticipant::InterpreterParticipant(const Parts& parts)
       canon_(list_, p_.setup.tools),
       interp_(p_.environment, canon_, p_.setup.interp),
       parameter_file_(p_.setup.paths.parameter_file) {
-  if (p_.motion.status.read(status_))
-    canon_.set_output_counts(status_.digital_count, status_.analog_count);
+  (void)p_.motion.status.read(status_);
   epoch_ = p_.motion.intent.abort_epoch.observe();
   // A motion that outlived an earlier task has seen numbers already.
   last_seq_ = std::max({status_.executed_seq, status_.current_seq, p_.motion.path.pushed()});
@@ -106,6 +105,7 @@ void InterpreterParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   pushed_ = false;
   // Status first, epoch second: a status that is used was written before the abort was acknowledged.
   (void)p_.motion.status.read(status_);
+  canon_.set_output_counts(status_.digital_count, status_.analog_count);
   follow_abort();
   if (aborting_) resynchronise();
   if (!aborting_ && seek_)

@@ -54,7 +54,6 @@ bool UserProgram::read_some(int fd, std::string* tail) {
     if (n == 0) return false;
     if (n < 0) return errno == EAGAIN || errno == EINTR;
     const auto size = static_cast<std::size_t>(n);
-    (void)!::write(STDERR_FILENO, buffer, size);
     if (tail == nullptr) continue;
     tail->append(buffer, size);
     if (tail->size() > kKeptError) tail->erase(0, tail->size() - kKeptError);
@@ -180,6 +179,8 @@ std::optional<UserProgram::Exit> UserProgram::poll() {
   out.status = ended < 0 ? 255 : WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   drain();  // what is in the pipe; a pipe holds no more than one look takes
   out.error_text = last_words_;
+  if (!out.error_text.empty())
+    (void)!::write(STDERR_FILENO, out.error_text.data(), out.error_text.size());
   if (error_fd_ >= 0) left_.push_back(std::exchange(error_fd_, -1));
   if (left_.size() > kMostLeft) {
     ::close(left_.front());

@@ -17,8 +17,8 @@ class Segment;
 
 namespace kerf::task {
 
-/// A child process in a process group of its own, so that what it starts ends with it on abort. Its standard error goes on to ours as
-/// it comes, and the last 4 KiB are kept for the operator's message: however much it prints, no memory grows. What it leaves in the
+/// A child process in a process group of its own, so that what it starts ends with it on abort. Its standard error is read as
+/// it comes; the last 4 KiB are kept for the operator's message and go on to ours at its end: however much it prints, nothing grows. What it leaves in the
 /// background may go on writing there. Nothing blocks.
 class UserProgram {
  public:
@@ -42,7 +42,7 @@ class UserProgram {
   /// Asks the group to end; poll() kills it when it has not within 200 ms of real time (the program lives outside of
   /// virtual time).
   void terminate();
-  /// Passes on what has been written to standard error; call it in each step.
+  /// Reads what has been written to standard error; call it in each step.
   void drain();
   /// Wakes the waiter at its end, and when there is something to drain. Virtual time stands still meanwhile, unless the program itself waits in it (`halcmd sleep S`).
   void add_to(rtapi::WaitSpec& spec, const rtapi::Segment& segment) const;

@@ -129,6 +129,75 @@ class Waits(unittest.TestCase):
         self.assertGreater(polls, 5)
 
 
+class Programs(unittest.TestCase):
+    """What the program asks, what it waits for, and which way it goes."""
+
+    def setUp(self):
+        self.c, self.s = linuxcnc.command(), linuxcnc.stat()
+        self.addCleanup(self.c.mode, linuxcnc.MODE_MDI)
+        self.addCleanup(self.c.wait_complete)
+        self.addCleanup(self.c.abort)
+
+    def run_text(self, text):
+        path = os.path.join(os.environ["KERF_TEST_FOLDER"], "asks.ngc")
+        with open(path, "w", encoding="utf-8") as program:
+            program.write(text)
+        for step in (lambda: self.c.mode(linuxcnc.MODE_AUTO), lambda: self.c.program_open(path)):
+            step()
+            self.assertEqual(self.c.wait_complete(20), linuxcnc.RCS_DONE)
+        self.c.auto(linuxcnc.AUTO_RUN, 0)
+
+    def until(self, what, seconds=20):
+        end = time.time() + seconds
+        while time.time() < end:
+            self.s.poll()
+            if what():
+                return
+            time.sleep(0.002)
+        self.fail("not within %s s: prompt %s, waits for %s, at %s" % (seconds, self.s.prompt, self.s.waiting_for, self.s.position))
+
+    def test_the_prompt_is_answered_by_its_number(self):
+        self.run_text("G21 G90\nM0\nM60\nG0 X3\nM2\n")
+        self.until(lambda: self.s.prompt)
+        first = self.s.prompt
+        self.assertEqual((first["kind"], first["tool"]), ("stop", -1))
+        self.assertEqual(self.s.waiting_for["text"], "resume")
+        self.c.answer(first["number"] + 7)
+        self.assertEqual(self.c.wait_complete(20), linuxcnc.RCS_ERROR)
+        self.c.answer(first["number"])
+        self.until(lambda: self.s.prompt and self.s.prompt["kind"] == "pallet")
+        self.c.answer()
+        self.until(lambda: self.s.interp_state == linuxcnc.INTERP_IDLE and self.s.prompt is None)
+        self.assertIsNone(self.s.waiting_for)
+        self.assertAlmostEqual(self.s.position[0], 3)
+
+    def test_what_is_waited_for_has_its_pin(self):
+        self.run_text("G21 G90\nM66 P1 L3 Q600\nM2\n")
+        self.until(lambda: self.s.waiting_for)
+        wait = self.s.waiting_for
+        self.assertEqual((wait["object"], wait["pin"], wait["net"]), ("digital input 1", "motion.digital-in-01", ""))
+        self.assertIn("not linked", wait["text"])
+
+    def test_a_paused_program_runs_back_and_forwards_again(self):
+        self.run_text("G21 G90 G61\nG0 X0\nG4 P0\nG1 X10 F1200\nG1 X20\nM2\n")
+        self.until(lambda: self.s.position[0] > 12)
+        self.c.auto(linuxcnc.AUTO_REVERSE)
+        self.assertEqual(self.c.wait_complete(20), linuxcnc.RCS_ERROR, "it is not paused")
+        self.c.auto(linuxcnc.AUTO_PAUSE)
+        self.until(lambda: self.s.paused)
+        self.c.auto(linuxcnc.AUTO_REVERSE)
+        self.assertEqual(self.c.wait_complete(20), linuxcnc.RCS_DONE)
+        self.c.auto(linuxcnc.AUTO_RESUME)
+        self.until(lambda: self.s.position[0] < 5)
+        self.c.auto(linuxcnc.AUTO_PAUSE)
+        self.until(lambda: self.s.paused)
+        self.c.auto(linuxcnc.AUTO_FORWARD)
+        self.assertEqual(self.c.wait_complete(20), linuxcnc.RCS_DONE)
+        self.c.auto(linuxcnc.AUTO_RESUME)
+        self.until(lambda: self.s.interp_state == linuxcnc.INTERP_IDLE)
+        self.assertAlmostEqual(self.s.position[0], 20)
+
+
 class UserMcodes(unittest.TestCase):
     def test_abort_ends_a_script_that_sleeps_for_ever_with_its_children(self):
         folder = os.environ["KERF_TEST_FOLDER"]
