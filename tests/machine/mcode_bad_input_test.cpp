@@ -228,8 +228,10 @@ class MCodeBadInput : public testing::Test {
   void expect_refused(const Row& row) {
     const auto reply = m->command({"mdi", row.line});
     EXPECT_EQ(reply.state, task::CommandState::error) << row.line;
-    EXPECT_NE(first_line(reply).find(row.text), std::string::npos) << row.line << ": " << reply.text;
-    EXPECT_EQ(first_line(reply).find("test.ngc"), std::string::npos) << row.line << ": " << reply.text;
+    EXPECT_NE(first_line(reply).find(row.text), std::string::npos)
+        << row.line << ": " << reply.text;
+    EXPECT_EQ(first_line(reply).find("test.ngc"), std::string::npos)
+        << row.line << ": " << reply.text;
     EXPECT_NE(m->errors().find(row.text), std::string::npos) << row.line << " is not told";
     EXPECT_TRUE(m->mdi("G0 X5")) << row.line << m->errors();
     expect_idle_and_safe(row.line, 5);
@@ -237,7 +239,8 @@ class MCodeBadInput : public testing::Test {
     const auto run = m->run_text("G21 G90 G0 X6\n" + std::string(row.line) + "\nG0 X9\nM2\n");
     EXPECT_EQ(run.state, task::CommandState::error) << row.line;
     EXPECT_NE(first_line(run).find(row.text), std::string::npos) << row.line << ": " << run.text;
-    EXPECT_NE(first_line(run).find("test.ngc:2"), std::string::npos) << row.line << ": " << run.text;
+    EXPECT_NE(first_line(run).find("test.ngc:2"), std::string::npos)
+        << row.line << ": " << run.text;
     expect_idle_and_safe(row.line, 6);
     EXPECT_TRUE(m->mdi("G0 X5")) << row.line << m->errors();
   }

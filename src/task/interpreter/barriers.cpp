@@ -18,6 +18,18 @@ std::string pin_number(int n) {
   return text;
 }
 
+/// What fits into an operator's message beside its place: whole lines from the end, or the end of the last line.
+std::string last_of(const std::string& text) {
+  constexpr std::size_t kMost = 300;
+  if (text.size() <= kMost) return text;
+  std::size_t from = text.size() - kMost;
+  if (const std::size_t line = text.find('\n', from); line != std::string::npos)
+    from = line + 1;
+  else
+    while (from < text.size() && (static_cast<unsigned char>(text[from]) & 0xC0U) == 0x80U) ++from;
+  return "... " + text.substr(from);
+}
+
 }  // namespace
 
 bool InterpreterParticipant::pump(rtapi::WaitSpec& next) {
@@ -247,7 +259,7 @@ bool InterpreterParticipant::poll_user_program(const UserMcodeRun& run) {
   std::string text = "M" + std::to_string(run.number) + " (" + run.path + ") ended with " +
                      (end->status > 128 ? "signal " + std::to_string(end->status - 128)
                                         : "exit status " + std::to_string(end->status));
-  if (!end->error_text.empty()) text += ": " + end->error_text;
+  if (!end->error_text.empty()) text += ": " + last_of(end->error_text);
   fail_here(text);
   return false;
 }

@@ -18,8 +18,8 @@ class Segment;
 namespace kerf::task {
 
 /// A child process in a process group of its own, so that what it starts ends with it on abort. Its standard error is read as
-/// it comes; the last 4 KiB are kept for the operator's message and go on to ours at its end: however much it prints, nothing grows. What it leaves in the
-/// background may go on writing there. Nothing blocks.
+/// it comes; the last 4 KiB are kept for the operator's message and go on to ours at its end: however much it prints,
+/// nothing grows. What it leaves in the background may go on writing there. Nothing blocks.
 class UserProgram {
  public:
   struct Exit {
@@ -44,7 +44,8 @@ class UserProgram {
   void terminate();
   /// Reads what has been written to standard error; call it in each step.
   void drain();
-  /// Wakes the waiter at its end, and when there is something to drain. Virtual time stands still meanwhile, unless the program itself waits in it (`halcmd sleep S`).
+  /// Wakes the waiter at its end, and when there is something to drain. Virtual time stands still meanwhile, unless the
+  /// program itself waits in it (`halcmd sleep S`).
   void add_to(rtapi::WaitSpec& spec, const rtapi::Segment& segment) const;
 
  private:
