@@ -199,7 +199,8 @@ class BldcChannel : public hal::Channel {
   }
   /// The place in the middle of the coming period: the rotor goes on as it went.
   [[nodiscard]] double by_counts(std::int64_t counts, std::int64_t moved) const noexcept {
-    return within_turn(static_cast<double>(counts - offset_ + moved / 2) / counts_of_turn());
+    const std::int64_t middle = counts - offset_ + moved / 2;
+    return within_turn(static_cast<double>(middle) / counts_of_turn());
   }
   void read_halls() noexcept {
     const unsigned code = (hall_[0] ? 4U : 0U) + (hall_[1] ? 2U : 0U) + (hall_[2] ? 1U : 0U);

@@ -103,10 +103,11 @@ class PwmgenChannel : public hal::Channel {
     size = rtapi::limited(size, least, most);
     const bool enable = enable_;
     if (enable && mode_ == Mode::plain) {
+      const std::int64_t calls = period_ns_ / dt_ns;
       const std::int64_t calls_high =
-          std::llround(std::floor(size * static_cast<double>(period_ns_ / dt_ns) + 0.5));
+          std::llround(std::floor(size * static_cast<double>(calls) + 0.5));
       high_ns_ = calls_high * dt_ns;
-      size = static_cast<double>(calls_high) / static_cast<double>(period_ns_ / dt_ns);
+      size = static_cast<double>(calls_high) / static_cast<double>(calls);
     } else {
       high_ns_ = static_cast<std::int64_t>(size * static_cast<double>(period_ns_));
     }
