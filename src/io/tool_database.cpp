@@ -17,6 +17,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "io/own_group.hpp"
+
 extern char** environ;
 
 namespace kerf::io {
@@ -102,26 +104,16 @@ rtapi::Status ToolDatabase::spawn(const Options& options) {
     return failure(std::strerror(errno));
   socket_ = ends[0];
   posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
+  const OwnGroup group;
   ::posix_spawn_file_actions_init(&actions);
-  ::posix_spawnattr_init(&attributes);
   if (!options.folder.empty())
     ::posix_spawn_file_actions_addchdir_np(&actions, options.folder.c_str());
   ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
   ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-  sigset_t none, all;
-  ::sigemptyset(&none);
-  ::sigfillset(&all);
-  ::posix_spawnattr_setsigmask(&attributes, &none);
-  ::posix_spawnattr_setsigdefault(&attributes, &all);
-  ::posix_spawnattr_setpgroup(&attributes, 0);
-  ::posix_spawnattr_setflags(
-      &attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
   pid_t pid = 0;
   const int error =
-      ::posix_spawnp(&pid, path.c_str(), &actions, &attributes, argv.data(), env.data());
+      ::posix_spawnp(&pid, path.c_str(), &actions, group.get(), argv.data(), env.data());
   ::posix_spawn_file_actions_destroy(&actions);
-  ::posix_spawnattr_destroy(&attributes);
   ::close(ends[1]);
   if (error != 0)
     return fail(error == ENOENT ? Errc::not_found : Errc::system,

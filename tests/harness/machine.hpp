@@ -99,6 +99,8 @@ class Machine {
   // --- what it does ---
   [[nodiscard]] motion::MotionStatus motion() const;
   [[nodiscard]] task::TaskStatus task() const;
+  /// "G90 G0 X.. Y.. Z.." to the place that task shows: nothing may move on it.
+  [[nodiscard]] std::string line_to_shown_place() const;
   [[nodiscard]] double joint(std::size_t j) const { return motion().joint[j].pos_cmd; }
   /// HAL pins, parameters and signals by name; a wrong name fails the test.
   [[nodiscard]] double get(const std::string& name) const;

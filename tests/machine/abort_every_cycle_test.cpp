@@ -108,14 +108,8 @@ class Stop {
   }
 
   void shown_position_moves_nothing() {
-    const auto t = m_.task();
     const auto s = m_.motion();
-    const double unit = t.program_units == 1 ? 25.4 : 1;
-    char line[120];
-    std::snprintf(line, sizeof line, "G90 G0 X%.13f Y%.13f Z%.13f",
-                  (s.pos_cmd.x - t.g5x_offset.x - t.g92_offset.x - t.tool_offset.x) / unit,
-                  (s.pos_cmd.y - t.g5x_offset.y - t.g92_offset.y - t.tool_offset.y) / unit,
-                  (s.pos_cmd.z - t.g5x_offset.z - t.g92_offset.z - t.tool_offset.z) / unit);
+    const std::string line = m_.line_to_shown_place();
     const Point before = place(s);
     m_.on_cycle(nullptr);
     EXPECT_TRUE(m_.mdi(line)) << where_ << m_.errors();

@@ -361,19 +361,14 @@ class Soak {
 
   /// What is shown is what is applied, and a place that is asked for is the place that is reached.
   void check_place(const std::string& name) {
-    const auto t = m_.task();
     const auto before = m_.motion();
-    const double unit = t.program_units == 1 ? 25.4 : 1;
-    char line[120];
-    std::snprintf(line, sizeof line, "G90 G0 X%.13f Y%.13f Z%.13f",
-                  (before.pos_cmd.x - t.g5x_offset.x - t.g92_offset.x - t.tool_offset.x) / unit,
-                  (before.pos_cmd.y - t.g5x_offset.y - t.g92_offset.y - t.tool_offset.y) / unit,
-                  (before.pos_cmd.z - t.g5x_offset.z - t.g92_offset.z - t.tool_offset.z) / unit);
-    EXPECT_TRUE(m_.mdi(line)) << name << m_.errors();
+    const std::string shown = m_.line_to_shown_place();
+    EXPECT_TRUE(m_.mdi(shown)) << name << m_.errors();
     for (std::size_t j = 0; j < 3; ++j)
-      EXPECT_NEAR(m_.joint(j), before.joint[j].pos_cmd, 1e-9) << name << line;
+      EXPECT_NEAR(m_.joint(j), before.joint[j].pos_cmd, 1e-9) << name << shown;
     const double x = dice_.between(10, 290), y = dice_.between(10, 190),
                  z = dice_.between(-60, -10);
+    char line[120];
     std::snprintf(line, sizeof line, "G21 G90 G40 G53 G0 X%.6f Y%.6f Z%.6f", x, y, z);
     EXPECT_TRUE(m_.mdi(line)) << name << m_.errors();
     std::sscanf(line, "G21 G90 G40 G53 G0 X%lf Y%lf", &home_[0], &home_[1]);

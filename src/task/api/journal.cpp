@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "task/api/number_text.hpp"
+
 namespace kerf::task {
 
 using rtapi::Errc;
@@ -126,15 +128,6 @@ JournalRecord record_of(const Json& j) {
   r.mist = j.at("mist");
   r.digital_out = j.at("digital_out");
   return r;
-}
-
-std::string number(double v) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4f", v);
-  std::string out(text);
-  while (out.back() == '0') out.pop_back();
-  if (out.back() == '.') out.pop_back();
-  return out == "-0" ? "0" : out;
 }
 
 std::string pose_text(const rtapi::Pose& pose) {

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "task/api/number_text.hpp"
 
 namespace kerf::task {
 
@@ -17,15 +18,6 @@ bool same_place(const rtapi::Pose& a, const rtapi::Pose& b) {
   for (std::size_t i = 0; i < rtapi::kAxes; ++i)
     if (std::fabs(a[i] - b[i]) > kSamePlace) return false;
   return true;
-}
-
-std::string number(double v) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4f", v);
-  std::string out(text);
-  while (out.back() == '0') out.pop_back();
-  if (out.back() == '.') out.pop_back();
-  return out == "-0" ? "0" : out;
 }
 
 }  // namespace

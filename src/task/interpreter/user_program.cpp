@@ -13,6 +13,7 @@
 #include <fstream>
 #include <utility>
 
+#include "io/own_group.hpp"
 #include "rtapi/clock/join_clock.hpp"
 
 extern char** environ;
@@ -121,29 +122,19 @@ rtapi::Status UserProgram::start(
   argv.push_back(nullptr);
 
   posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
+  const io::OwnGroup group;
   ::posix_spawn_file_actions_init(&actions);
-  ::posix_spawnattr_init(&attributes);
   ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-  sigset_t none, all;
-  ::sigemptyset(&none);
-  ::sigfillset(&all);
-  ::posix_spawnattr_setsigmask(&attributes, &none);
-  ::posix_spawnattr_setsigdefault(&attributes, &all);
-  ::posix_spawnattr_setpgroup(&attributes, 0);
-  ::posix_spawnattr_setflags(
-      &attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
   pid_t pid = 0;
-  int error = ::posix_spawn(&pid, path.c_str(), &actions, &attributes, argv.data(), env.data());
+  int error = ::posix_spawn(&pid, path.c_str(), &actions, group.get(), argv.data(), env.data());
   if (error == ENOEXEC) {
     // A script without #! runs in the shell, as it does when typed at one.
     std::string shell = "/bin/sh";
     argv.insert(argv.begin(), shell.data());
-    error = ::posix_spawn(&pid, shell.c_str(), &actions, &attributes, argv.data(), env.data());
+    error = ::posix_spawn(&pid, shell.c_str(), &actions, group.get(), argv.data(), env.data());
   }
   ::posix_spawn_file_actions_destroy(&actions);
-  ::posix_spawnattr_destroy(&attributes);
   ::close(ends[1]);
   if (error != 0) {
     close_all();
