@@ -90,6 +90,7 @@ rtapi::Status ToolDatabase::spawn(const Options& options) {
   name_ = words[0];
   const std::string path = program_path(words[0], options.folder);
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (auto& w : words) argv.push_back(w.data());
   argv.push_back(nullptr);
   std::string instance = "KERF_INSTANCE=" + options.instance;

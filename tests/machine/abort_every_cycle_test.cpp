@@ -127,7 +127,7 @@ class Stop {
   int cycles_{0}, late_outputs_{0}, spindle_starts_{0};
 };
 
-const Program kPrograms[] = {
+const Program programs[] = {
     {"corners",
      "G64 P0.1\nS1000 M3\nF2400\nG1 X14\nM62 P1\nM3 S1100\nG1 Y14\nM63 P1\nG1 X16 Y15\nG1 X18 "
      "Y14\nG1 X20 "
@@ -206,7 +206,7 @@ TEST_P(AbortAtEveryCycle, StopsOnThePathAndNothingLaterRuns) {
   EXPECT_EQ(failures, 0U) << "of " << cases;
 }
 
-INSTANTIATE_TEST_SUITE_P(Programs, AbortAtEveryCycle, testing::ValuesIn(kPrograms),
+INSTANTIATE_TEST_SUITE_P(Programs, AbortAtEveryCycle, testing::ValuesIn(programs),
                          [](const auto& p) { return std::string(p.param.name); });
 
 }  // namespace

@@ -161,6 +161,7 @@ bool Server::serve_client(Client& client, int& budget) {
     if (!request) return false;  // not one of ours: there is no telling what it wants
     --budget;
     Reply reply = host_.command(request->argv, caller);
+    if (before_reply_) before_reply_();
     if (reply.text.size() > kLongestText) reply.text.resize(kLongestText);
     client.unsent.push_back(encode_reply({request->id, reply.status, std::move(reply.text)}));
     client.unsent_bytes += client.unsent.back().size();

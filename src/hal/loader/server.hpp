@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -30,6 +31,9 @@ class Server {
   bool serve();
   /// serve() until nothing is left, or until other work of the host must have its turn (false).
   bool serve_all();
+  /// Called between each command and its reply: what a command printed through a ring is out before its client reads that the
+  /// command is done, and goes on (or ends the run).
+  void before_reply(std::function<void()> hook) { before_reply_ = std::move(hook); }
   /// What to wait for until serve() has work again.
   void watch(rtapi::Nanos now, rtapi::WaitSpec& spec) const;
   [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }
@@ -73,6 +77,7 @@ class Server {
   std::uint64_t last_served_{0};
   bool listener_paused_{false};  ///< no descriptors left
   bool accept_failed_{false};    ///< and that has been said
+  std::function<void()> before_reply_;
   std::map<std::uint64_t, Client> clients_;
   std::map<std::uint64_t, Process> processes_;
 };

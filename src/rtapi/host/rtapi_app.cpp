@@ -153,14 +153,15 @@ class MainParticipant final : public rtapi::Participant {
         clock_(clock),
         driver_(driver),
         cycles_(host, &server),
-        log_(log) {}
+        log_(log) {
+    server_.before_reply([this] { print_messages(); });
+  }
   [[nodiscard]] const char* name() const noexcept override { return "rtapi_app"; }
   [[nodiscard]] rtapi::Role role() const noexcept override { return rtapi::Role::realtime_host; }
   [[nodiscard]] bool orphaned() const { return orphaned_; }
 
   void step(rtapi::Nanos now, rtapi::WaitSpec& next) override {
-    (void)log_.drain();
-    (void)hal::capi::drain_messages();
+    print_messages();
     if (orphaned_ || supervisor_.dead()) {
       if (!orphaned_) orphaned_at_ = now;
       orphaned_ = true;
@@ -195,6 +196,12 @@ class MainParticipant final : public rtapi::Participant {
   }
 
  private:
+  /// What realtime code has said since the last time.
+  void print_messages() {
+    (void)log_.drain();
+    (void)hal::capi::drain_messages();
+  }
+
   hal::Host& host_;
   hal::Server& server_;
   Supervisor& supervisor_;

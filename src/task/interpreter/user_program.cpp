@@ -103,7 +103,8 @@ rtapi::Status UserProgram::start(
   last_words_.clear();
 
   std::vector<std::string> own;
-  for (const auto& [name, value] : environment) own.push_back(name + "=" + value);
+  own.reserve(environment.size());
+  for (const auto& [name, value] : environment) own.emplace_back(name).append("=").append(value);
   std::vector<char*> env;
   for (char** e = environ; *e != nullptr; ++e) {
     bool replaced = false;
@@ -118,6 +119,7 @@ rtapi::Status UserProgram::start(
   std::vector<std::string> words{path};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (auto& w : words) argv.push_back(w.data());
   argv.push_back(nullptr);
 

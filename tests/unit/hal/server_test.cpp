@@ -1,5 +1,6 @@
 #include "hal/loader/server.hpp"
 
+#include <poll.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -54,6 +55,19 @@ TEST_F(ServerTest, PipelinedRequestsAreAnsweredInOrder) {
             "Signal 's' can not add OUT pin 'b.out', it already has OUT pin 'a.out'");
   EXPECT_TRUE(session->collect()->ok());
   EXPECT_EQ(*View(*segment_).value("a.in"), "4");
+}
+
+TEST_F(ServerTest, MessagesOfACommandAreOutBeforeItsReply) {
+  auto session = std::move(SocketSession::connect(*segment_)).value();
+  std::vector<bool> seen;  // by the hook: the command has been done, nothing has been answered
+  server_->before_reply([&] {
+    pollfd reply{session->fd(), POLLIN, 0};
+    seen.push_back(View(*segment_).value("a.in").ok() && ::poll(&reply, 1, 0) == 0);
+  });
+  ASSERT_TRUE(session->post(std::vector<std::string>{"loadrt", "adder", "names=a"}).ok());
+  serve();
+  EXPECT_TRUE(session->collect()->ok());
+  EXPECT_EQ(seen, std::vector<bool>{true});
 }
 
 /// Whoever waits on it lets the host work, as on the virtual clock.
@@ -152,6 +166,7 @@ TEST_F(ServerTest, AClientThatDoesNotReadBlocksNobody) {
 TEST_F(ServerTest, EverybodyHasATurnBesideOneThatFloods) {
   auto flood = std::move(SocketSession::connect(*segment_)).value();
   std::vector<std::unique_ptr<SocketSession>> others;
+  others.reserve(20);
   for (int i = 0; i < 20; ++i)
     others.push_back(std::move(SocketSession::connect(*segment_)).value());
   const std::string words[] = {"newsig", "s", "bit"};
@@ -212,6 +227,7 @@ TEST_F(ServerTest, WithoutDescriptorsOthersWaitAndNothingSpins) {
   auto first = std::move(SocketSession::connect(*segment_)).value();
   serve();
   std::vector<std::unique_ptr<SocketSession>> later;
+  later.reserve(4);
   for (int i = 0; i < 4; ++i) later.push_back(std::move(SocketSession::connect(*segment_)).value());
   const std::string words[] = {"newsig", "s", "bit"};
   {
