@@ -317,32 +317,6 @@ TEST(Homing, EstopAndDeathOfItsClient) {
   EXPECT_TRUE(m->mdi("G0 X1")) << m->errors();
 }
 
-TEST(Jog, EndsWithTheClientThatHoldsIt) {
-  for (const char* what : {"x", "0"}) {
-    MachineOptions options;
-    options.clients = true;
-    auto m = Machine::start(options);
-    ASSERT_TRUE(m->ready()) << m->errors();
-    ASSERT_TRUE(m->power_on_and_home()) << m->errors();
-    ASSERT_TRUE(m->does({"teleop", what[0] == 'x' ? "on" : "off"}));
-    auto client = m->connect();
-    auto other = m->connect();
-    ASSERT_TRUE(client->send({"jog", what, "50"}).ok());
-    ASSERT_TRUE(other->send({"jog", what[0] == 'x' ? "y" : "1", "20", "30"}).ok());
-    m->run_for(0.5);
-    ASSERT_NEAR(m->motion().joint[0].vel_cmd, 50, 1e-6) << what;
-    const double x = m->joint(0);
-    client.reset();
-    m->run_for(0.06);
-    EXPECT_EQ(m->motion().joint[0].vel_cmd, 0) << what;
-    EXPECT_LE(m->joint(0), x + 50 * 50 / 2.0 / 1000 + 50 * 0.003) << what;
-    // A jog of a given length needs nobody.
-    other.reset();
-    m->run_for(3);
-    EXPECT_NEAR(m->joint(1), 30, 1e-9) << what;
-  }
-}
-
 TEST(Hold, APauseBehindAnAbortHoldsNothing) {
   auto m = homed_machine();
   const auto path = m->write_program("G0 X100\nG1 X0 F300\nM2\n");

@@ -7,6 +7,7 @@
 
 namespace kerf::clients::halui {
 namespace {
+constexpr std::int64_t kKeepEvery = 200'000'000;  ///< a fifth of the jogs' lease
 
 std::vector<JogGroup::Item> joint_items(const Layout& layout) {
   std::vector<JogGroup::Item> items;
@@ -54,6 +55,9 @@ void Halui::update(const Stat& stat, std::int64_t now) {
   mdi_.look(board_, stat, port_, now);
   jogs_.joints.look(board_, stat, port_, selected_joint_);
   jogs_.axes.look(board_, stat, port_, selected_axis_);
+  const bool runs = jogs_.joints.runs() || jogs_.axes.runs();
+  if (runs && now >= keep_at_) (void)port_.send({"jog-keep"});
+  if (!runs || now >= keep_at_) keep_at_ = now + kKeepEvery;
   const Scene scene{stat, *this};
   for (const State& state : states_) board_.set(state.pin, state.value(scene, state.index));
   for (const Knob& knob : knobs_) knob.show(board_, stat);

@@ -116,6 +116,7 @@ class Halui {
   std::vector<Knob> knobs_;
   MdiButtons mdi_;
   Jogs jogs_;
+  std::int64_t keep_at_{0};    ///< when the jogs' lease is held next
   const Stat* stat_{nullptr};  ///< of the look in progress
   int selected_joint_{0};
   int selected_axis_{0};

@@ -6,8 +6,9 @@
 
 namespace kerf::clients::halui {
 namespace {
-constexpr double kDeadband = 0.2;  ///< initial value of the pins
-}
+constexpr double kDeadband = 0.2;          ///< initial value of the pins
+constexpr const char* kLease = "lease=1";  ///< should this program hang, its jogs stop
+}  // namespace
 
 JogGroup::Buttons JogGroup::add_buttons(PinBoard& board, const std::string& prefix) {
   return {board.input(prefix + "minus", PinType::bit), board.input(prefix + "plus", PinType::bit),
@@ -65,6 +66,7 @@ void JogGroup::look(const PinBoard& board, const Stat& stat, Port& port, int sel
   else if (selected != last_selected_)
     selected_armed_ = false;
   last_selected_ = selected;
+  runs_ = false;
   for (One& one : items_) {
     const bool chosen = one.index == selected;
     const double now = wanted(board, one, chosen && selected_armed_);
@@ -74,8 +76,9 @@ void JogGroup::look(const PinBoard& board, const Stat& stat, Port& port, int sel
       (void)port.send({"jog-stop", one.name});
       one.runs = false;
     } else if (news && now != 0 && possible) {
-      one.runs = port.send({"jog", one.name, word(now)}) != 0;
+      one.runs = port.send({"jog", one.name, word(now), kLease}) != 0;
     }
+    runs_ = runs_ || one.runs;
     if (!possible) continue;
     step(board, one.buttons, one, port);
     if (chosen) step(board, selected_, one, port);

@@ -24,6 +24,8 @@ class JogGroup {
   JogGroup(PinBoard& board, const std::string& prefix, const std::vector<Item>& items,
            int motion_mode);
   void look(const PinBoard& board, const Stat& stat, Port& port, int selected);
+  /// A jog without end was asked for.
+  [[nodiscard]] bool runs() const noexcept { return runs_; }
 
  private:
   struct Buttons {
@@ -48,6 +50,7 @@ class JogGroup {
   int last_selected_{0};
   /// False after another one was selected with a button held: what is selected begins to move by a press only.
   bool selected_armed_{true};
+  bool runs_{false};
   std::vector<One> items_;
 };
 

@@ -28,7 +28,10 @@ constexpr ArgumentInfo kJogArgs[]{
     {"what", text, true, nullptr, "axis letter (teleop) or joint number (joint mode)"},
     {"speed", number, true, nullptr, "machine units a second; its sign is the direction"},
     {"distance", number, false, nullptr,
-     "machine units; absent: until jog-stop or the end of the connection"}};
+     "machine units; absent: until jog-stop or the end of the connection"},
+    {"lease", number, false, nullptr,
+     "seconds, at least 0.05, of a jog without distance: it also stops when this connection says "
+     "nothing, at least jog-keep, for so long"}};
 constexpr ArgumentInfo kJogStopArgs[]{
     {"what", text, false, nullptr, "axis letter or joint number; absent: all"}};
 constexpr ArgumentInfo kTeleopArgs[]{
@@ -100,6 +103,10 @@ constexpr CommandInfo kCommands[]{
     {CommandId::jog, "jog",
      "Jogs. A jog without distance ends with the connection that asked for it.", kJogArgs},
     {CommandId::jog_stop, "jog-stop", "Stops jogs. Works always.", kJogStopArgs},
+    {CommandId::jog_keep,
+     "jog-keep",
+     "Nothing but a sign of life: the jogs of this connection that have a lease go on.",
+     {}},
     {CommandId::teleop, "teleop", "Changes between jogging joints and jogging axes (manual mode).",
      kTeleopArgs},
     {CommandId::open, "open", "Opens a program.", kFileArgs},

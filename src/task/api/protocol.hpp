@@ -31,6 +31,7 @@ enum class CommandId : std::uint8_t {
   unhome,
   jog,
   jog_stop,
+  jog_keep,
   teleop,
   open,
   run,

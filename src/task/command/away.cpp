@@ -84,7 +84,7 @@ void CommandParticipant::go(std::size_t axis, double target) {
                                                             ? p_.setup.default_vel_mm_s
                                                             : machine_.axis[axis].max_vel);
   jog.target = target;
-  axis_jog_owner_[axis] = kNobody;
+  axis_lease_[axis] = {};
   write_intent();
 }
 

@@ -28,11 +28,13 @@ void CommandParticipant::serve_clients() {
     auto client = std::make_unique<ClientLink>();
     client->number = ++last_client_;
     client->fd = **fd;
+    client->heard = now_;
     clients_.push_back(std::move(client));
   }
   while (!local_in_.empty()) {
     const std::string packet = std::move(local_in_.front());
     local_in_.pop_front();
+    heard_local_ = now_;
     take_packet(kLocal, packet);
   }
   for (std::size_t i = 0; i < clients_.size(); ++i) {
@@ -41,6 +43,7 @@ void CommandParticipant::serve_clients() {
       auto packet = rtapi::receive_packet(client.fd);
       if (!packet.ok()) client.dead = true;
       if (!packet.ok() || !packet->has_value()) break;
+      client.heard = now_;
       take_packet(client.number, **packet);
     }
     if (client.dead) client_gone(client);

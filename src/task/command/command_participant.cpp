@@ -44,8 +44,6 @@ CommandParticipant::CommandParticipant(const Parts& parts) : p_(parts) {
   want_.max_vel_mm_s = machine_.traj_max_vel_mm_s;
   faults_seen_ = p_.motion.faults.newest.observe();
   messages_ = p_.shared.messages.newest.observe();
-  joint_jog_owner_.fill(kNobody);
-  axis_jog_owner_.fill(kNobody);
   for (std::size_t j = 0; j < p_.setup.screws.size() && j < motion::kMaxJoints; ++j)
     p_.motion.screw[j].write(p_.setup.screws[j]);
   p_.motion.config.write(machine_);
@@ -92,6 +90,7 @@ void CommandParticipant::beat() {
   p_.motion.intent.heartbeat.set(++beats_);
   next_beat_ = (now_ / kBeat + 1) * kBeat;
   read_ini_pins();
+  stop_silent_jogs();
   for (rtapi::LogRecord record; p_.realtime_log != nullptr && p_.realtime_log->next(record);)
     if (record.level == rtapi::Level::error) say(MessageKind::error, rtapi::text_of(record));
 }

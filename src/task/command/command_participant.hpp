@@ -82,6 +82,7 @@ class CommandParticipant final : public rtapi::Participant {
   struct ClientLink {
     int number{0};
     int fd{-1};
+    rtapi::Nanos heard{0};  ///< when its last packet came
     std::deque<std::string> outbox;
     bool dead{false};
   };
@@ -147,6 +148,8 @@ class CommandParticipant final : public rtapi::Participant {
   void end_state_tickets(CommandState how, const std::string& text);
   void abort_all(std::uint32_t reason);
   void stop_jogs(int client);
+  void stop_silent_jogs();
+  [[nodiscard]] rtapi::Nanos last_heard(int client) const;
   void end_block_step();
   void go_estop(const char* why);
   void go_off();
@@ -266,8 +269,14 @@ class CommandParticipant final : public rtapi::Participant {
   std::uint64_t last_local_id_{0};
   Ticket last_ticket_{0};
   std::map<Ticket, Pending> pending_;
-  std::array<int, motion::kMaxJoints> joint_jog_owner_{};
-  std::array<int, rtapi::kAxes> axis_jog_owner_{};
+  /// By whom a jog without end lives, and how long without a word of its owner.
+  struct JogLease {
+    int owner{kNobody};
+    rtapi::Nanos silence{rtapi::kForever};
+  };
+  std::array<JogLease, motion::kMaxJoints> joint_lease_{};
+  std::array<JogLease, rtapi::kAxes> axis_lease_{};
+  rtapi::Nanos heard_local_{0};
   rtapi::FixedString<63> wait_pin_, wait_net_;  ///< looked up once a wait
   motion::PathWait last_wait_{motion::PathWait::none};
   rtapi::Nanos wait_since_{0};

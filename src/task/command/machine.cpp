@@ -282,6 +282,16 @@ void CommandParticipant::do_jog(Ticket ticket, const Request& request, int clien
   const bool rotary = axis ? rtapi::is_rotary(index) : p_.setup.motion.joint[index].rotary;
   const double unit = rotary ? p_.setup.angular_unit_deg : p_.setup.linear_unit_mm;
   const double speed = request.number("speed") * unit;
+  JogLease lease;
+  if (!request.has("distance")) lease.owner = client;
+  if (request.has("lease")) {
+    constexpr double kLeast = 0.05, kMost = 3600;  // below, beats of this thread are too far apart
+    const double seconds = request.number("lease");
+    if (!(seconds >= kLeast && seconds <= kMost) || request.has("distance"))
+      return reply(ticket, CommandState::error,
+                   "lease belongs to a jog without distance and is 0.05 to 3600 seconds");
+    lease.silence = static_cast<rtapi::Nanos>(seconds * 1e9);
+  }
   ++jog->seq;
   if (request.has("distance")) {
     jog->kind = JogIntent::Kind::incremental;
@@ -292,8 +302,7 @@ void CommandParticipant::do_jog(Ticket ticket, const Request& request, int clien
     jog->vel = speed;
     jog->target = 0;
   }
-  (axis ? axis_jog_owner_[index] : joint_jog_owner_[index]) =
-      request.has("distance") ? kNobody : client;
+  (axis ? axis_lease_[index] : joint_lease_[index]) = lease;
   write_intent();
   reply(ticket, CommandState::done);
 }
@@ -317,17 +326,39 @@ void CommandParticipant::do_jog_stop(Ticket ticket, const Request& request) {
 /// Stops the jogs that live by a client's connection; kNobody: all jogs.
 void CommandParticipant::stop_jogs(int client) {
   bool any = false;
-  const auto stop = [&](JogIntent& jog, int& owner) {
-    if (jog.kind == JogIntent::Kind::none || (client != kNobody && owner != client)) return;
+  const auto stop = [&](JogIntent& jog, JogLease& lease) {
+    if (jog.kind == JogIntent::Kind::none || (client != kNobody && lease.owner != client)) return;
     ++jog.seq;
     jog.kind = JogIntent::Kind::none;
-    owner = kNobody;
+    lease = {};
     any = true;
   };
-  for (std::size_t j = 0; j < motion::kMaxJoints; ++j)
-    stop(want_.joint_jog[j], joint_jog_owner_[j]);
-  for (std::size_t a = 0; a < rtapi::kAxes; ++a) stop(want_.axis_jog[a], axis_jog_owner_[a]);
+  for (std::size_t j = 0; j < motion::kMaxJoints; ++j) stop(want_.joint_jog[j], joint_lease_[j]);
+  for (std::size_t a = 0; a < rtapi::kAxes; ++a) stop(want_.axis_jog[a], axis_lease_[a]);
   if (any) write_intent();
+}
+
+rtapi::Nanos CommandParticipant::last_heard(int client) const {
+  if (client == kLocal) return heard_local_;
+  for (const auto& c : clients_)
+    if (c->number == client) return c->heard;
+  return 0;
+}
+
+/// The connection is there, but whoever holds it has not said that he lives: his program hangs, or his network is gone.
+void CommandParticipant::stop_silent_jogs() {
+  const auto watch = [&](const JogIntent& jog, const JogLease& lease, const std::string& what) {
+    if (jog.kind != JogIntent::Kind::continuous || lease.silence == rtapi::kForever) return;
+    const rtapi::Nanos silent = now_ - last_heard(lease.owner);
+    if (silent <= lease.silence) return;
+    say(MessageKind::error, "Jog of " + what + " stopped: its client said nothing for " +
+                                std::to_string(silent / rtapi::kMillisecond) + " ms");
+    stop_jogs(lease.owner);
+  };
+  for (std::size_t j = 0; j < motion::kMaxJoints; ++j)
+    watch(want_.joint_jog[j], joint_lease_[j], "joint " + std::to_string(j));
+  for (std::size_t a = 0; a < rtapi::kAxes; ++a)
+    watch(want_.axis_jog[a], axis_lease_[a], std::string("axis ") + rtapi::kAxisLetters[a]);
 }
 
 void CommandParticipant::do_teleop(Ticket ticket, const Request& request) {

@@ -20,6 +20,7 @@ void CommandParticipant::execute(Ticket ticket, const Request& request, int clie
     case CommandId::unhome: return do_unhome(ticket, request);
     case CommandId::jog: return do_jog(ticket, request, client);
     case CommandId::jog_stop: return do_jog_stop(ticket, request);
+    case CommandId::jog_keep: return reply(ticket, CommandState::done);
     case CommandId::teleop: return do_teleop(ticket, request);
     case CommandId::open:
     case CommandId::run:

@@ -207,12 +207,12 @@ TEST(Halui, TwoTurnsBeforeTheAnswerAddUp) {
 TEST(Halui, JogsRunWhileTheButtonIsHeld) {
   Panel p;
   p.set("axis.jog-speed", 600);
-  EXPECT_EQ(p.change("axis.x.plus", 1), "jog x 10");
+  EXPECT_EQ(p.change("axis.x.plus", 1), "jog x 10 lease=1");
   p.look();
   EXPECT_EQ(p.take(), "") << "once";
-  EXPECT_EQ(p.change("axis.jog-speed", 1200), "jog x 20") << "the knob is turned meanwhile";
+  EXPECT_EQ(p.change("axis.jog-speed", 1200), "jog x 20 lease=1") << "the knob is turned meanwhile";
   EXPECT_EQ(p.change("axis.x.minus", 1), "jog-stop x") << "both buttons";
-  EXPECT_EQ(p.change("axis.x.plus", 0), "jog x -20");
+  EXPECT_EQ(p.change("axis.x.plus", 0), "jog x -20 lease=1");
   EXPECT_EQ(p.change("axis.x.minus", 0), "jog-stop x");
   p.set("axis.y.increment", 0.5);
   EXPECT_EQ(p.press("axis.y.increment-minus"), "jog y 20 distance=-0.5");
@@ -222,8 +222,8 @@ TEST(Halui, SticksActBeyondTheDeadband) {
   Panel p;
   p.set("axis.jog-speed", 60);
   EXPECT_EQ(p.change("axis.z.analog", 0.2), "");
-  EXPECT_EQ(p.change("axis.z.analog", 0.5), "jog z 0.5");
-  EXPECT_EQ(p.change("axis.z.analog", -1), "jog z -1");
+  EXPECT_EQ(p.change("axis.z.analog", 0.5), "jog z 0.5 lease=1");
+  EXPECT_EQ(p.change("axis.z.analog", -1), "jog z -1 lease=1");
   EXPECT_EQ(p.change("axis.z.analog", std::nan("")), "jog-stop z");
   EXPECT_EQ(p.change("axis.z.analog", 0.1), "");
 }
@@ -237,7 +237,7 @@ TEST(Halui, JogsNeedTheirMode) {
   p.look();
   EXPECT_EQ(p.take(), "") << "nor when the mode comes with the button held";
   EXPECT_EQ(p.change("joint.1.plus", 0), "");
-  EXPECT_EQ(p.change("joint.1.plus", 1), "jog 1 1");
+  EXPECT_EQ(p.change("joint.1.plus", 1), "jog 1 1 lease=1");
   EXPECT_EQ(p.change("axis.x.plus", 1), "");
   p.stat.task_mode = 2;
   EXPECT_EQ(p.change("joint.2.plus", 1), "");
@@ -247,7 +247,7 @@ TEST(Halui, JogsNeedTheirMode) {
 TEST(Halui, TheSelectedOneMovesByAPressOnly) {
   Panel p;
   p.set("axis.jog-speed", 60);
-  EXPECT_EQ(p.change("axis.selected.plus", 1), "jog x 1");
+  EXPECT_EQ(p.change("axis.selected.plus", 1), "jog x 1 lease=1");
   EXPECT_EQ(p.press("axis.y.select"), "jog-stop x");
   EXPECT_EQ(p.get("axis.selected"), 1);
   EXPECT_EQ(p.get("axis.y.is-selected"), 1);
@@ -255,7 +255,7 @@ TEST(Halui, TheSelectedOneMovesByAPressOnly) {
   p.look();
   EXPECT_EQ(p.take(), "");
   EXPECT_EQ(p.change("axis.selected.plus", 0), "");
-  EXPECT_EQ(p.change("axis.selected.plus", 1), "jog y 1");
+  EXPECT_EQ(p.change("axis.selected.plus", 1), "jog y 1 lease=1");
   p.set("joint.selected.increment", 2);
   p.stat.motion_mode = 1;
   p.set("joint.jog-speed", 60);

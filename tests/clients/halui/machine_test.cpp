@@ -187,6 +187,27 @@ TEST(HaluiMachine, JogsTheAxisWhileTheButtonIsHeld) {
   EXPECT_NEAR(p.get("axis.z.pos-commanded"), z - 1.5, 1e-9);
 }
 
+TEST(HaluiMachine, AHeldButtonJogsOnAndAHaluiThatHangsDoesNot) {
+  PanelMachine p;
+  p.power_on_and_home();
+  p.set("axis.jog-speed", 300);
+  p.set("axis.x.plus", 1);
+  p.run_for(4);
+  EXPECT_NEAR(p.machine->get("axis.x.teleop-vel-cmd"), 5, 1e-6) << "its lease is held";
+  const double x = p.machine->joint(0);
+  p.machine->run_for(1.2);
+  EXPECT_EQ(p.machine->get("axis.x.teleop-vel-cmd"), 0);
+  EXPECT_LE(p.machine->joint(0), x + 5 * 1.03 + 0.1);
+  EXPECT_NE(p.machine->errors().find("said nothing"), std::string::npos);
+  p.run_for(1);
+  EXPECT_EQ(p.machine->get("axis.x.teleop-vel-cmd"), 0) << "only a new press begins anew";
+  p.set("axis.x.plus", 0);
+  p.run_for(0.1);
+  p.set("axis.x.plus", 1);
+  p.run_for(0.5);
+  EXPECT_NEAR(p.machine->get("axis.x.teleop-vel-cmd"), 5, 1e-6);
+}
+
 TEST(HaluiMachine, JogsJointsInJointModeOnly) {
   PanelMachine p;
   p.power_on_and_home();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "motion/core/homing.hpp"
 #include "unit/motion/homing_rig.hpp"
@@ -260,6 +261,7 @@ TEST(HomingRules, AStopOnAnIgnoredLimitEndsUnderPower) {
 
 /// Two legs of Y on one beam, switches 1.5 apart. Both kinds of latch, from before, between and behind the switches.
 TEST(HomingGantry, LegsKeepTogether) {
+  double worst = 0;
   for (const double latch : {-5.0, 5.0}) {
     for (const double from : {0.0, 3.5, 8.0}) {
       for (const bool index : {false, true}) {
@@ -288,6 +290,7 @@ TEST(HomingGantry, LegsKeepTogether) {
         // Misalignment, the cycle in which it is seen, the latch's way to stop, and with an index one pulse of it.
         const double overshoot = 0.02 + 5 * 5 / (2 * 500.0) + (index ? 0.5 : 0);
         EXPECT_LE(skew, 1.5 + overshoot) << latch << ' ' << from << ' ' << index;
+        if (!index) worst = std::max(worst, skew - 1.5);
         EXPECT_NEAR(rig.drive[1].place, rig.drive[2].place, index ? 0.5001 : 0.006)
             << "the offsets square it";
         EXPECT_TRUE(rig.faults.empty());
@@ -295,6 +298,11 @@ TEST(HomingGantry, LegsKeepTogether) {
       }
     }
   }
+  std::printf(
+      "result: gantry with coupled legs, switches 1.5 mm apart: skew at most the misalignment + "
+      "%.3f "
+      "mm (latch overshoot allowed: 0.045)\n",
+      worst);
 }
 
 TEST(HomingGantry, AFaultOfOneLegStopsBoth) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include "unit/motion/rig.hpp"
@@ -40,7 +41,8 @@ struct Jogs : Rig {
   }
   [[nodiscard]] WheelInputs& wheel() { return axis ? in.axis_wheel[0] : in.joint_wheel[0]; }
   [[nodiscard]] double at() const { return status().joint[0].pos_cmd; }
-  void jog(How how, double sign) {
+  /// `cycles`: how long a hand turns the wheel; a button is pressed for so long.
+  void jog(How how, double sign, int cycles = 300) {
     JogIntent& j = axis ? intent.axis_jog[0] : intent.joint_jog[0];
     switch (how) {
       case How::continuous: j = {j.seq + 1, Kind::continuous, sign * 80, 0}; return;
@@ -50,9 +52,9 @@ struct Jogs : Rig {
         wheel().enable = true;
         wheel().velocity_mode = how == How::wheel_velocity;
         // A hand that turns on for a while.
-        for (int i = 0; i < 60; ++i) {
-          wheel().counts += sign > 0 ? 1 : -1;
-          run(5);
+        for (int i = 0; i < cycles; ++i) {
+          if (i % 5 == 0) wheel().counts += sign > 0 ? 1 : -1;
+          cycle();
           note();
         }
     }
@@ -72,6 +74,7 @@ struct Jogs : Rig {
 };
 
 TEST(JogTable, EachKindAgainstEachLimit) {
+  int cases = 0;
   for (const bool axis : {false, true}) {
     for (const double jerk : {0.0, 20000.0}) {
       for (const How how : kHow) {
@@ -85,6 +88,7 @@ TEST(JogTable, EachKindAgainstEachLimit) {
             rig.low = rig.high = start;
             rig.jog(how, sign);
             rig.settle();
+            ++cases;
             EXPECT_FALSE(rig.status().jogging) << where;
             // Not beyond a limit, and from outside one not farther out.
             EXPECT_GE(rig.low, std::min(kLow, start)) << where;
@@ -109,6 +113,62 @@ TEST(JogTable, EachKindAgainstEachLimit) {
       }
     }
   }
+  std::printf(
+      "result: each kind of jog against each soft limit, of joints and axes, with and without jerk "
+      "limit, "
+      "from inside, at and beyond it: %d cases, none crosses it\n",
+      cases);
+}
+
+/// The switch closes under way: off in that cycle, with joint and place; then only the way off it is open, for any kind of jog.
+TEST(JogTable, EachKindOntoEachLimitSwitch) {
+  int cases = 0;
+  for (const bool axis : {false, true}) {
+    for (const How how : kHow) {
+      for (const double sign : {-1.0, 1.0}) {
+        for (int after = 5; after < 60; after += 9) {
+          Jogs rig(axis);
+          const std::string where = "kind " + std::to_string(static_cast<int>(how)) +
+                                    (sign > 0 ? " up" : " down") + " after " +
+                                    std::to_string(after);
+          rig.jog(how, sign, after);
+          if (how < How::wheel) rig.run(after);
+          bool& limit = sign > 0 ? rig.in.joint[0].pos_limit : rig.in.joint[0].neg_limit;
+          limit = true;
+          const double at = rig.at();
+          rig.cycle();
+          EXPECT_FALSE(rig.status().enabled) << where;
+          ASSERT_FALSE(rig.faults.empty()) << where;
+          const FaultRecord f = rig.faults[0];
+          EXPECT_EQ(f.fault, sign > 0 ? Fault::joint_hard_limit_max : Fault::joint_hard_limit_min);
+          EXPECT_EQ(f.index, 0);
+          EXPECT_NEAR(f.value, at, 0.11) << where;
+          rig.run(20);
+          const double rest = rig.at();
+          // Overridden: farther on is refused or does nothing, the way off is open.
+          rig.orders.enable = false;
+          rig.run(2);
+          rig.intent.override_limits = true;
+          rig.enable();
+          ASSERT_TRUE(rig.status().enabled) << where;
+          rig.jog(how, sign);
+          rig.settle();
+          EXPECT_EQ(rig.at(), rest) << where;
+          rig.jog(how, -sign);
+          limit = false;
+          rig.run(30);
+          EXPECT_GT((rest - rig.at()) * sign, 0.05) << where;
+          EXPECT_TRUE(rig.status().enabled) << where;
+          ++cases;
+        }
+      }
+    }
+  }
+  std::printf(
+      "result: each kind of jog onto each limit switch, at 7 moments: %d cases, drives off in the "
+      "same "
+      "cycle, then only the way off is open\n",
+      cases);
 }
 
 /// Nobody knows where the limits are: one travel from where each jog begins.
@@ -126,6 +186,7 @@ TEST(JogTable, UnhomedJointsHaveOneTravelAndNoLimitOfPosition) {
 
 /// At each cycle of a jog: the mode that is asked for comes when the machine stands, the jog's limits hold until then.
 TEST(JogTable, AnotherModeWaitsForTheEndOfTheJog) {
+  int cases = 0;
   for (const bool axis : {false, true}) {
     for (int after = 1; after < 160; after += 3) {
       Jogs rig(axis);
@@ -144,8 +205,12 @@ TEST(JogTable, AnotherModeWaitsForTheEndOfTheJog) {
       EXPECT_EQ(rig.status().mode, MotionMode::coordinated);
       EXPECT_LE(rig.high, kHigh);
       EXPECT_TRUE(rig.faults.empty());
+      ++cases;
     }
   }
+  std::printf(
+      "result: another mode asked for in a jog, at %d moments: none came before the jog's end\n",
+      cases);
 }
 
 TEST(JogTable, InhibitRefusesAndCountsOutsideManualAreDiscarded) {
