@@ -64,6 +64,9 @@ def compile_one(tools, source, target, userspace, more, shown=None):
 def link_program(tools, out, objects, more):
     print(f"Linking {pathlib.Path(out).name}", flush=True)
     lib = tools.lib.resolve()
+    # Without it the linker would take another one that the system has.
+    if not (lib / "liblinuxcnchal.so").exists():
+        raise BuildError(f"{lib}/liblinuxcnchal.so is missing: this build is not complete")
     run(shlex.split(os.environ.get("CXX", "g++")) + ["-o", str(out), *map(str, objects), f"-L{lib}", f"-Wl,-rpath,{lib}", *more,
                                                     "-llinuxcnchal", "-lm", "-lpthread"])
 

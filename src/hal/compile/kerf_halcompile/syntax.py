@@ -240,6 +240,8 @@ class Parser:
         lex = self.lex
         if type_ == "port" and kind == "param":
             lex.fail("A parameter cannot be a port", "Ports are pins.", name.offset)
+        if type_ == "port" and direction == "io":
+            lex.fail("A port cannot be io", "One end writes, the other reads: out or in.", name.offset)
         if lex.accept("["):
             item.size = self.number("The size of an array", 1)
             if lex.accept(":"):

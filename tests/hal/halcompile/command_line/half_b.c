@@ -1,0 +1,1 @@
+int half_b(void) { return 22; }

@@ -1,0 +1,56 @@
+component places "Every type in every place";
+pin in real real_in = 1.5;
+pin io bool bool_io = true;
+pin io real real_io = -2.5;
+pin io s64 s64_io = 3;
+pin io si32 si32_io = -4;
+pin io sint sint_io = -5;
+pin io signed signed_io = -6;
+pin io u64 u64_io = 7;
+pin io uint uint_io = 8;
+pin io unsigned unsigned_io = 9;
+pin out ui32 ui32_out-# [3 : personality] = 10 "As many as personality says";
+pin in si32 last-##.x [2] if personality > 1 "There with more than one";
+param r real real_r = 0.25;
+param r s64 s64_r = -12;
+param r si32 si32_r;
+param r signed signed_r;
+param r sint sint_r;
+param r ui32 ui32_r;
+param r uint uint_r;
+param rw bool bool_rw;
+param rw sint sint_rw = -100;
+param rw u32 u32_rw = 100;
+param rw u64 u64_rw = 1000;
+param rw ui32 ui32_rw-# [2] = 5;
+param rw uint uint_rw = 10000;
+variable long long rounds = 1000000;
+variable double *largest;
+function _ "Each item once";
+license "GPL";
+;;
+static void double_it(hal_uint_t where) { hal_set_ui32(where, hal_get_ui32(where) * 2); }
+FUNCTION(_) {
+    int i;
+    static double most;
+    if (!bool_io) return;
+    largest = &most;
+    bool_io_set(0);
+    real_io_set(real_io * real_in);
+    s64_io = s64_io + s64_r;
+    si32_io_set(si32_io - 1);
+    sint_io_set(sint_io + sint_rw);
+    signed_io = signed_io - 1;
+    u64_io = u64_io + u64_rw;
+    uint_io_set(uint_io + uint_rw);
+    unsigned_io = unsigned_io + u32_rw;
+    for (i = 0; i < personality; i++) { ui32_out_set(i, ui32_rw(i % 2) + i); double_it(ui32_out_ptr(i)); }
+    real_r_set(real_r + 1);
+    s64_r = s64_r - 1;
+    si32_r_set(personality > 1 ? last_x(0) + last_x(1) : -1);
+    signed_r = (int)(period / 1000);
+    sint_r_set(-rounds);
+    ui32_r_set(ui32_rw(1));
+    uint_r_set(rounds++);
+    bool_rw_set(bool_rw || *largest == 0);
+}

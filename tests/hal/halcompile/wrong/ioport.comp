@@ -1,0 +1,6 @@
+component ioport;
+pin io port a;
+function _;
+license "GPL";
+;;
+FUNCTION(_) { }
