@@ -1,4 +1,4 @@
-// planner_bench [--seed N] [--quick] [--count CYCLES] [--gcode FOLDER]
+// planner_bench [--seed N] [--quick] [--optima] [--count CYCLES] [--gcode FOLDER]
 //
 // Runs generated programs through planner and servo cycle without HAL, one millisecond a cycle, limited in acceleration and in jerk, and
 // prints beside the goals: time, offline optimum and feed floor; the largest share of a joint limit in any cycle (by differences of the
@@ -102,6 +102,32 @@ int jerk_limited(const std::vector<Entry>& entries, std::uint64_t seed) {
   return bad;
 }
 
+/// How near to what jerk limits allow at all on these curves; and how much longer that takes than without jerk limits, which no plan can change.
+void jerk_optima(const std::vector<Entry>& entries, std::uint64_t seed) {
+  std::printf(
+      "\nLimited in jerk, beside the least time on the same curve (interior-point method on a fine "
+      "grid). Goal: at most 1.03.\n"
+      "Of the least time: as a ratio to ours limited in acceleration; by samples of its positions, "
+      "the largest shares of limits and the part of the time in which one is used up.\n"
+      "%-26s %8s %8s %6s %8s %8s %8s %8s\n",
+      "program", "time s", "optimum", "ratio", "opt/acc", "a share", "j share", "used up");
+  for (const Entry& e : entries) {
+    const double without = bench::run(e.program, {}).seconds;
+    const double ours = bench::run(e.program, {kJerk, false, seed}).seconds;
+    const bench::LeastTime best = bench::least_time(e.program, kJerk);
+    std::printf("%-26s %8.3f %8.3f %6.3f %8.3f %8.4f %8.4f %7.1f%%%s\n", e.program.name.c_str(),
+                ours, best.seconds, ours / best.seconds, best.seconds / without, best.acc,
+                best.jerk,
+                100.0 * static_cast<double>(best.saturated) /
+                    static_cast<double>(std::max<std::size_t>(best.samples, 1)),
+                best.gap_s > 0.003 * best.seconds ? "  NOT SETTLED" : "");
+    std::fflush(stdout);
+  }
+  const bench::Program stops = bench::zigzag(0, 100);
+  std::printf("Check on exact stops: %.3f s, closed form %.3f s\n",
+              bench::least_time(stops, kJerk).seconds, bench::stops_closed_form(stops, kJerk));
+}
+
 int overridden(const std::vector<Entry>& entries, std::uint64_t seed) {
   int bad = 0;
   for (const double jerk : {0.0, kJerk}) {
@@ -195,7 +221,7 @@ int write_programs(const char* folder, std::uint64_t seed) {
 
 int main_of(int argc, char** argv) {
   std::uint64_t seed = 1, count = 0;
-  bool quick = false;
+  bool quick = false, optima = false;
   const char* gcode = nullptr;
   for (int i = 1; i < argc; ++i) {
     const bool value = i + 1 < argc;
@@ -205,13 +231,16 @@ int main_of(int argc, char** argv) {
       count = std::strtoull(argv[++i], nullptr, 10);
     } else if (std::strcmp(argv[i], "--gcode") == 0 && value) {
       gcode = argv[++i];
+    } else if (std::strcmp(argv[i], "--optima") == 0) {
+      optima = true;
     } else if (std::strcmp(argv[i], "--quick") == 0) {
       quick = true;
     } else {
       std::puts(
-          "Usage: planner_bench [--seed N] [--quick] [--count CYCLES] [--gcode FOLDER]\n"
+          "Usage: planner_bench [--seed N] [--quick] [--optima] [--count CYCLES] [--gcode FOLDER]\n"
           "Times of generated programs beside their optima, the shares of the joint limits they "
           "use, and what planning costs.\n"
+          "--optima: only the jerk-limited times beside their optima.\n"
           "--count: random programs with overrides, holds, aborts and resumes for that many servo "
           "cycles.");
       return std::strcmp(argv[i], "--help") == 0 ? 0 : 2;
@@ -224,8 +253,13 @@ int main_of(int argc, char** argv) {
     return r.exceptions == 0 ? 0 : 1;
   }
   std::vector<Entry> entries = families(quick, seed);
+  if (optima) {
+    jerk_optima(families(true, seed), seed);
+    return 0;
+  }
   int bad = acceleration_limited(entries, seed);
   bad += jerk_limited(entries, seed);
+  jerk_optima(families(true, seed), seed);
   corners();
   exact_stops();
   throughput(quick, seed);

@@ -212,6 +212,46 @@ RunResult run(const Program& program, const RunOptions& options) {
   return out;
 }
 
+double speed_cap(const path::Piece& piece, const path::Vec& slope, const path::AxisLimits& limits) {
+  double cap = path::kNoLimit;
+  for (std::size_t i = 0; i < kJoints; ++i)
+    if (slope[i] != 0) cap = std::min(cap, std::pow(limits.vel[i] / slope[i], 2));
+  const auto& feed = piece.feed;
+  if (feed.speed >= path::kNoLimit) return cap;
+  const double rate =
+      feed.metric < 0 ? 1 : path::norm3(slope, static_cast<std::size_t>(feed.metric));
+  return rate > 0 ? std::min(cap, std::pow(feed.speed / rate, 2)) : cap;
+}
+
+std::vector<motion::PathSpan> curve_of(const Program& program, double jerk,
+                                       path::AxisLimits& limits) {
+  Rig rig({0, 1, 2, 3});
+  set_up(rig, jerk);
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    const bool there = i < kJoints;
+    limits.vel[i] = there ? rig.config.joint[i].max_vel : path::kNoLimit;
+    limits.acc[i] = there ? rig.config.joint[i].max_acc : path::kNoLimit;
+    limits.jerk[i] = there && jerk > 0 ? jerk : path::kNoLimit;
+  }
+  std::vector<motion::PathSpan> curve;
+  std::size_t next = 0;
+  for (int idle = 0; idle < 300;) {
+    while (next < program.items.size() && rig.push(program.items[next])) ++next;
+    const auto waits = rig.planner.run(*rig.path, rig.controller->view(), 1, rig.now_ns);
+    bool any = false;
+    while (const motion::Span* span = rig.spans->front()) {
+      const auto* move = std::get_if<motion::PathSpan>(&span->body);
+      if (move != nullptr && !move->point) curve.push_back(*move);
+      rig.spans->pop();
+      any = true;
+    }
+    if (waits != motion::Planner::Waits::turn && next == program.items.size())
+      rig.now_ns += 1'000'000;
+    idle = any || next < program.items.size() ? 0 : idle + 1;
+  }
+  return curve;
+}
+
 namespace {
 
 /// A node of the fine grid: limits there, and the way to the next one.
@@ -221,19 +261,10 @@ struct Node {
   bool stands{false};
 };
 
-/// The curve as the planner sends it.
-std::vector<Node> curve_of(const Program& program, path::AxisLimits& limits) {
-  Rig rig({0, 1, 2, 3});
-  set_up(rig, 0);
-  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-    const bool there = i < kJoints;
-    limits.vel[i] = there ? rig.config.joint[i].max_vel : path::kNoLimit;
-    limits.acc[i] = there ? rig.config.joint[i].max_acc : path::kNoLimit;
-  }
+std::vector<Node> nodes_of(const std::vector<motion::PathSpan>& curve,
+                           const path::AxisLimits& limits) {
   std::vector<Node> nodes;
-  std::size_t next = 0;
-  const auto take = [&](const motion::PathSpan& span) {
-    if (span.point) return;
+  for (const motion::PathSpan& span : curve) {
     const int steps = span.piece.straight() ? kStraightSteps : kFiner;
     for (int k = 0; k < steps; ++k) {
       Node n;
@@ -241,31 +272,10 @@ std::vector<Node> curve_of(const Program& program, path::AxisLimits& limits) {
       n.slope = span.piece.first(s);
       n.bend = span.piece.second(s);
       n.way = span.length / steps;
-      n.cap = path::kNoLimit;
-      for (std::size_t i = 0; i < kJoints; ++i)
-        if (n.slope[i] != 0) n.cap = std::min(n.cap, std::pow(limits.vel[i] / n.slope[i], 2));
-      const auto& feed = span.piece.feed;
-      if (feed.speed < path::kNoLimit) {
-        const double rate =
-            feed.metric < 0 ? 1 : path::norm3(n.slope, static_cast<std::size_t>(feed.metric));
-        if (rate > 0) n.cap = std::min(n.cap, std::pow(feed.speed / rate, 2));
-      }
+      n.cap = speed_cap(span.piece, n.slope, limits);
       nodes.push_back(n);
     }
     if (span.stop_at_end) nodes.back().stands = true;
-  };
-  for (int idle = 0; idle < 300;) {
-    while (next < program.items.size() && rig.push(program.items[next])) ++next;
-    const auto waits = rig.planner.run(*rig.path, rig.controller->view(), 1, rig.now_ns);
-    bool any = false;
-    while (const motion::Span* span = rig.spans->front()) {
-      if (const auto* move = std::get_if<motion::PathSpan>(&span->body)) take(*move);
-      rig.spans->pop();
-      any = true;
-    }
-    if (waits != motion::Planner::Waits::turn && next == program.items.size())
-      rig.now_ns += 1'000'000;
-    idle = any || next < program.items.size() ? 0 : idle + 1;
   }
   return nodes;
 }
@@ -283,7 +293,8 @@ void rows_at(const Node& n, const path::AxisLimits& limits, path::Rows& rows) {
 
 double optimum(const Program& program) {
   path::AxisLimits limits;
-  const std::vector<Node> nodes = curve_of(program, limits);
+  const std::vector<motion::PathSpan> curve = curve_of(program, 0, limits);
+  const std::vector<Node> nodes = nodes_of(curve, limits);
   const std::size_t n = nodes.size();
   if (n == 0) return 0;
   std::vector<double> most(n + 1, 0.0);

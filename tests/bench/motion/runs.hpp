@@ -3,8 +3,11 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "bench/motion/families.hpp"
+#include "motion/core/path/limits.hpp"
+#include "motion/core/span.hpp"
 
 namespace kerf::bench {
 
@@ -31,9 +34,29 @@ struct RunResult {
 
 [[nodiscard]] RunResult run(const Program& program, const RunOptions& options);
 
+/// The curve that the planner makes of the program, stretch by stretch, and the limits of the axes; `jerk` 0: none.
+[[nodiscard]] std::vector<motion::PathSpan> curve_of(const Program& program, double jerk,
+                                                     motion::path::AxisLimits& limits);
+/// Largest (dsigma/dt)^2 by the axes' velocities and the feed where q' is `slope`.
+[[nodiscard]] double speed_cap(const motion::path::Piece& piece, const motion::path::Vec& slope,
+                               const motion::path::AxisLimits& limits);
+
 /// The least time on the very curve that the planner has made of the program, by velocity and acceleration limits and feeds: a grid eight
 /// times finer than the planner's, limits at its nodes only, one backward and one forward pass.
 [[nodiscard]] double optimum(const Program& program);
+
+struct LeastTime {
+  double seconds{0};
+  double gap_s{0};  ///< by which the method may still be off
+  /// An independent look at the motion that was found: samples of its positions, largest share of a joint's limit by differences.
+  double acc{0}, jerk{0};
+  /// Samples, and those of them at which some joint uses nearly all of a limit, or the feed is reached: a motion that takes the least time does
+  /// so all along.
+  std::size_t samples{0}, saturated{0};
+  int iterations{0};  ///< of the longest run
+};
+/// The same with jerk limits, on the curve that the planner makes with them (jerk_optimum.hpp).
+[[nodiscard]] LeastTime least_time(const Program& program, double jerk);
 
 /// Length of all moves over their feeds; rapids over what the axes can do.
 [[nodiscard]] double feed_floor(const Program& program);
