@@ -120,6 +120,8 @@ void ScriptCheck::TclFiles::run(const std::string& path,
   tcl::Interpreter& interpreter = **made;
   Tcl_Interp* const tcl = interpreter.tcl();
   interpreter.set_arguments("haltcl", arguments);
+  if (s.check.pass_ != Pass::single)
+    interpreter.set_pass_number(s.check.pass_ == Pass::gather ? 0 : 1);
   if (Tcl_Eval(tcl, kPrelude) != TCL_OK)
     return s.check.add(Finding::Level::error, "tcl", {path, 0}, Tcl_GetStringResult(tcl));
   Tcl_Time until;

@@ -112,6 +112,12 @@ void Interpreter::set_arguments(const std::string& program,
   Tcl_SetVar(interpreter_, "tcl_interactive", "0", TCL_GLOBAL_ONLY);
 }
 
+void Interpreter::set_pass_number(int number) {
+  const std::string script =
+      "namespace eval ::tp {proc passnumber {} {return " + std::to_string(number) + "}}";
+  Tcl_Eval(interpreter_, script.c_str());
+}
+
 void Interpreter::forbid_exit() {
   Tcl_CreateObjCommand(interpreter_, "exit", &refuse_exit, nullptr, nullptr);
 }
@@ -207,6 +213,7 @@ bool ScriptRunner::run_pass(std::span<const HalFile> files, Pass pass) {
   // One interpreter a pass: files of a pass share their variables, and lists that the first pass made do not grow in the second.
   auto interpreter = Interpreter::create(words_, ini_);
   if (!interpreter.ok()) return failed(interpreter.error().message());
+  (*interpreter)->set_pass_number(pass == Pass::collect ? 0 : 1);
   (*interpreter)->forbid_exit();
   for (const auto& file : files) {
     if (is_tcl_file(file.path)) {

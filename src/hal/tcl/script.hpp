@@ -43,6 +43,8 @@ class Interpreter {
   Interpreter& operator=(const Interpreter&) = delete;
 
   void set_arguments(const std::string& program, const std::vector<std::string>& arguments);
+  /// `::tp::passnumber` tells a script in which of two passes it is; without two passes there is no such command.
+  void set_pass_number(int number);
   /// `exit` becomes an error: other HAL files are still to be done.
   void forbid_exit();
   /// The error has "FILE:LINE: " before Tcl's message and its trace after it.

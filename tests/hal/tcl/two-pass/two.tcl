@@ -8,5 +8,5 @@ foreach name {ab ac} {
   addf $name servo
 }
 lappend seen once
-puts "seen $seen"
+puts "seen $seen in pass [::tp::passnumber]"
 loadusr -w echo "two.tcl's program"
