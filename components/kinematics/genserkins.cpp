@@ -44,7 +44,7 @@ class Genser final : public SerialModule<Genser> {
   [[nodiscard]] SerialArm arm() const noexcept {
     SerialArm out;
     const auto link = links();
-    for (int i = 0; i < SerialArm::kLinks; ++i) {
+    for (std::size_t i = 0; i < std::size(out.a); ++i) {
       out.a[i] = mm(link[i]->a);
       out.alpha_rad[i] = link[i]->alpha.get();
       out.d[i] = mm(link[i]->d);

@@ -41,8 +41,9 @@ constexpr int side(T in) noexcept {
     return 0;
   } else if constexpr (kIsFloat<T>) {
     // The first number above the range: a power of two, exact as a float.
+    constexpr To kHalf = Limits::max() / 2;
     constexpr double kEnd =
-        std::is_same_v<To, bool> ? 2.0 : 2.0 * static_cast<double>(Limits::max() / 2 + 1);
+        std::is_same_v<To, bool> ? 2.0 : 2.0 * (static_cast<double>(kHalf) + 1.0);
     const double whole = std::trunc(in);
     if (whole >= kEnd) return 1;
     return whole < static_cast<double>(Limits::min()) ? -1 : 0;

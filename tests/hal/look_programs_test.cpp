@@ -85,6 +85,8 @@ TEST_F(LookPrograms, CheckTellsByItsExitStatus) {
   // The INI's files are meant from its folder.
   EXPECT_EQ(run("cd elsewhere; " + kBin + "hal check -i ../machine.ini").status, 0);
   EXPECT_EQ(run(kBin + "halcmd -i machine.ini check").status, 0);
+  EXPECT_EQ(run(kBin + "halcmd check machine.ini").text,
+            run(kBin + "halcmd check -i machine.ini").text);
   const auto json = nlohmann::json::parse(run(kBin + "halcmd check --json bad.hal").text);
   EXPECT_EQ(json["errors"], 1);
 }

@@ -236,8 +236,13 @@ class Analysis {
         std::string chain = f.text();
         for (const Flow* step : *back) chain += ", " + step->text();
         add(Level::note, "loop", at,
-            "loop in thread " + in_quotes(f.thread) + ": " + chain + "; signal " +
-                in_quotes(f.signal) + " always carries the value of the cycle before" + more);
+            ("loop in thread " + in_quotes(f.thread))
+                .append(": ")
+                .append(chain)
+                .append("; signal ")
+                .append(in_quotes(f.signal))
+                .append(" always carries the value of the cycle before")
+                .append(more));
       } else {
         add(Level::note, "order", at,
             "signal " + in_quotes(f.signal) + " arrives one cycle late: in thread " +

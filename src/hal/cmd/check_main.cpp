@@ -89,6 +89,11 @@ int check_main(std::span<const std::string> words) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
+  // An INI file is no HAL file, so there is no doubt what is meant.
+  if (ini_path.empty() && files.size() == 1 && files[0].ends_with(".ini")) {
+    ini_path = files[0];
+    files.clear();
+  }
   if (files.empty() && ini_path.empty()) {
     std::fputs("halcmd check: name a HAL file, or an INI file with -i\n", stderr);
     return 2;

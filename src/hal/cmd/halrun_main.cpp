@@ -194,6 +194,7 @@ int run_haltcl(const Wish& wish, const std::string& file, rtapi::WaitClock& cloc
   if (!wish.options.ini_path.empty()) words.insert(words.end(), {"-i", wish.options.ini_path});
   if (!file.empty()) words.push_back(file);
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (auto& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   const pid_t pid = ::fork();
