@@ -23,6 +23,7 @@ ALLOWED = {
     "motion/api": ["rtapi/base", "rtapi/sync"],
     "motion/core": ["motion/api", "rtapi/base"],
     "motion/motmod": ["motion/api", "motion/core", "hal", "rtapi"],
+    "motion/replay": ["motion/api", "motion/core", "motion/motmod", "hal", "rtapi"],
     "interp": ["rtapi/base"],
     "interp/config": ["rtapi/base", "ini"],  # settings from an INI file, beside the interpreter
     "interp/rs274": ["rtapi/base", "ini"],   # the program

@@ -20,6 +20,8 @@ constexpr const char* kAbout =
     "  kerf INI          start; at a terminal type G-code, end with Ctrl-D or Ctrl-C\n"
     "  kerf check INI    read the files and report what is wrong, without starting\n"
     "  kerf resume INI   tell what was running when the power went; --run goes on with it\n"
+    "  kerf record dump FILE | show FILE; kerf replay FILE\n"
+    "                    the last minute before a fault: docs/flight-record.md\n"
     "  kerf keys [WORD]  explain the INI keys that contain all words; --tsv prints the whole table";
 
 constexpr const char* kFooter =

@@ -10,6 +10,7 @@
 #include "ini/convert.hpp"
 #include "ini/reader.hpp"
 #include "launcher/process.hpp"
+#include "motion/api/flight_record.hpp"
 #include "rtapi/base/suggest.hpp"
 
 namespace kerf::launcher {
@@ -99,6 +100,15 @@ class Planner {
     constexpr const char* kTiming[] = {"sampled", "every", "off"};
     plan_.function_timing = kTiming[reader_.choice("KERF", "FUNCTION_TIMING")];
     plan_.rt_cpus = reader_.string("KERF", "RT_CPUS");
+    plan_.record_keep = static_cast<int>(reader_.integer("KERF", "RECORD_KEEP"));
+    plan_.record_dir = reader_.string("KERF", "RECORD_DIR");
+    for (const ini::Entry* entry : file_.find_all("KERF", "RECORD_PIN")) {
+      if (plan_.record_pins.size() == motion::kMaxRecordedPins)
+        complain(entry->at, "[KERF]RECORD_PIN: at most " +
+                                std::to_string(motion::kMaxRecordedPins) + " are recorded");
+      plan_.record_pins.push_back(entry->value);
+    }
+    if (!plan_.record_dir.empty()) plan_.record_dir = resolve_from(plan_.ini_dir, plan_.record_dir);
     if (plan_.rt_cpus.find_first_not_of("0123456789,- ") != std::string::npos) {
       reader_.complain("KERF", "RT_CPUS",
                        "'" + plan_.rt_cpus + "': expected processor numbers such as 2,3 or 2-3");

@@ -23,11 +23,14 @@ struct LaunchPlan {
   std::string ini_path;  ///< absolute
   std::string ini_dir;   ///< working directory of everything that is started
   std::string machine_name;
-  bool virtual_time{false};      ///< [KERF]CLOCK
-  std::size_t segment_mb{64};    ///< [KERF]SEGMENT_MB
-  std::string rt_cpus;           ///< [KERF]RT_CPUS, "" any
-  std::string function_timing;   ///< [KERF]FUNCTION_TIMING: every, sampled or off
-  std::vector<HalStep> hal;      ///< [HAL]HALFILE in order, then [HAL]HALCMD in order
+  bool virtual_time{false};     ///< [KERF]CLOCK
+  std::size_t segment_mb{64};   ///< [KERF]SEGMENT_MB
+  std::string rt_cpus;          ///< [KERF]RT_CPUS, "" any
+  std::string function_timing;  ///< [KERF]FUNCTION_TIMING: every, sampled or off
+  std::string record_dir;       ///< [KERF]RECORD_DIR, absolute, "" the user's folder for such
+  int record_keep{20};          ///< [KERF]RECORD_KEEP
+  std::vector<std::string> record_pins;  ///< [KERF]RECORD_PIN
+  std::vector<HalStep> hal;              ///< [HAL]HALFILE in order, then [HAL]HALCMD in order
   std::string two_pass;          ///< [HAL]TWOPASS, "" off: how the HALFILEs of `hal` are done
   std::vector<HalStep> postgui;  ///< POSTGUI_HALFILE, then POSTGUI_HALCMD
   std::vector<HalStep> shutdown;

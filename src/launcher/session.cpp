@@ -85,6 +85,7 @@ int Session::run() {
   const StopReason reason = clock_ != nullptr ? clock_->reason() : StopReason{};
   if (reason.kind == StopReason::Kind::part_died)
     console_.error(reason.text + "; taking the machine down");
+  keep_last_flight_record(reason);
   tear_down();
   return finish(result, reason);
 }
@@ -148,6 +149,7 @@ Status Session::start() {
   start_applications();
   KERF_CHECK(check_safe_state());
   KERF_CHECK(start_threads());
+  keep_flight_records();
   return start_screen();
 }
 
@@ -300,6 +302,42 @@ Status Session::start_threads() {
   };
   if (!clock_->hold_until(connected, kStartPatienceMs)) return died(*clock_, plan_.task_program);
   return hal_->command({"start"});
+}
+
+void Session::keep_flight_records() {
+  FlightKeeper::Options options;
+  options.folder = plan_.record_dir.empty() ? default_flight_folder() : plan_.record_dir;
+  options.keep = plan_.record_keep;
+  options.ini = plan_.ini_path;
+  if (const ini::Entry* entry = ini_.find("KINS", "KINEMATICS"); entry != nullptr)
+    options.kinematics = entry->value;
+  options.pins = plan_.record_pins;
+  flights_ = std::make_unique<FlightKeeper>(*segment_, std::move(options));
+  look_for_faults();
+}
+
+void Session::look_for_faults() {
+  constexpr rtapi::Nanos kBetweenLooks = 500 * rtapi::kMillisecond;
+  if (const std::string file = flights_->look(); !file.empty())
+    console_.say("flight record: " + file);
+  // Those of HAL files that come after the screen's start are there a little later.
+  constexpr int kLooksForPins = 10;
+  if (looks_for_pins_ < kLooksForPins) {
+    const std::vector<std::string> missing = flights_->choose_pins();
+    if (++looks_for_pins_ == kLooksForPins)
+      for (const std::string& what : missing) console_.say("warning: " + what);
+  }
+  clock_->call_after(kBetweenLooks, [this] { look_for_faults(); });
+}
+
+/// The ring outlives whoever wrote it.
+void Session::keep_last_flight_record(const StopReason& reason) {
+  if (flights_ == nullptr) return;
+  const bool died = reason.kind == StopReason::Kind::part_died;
+  (void)flights_->look();
+  if (!died && !flights_->pending()) return;
+  const auto file = flights_->keep(died ? "process-died" : "fault", reason.text);
+  if (file.ok()) console_.say("flight record: " + *file);
 }
 
 Status Session::filter_program() {

@@ -14,6 +14,7 @@
 #include "ini/ini_file.hpp"
 #include "launcher/console.hpp"
 #include "launcher/environment.hpp"
+#include "launcher/flight_keeper.hpp"
 #include "launcher/guard.hpp"
 #include "launcher/options.hpp"
 #include "launcher/plan.hpp"
@@ -52,6 +53,9 @@ class Session {
   rtapi::Status start_recorder();
   rtapi::Status check_safe_state();
   rtapi::Status start_threads();
+  void keep_flight_records();
+  void look_for_faults();
+  void keep_last_flight_record(const StopReason& reason);
   rtapi::Status start_screen();
   void start_applications();
   void run_applications();
@@ -89,6 +93,8 @@ class Session {
   std::unique_ptr<SafeState> safe_;
   std::unique_ptr<TaskLink> task_;
   Recorder recorder_;
+  std::unique_ptr<FlightKeeper> flights_;
+  int looks_for_pins_{0};
   bool screen_runs_{false};
   std::string filtered_;  ///< G-code that a filter has made, removed at the end
   std::map<pid_t, std::string> user_components_;

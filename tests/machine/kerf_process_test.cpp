@@ -216,6 +216,62 @@ TEST(KerfStays, ManualToolChangeStopsTheSpindleAndAsksForTheTool) {
   EXPECT_EQ(kerf.leftovers(), "");
 }
 
+// A fault, its file, and the file run again: to the last bit.
+TEST(KerfStays, AFaultLeavesAFlightRecordThatRunsAgain) {
+  Mill mill("flight");
+  mill.change("CLOCK = real",
+              "CLOCK = real\nRECORD_DIR = flights\nRECORD_KEEP = 1\nRECORD_PIN = spindle.0.on\n"
+              "RECORD_PIN = motion.in-positon");
+  const std::string program = mill.write(
+      "p.ngc", "G21 G90\nG0 X5 Y5\nS500 M3\no1 while [1]\nG1 X200 F2400\nG1 X5\no1 endwhile\nM2\n");
+  // As long as the record holds the start of the program this may take: a minute, half a minute by the clock.
+  Kerf kerf(mill, "flight", {"--speed", "2", "--program", program});
+  ASSERT_TRUE(kerf.wait_output("running p.ngc")) << kerf.output();
+  const auto run = [&](const std::string& words) {
+    const std::string command = "KERF_INSTANCE=" + kerf.instance() + " timeout 60 " +
+                                KERF_BUILD_DIR + "/bin/" + words + " >" + mill.path("words.out") +
+                                " 2>&1 </dev/null";
+    return WEXITSTATUS(std::system(command.c_str()));
+  };
+  const auto said = [&] { return test::read_file(mill.path("words.out")); };
+  // What the machine does now, without a fault.
+  ASSERT_EQ(run("kerf record dump " + mill.path("now.flight") + " --instance " + kerf.instance()),
+            0)
+      << said();
+  EXPECT_EQ(run("kerf replay " + mill.path("now.flight")), 0) << said();
+  EXPECT_TRUE(contains(said(), "no fault, as recorded"));
+  // The encoder of X is cut off.
+  ASSERT_EQ(run("halcmd unlinkp joint.0.motor-pos-fb"), 0) << said();
+  const std::string file = mill.path("flights/0001-following-error.flight");
+  ASSERT_TRUE(kerf.wait_output("flight record: " + file)) << kerf.output();
+  EXPECT_TRUE(contains(kerf.output(), "[KERF]RECORD_PIN = motion.in-positon: "));
+  EXPECT_TRUE(contains(kerf.output(), "did you mean 'motion.in-position'?"));
+  EXPECT_EQ(run("kerf replay " + file), 0) << said();
+  EXPECT_TRUE(contains(said(), "replayed: following-error of 0 in cycle"));
+  EXPECT_TRUE(contains(said(), "the same faults in the same cycles"));
+  EXPECT_TRUE(contains(said(), "all positions are those recorded, to the last bit"));
+  ASSERT_EQ(run("kerf record show " + file), 0) << said();
+  EXPECT_TRUE(contains(said(), "ferror.2 spindle.0.on\n"));
+  EXPECT_TRUE(contains(said(), "# fault: following-error of 0"));
+  EXPECT_TRUE(contains(said(), " TRUE\n")) << "the spindle was on";
+  EXPECT_TRUE(contains(said(), " FALSE\n")) << "the fault has stopped it";
+  // One that is cut short is refused.
+  std::filesystem::resize_file(mill.path("now.flight"), 3000);
+  EXPECT_EQ(run("kerf replay " + mill.path("now.flight")), 1);
+  EXPECT_TRUE(contains(said(), "it ends in the middle"));
+  // The death of the host leaves one, too; only one is kept.
+  const std::vector<pid_t> hosts = kerf.parts("rtapi_app");
+  ASSERT_EQ(hosts.size(), 1U);
+  kill(hosts[0], SIGKILL);
+  EXPECT_NE(kerf.wait_exit(), 0);
+  const std::string last = mill.path("flights/0002-process-died.flight");
+  EXPECT_TRUE(contains(kerf.output(), "flight record: " + last));
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_EQ(run("kerf replay " + last), 0) << said();
+  EXPECT_TRUE(contains(said(), "the same faults in the same cycles"));
+  EXPECT_EQ(kerf.leftovers(), "");
+}
+
 TEST(KerfStays, AnInterruptedProgramIsAFailure) {
   Mill mill("interrupt");
   Kerf kerf(mill, "interrupt", {"--speed", "5", "--once", "--program", kFirstPart});

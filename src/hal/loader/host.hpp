@@ -89,6 +89,11 @@ class Host {
   [[nodiscard]] rtapi::Segment& segment() noexcept { return registry_->segment(); }
   [[nodiscard]] const rtapi::Clock& clock() const noexcept { return clock_; }
   [[nodiscard]] bool running() const noexcept { return registry_->root().running.get() != 0; }
+  /// What a component offers under this name (Builder::provide), or null.
+  [[nodiscard]] void* service(std::string_view name) const {
+    const auto it = services_.find(name);
+    return it == services_.end() ? nullptr : it->second.object;
+  }
   /// Modules of the C API; for their side of it (src/hal/capi).
   [[nodiscard]] CModules& c_modules() noexcept { return *c_modules_; }
   void set_driver(HostDriver* driver) noexcept { driver_ = driver; }

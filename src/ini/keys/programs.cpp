@@ -177,6 +177,18 @@ constexpr Key kKerfRows[] = {
            "HAL functions are timed in every 16th cycle, in every one or never (docs/timing.md)")
         .otherwise("sampled")
         .own(),
+    text("RECORD_DIR", "folder of flight records (docs/flight-record.md)")
+        .otherwise_as("~/.local/state/kerf/flight-records")
+        .own(),
+    integer("RECORD_KEEP", "flight records kept in it; 0: none are written")
+        .from(0)
+        .to(10000)
+        .otherwise("20")
+        .own(),
+    text("RECORD_PIN",
+         "a pin, parameter or signal that the flight record holds too; 16 of them at most")
+        .repeated()
+        .own(),
     integer("SEGMENT_MB", "size of the shared memory")
         .unit("MiB")
         .from(16)

@@ -63,6 +63,11 @@ class Controller {
   /// True when this cycle changed something that task waits for.
   [[nodiscard]] bool changed() const noexcept { return changed_; }
 
+  /// All of it while may_switch(), for the flight record: rest_state.hpp. A controller that takes it over goes on as this one.
+  struct Rest;
+  void save(Rest& r) const noexcept;
+  void restore(const Rest& r) noexcept;
+
  private:
   // controller.cpp: power and safety
   void read_feedback(const Inputs& in) noexcept;

@@ -91,6 +91,11 @@ class Executor {
   /// Signed and unsigned feed in force, for the feed pins: programmed speed times overrides; 0 while held.
   [[nodiscard]] double commanded_feed() const noexcept { return commanded_feed_; }
 
+  /// At rest, for the flight record: rest_state.hpp.
+  struct Rest;
+  void save(Rest& r) const noexcept;
+  void restore(const Rest& r) noexcept;
+
  private:
   enum class Outcome { done, busy, blocked };
   Outcome begin(const Span& span, const PathInputs& in, FaultList& faults) noexcept;

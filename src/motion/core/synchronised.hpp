@@ -8,7 +8,9 @@
 // integrator with a linear part at its end.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 
 #include "motion/core/io.hpp"
 #include "motion/core/span.hpp"
@@ -78,6 +80,18 @@ class Synchroniser {
   void observe(const SpindleInputs* in, double dt) noexcept;
   [[nodiscard]] const SpindleObserver& observer(std::int32_t n) const noexcept {
     return observer_[n];
+  }
+  void take_over(std::int32_t n, const SpindleObserver& observer) noexcept {
+    observer_[n] = observer;
+  }
+  /// What feed_speeds() goes by, kMaxSpindles each; for the flight record.
+  void save_speeds(double* slow_rps, double* feed_rps) const noexcept {
+    std::copy(std::begin(slow_rps_), std::end(slow_rps_), slow_rps);
+    std::copy(std::begin(feed_rps_), std::end(feed_rps_), feed_rps);
+  }
+  void restore_speeds(const double* slow_rps, const double* feed_rps) noexcept {
+    std::copy_n(slow_rps, kMaxSpindles, slow_rps_);
+    std::copy_n(feed_rps, kMaxSpindles, feed_rps_);
   }
   /// Measured speeds for G95, smoothed, in steps of a hundredth.
   void feed_speeds(double* rps) const noexcept;

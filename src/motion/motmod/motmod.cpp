@@ -4,6 +4,7 @@
 #include <cmath>
 #include <new>
 
+#include "hal/segment_service.hpp"
 #include "motion/api/joint_log.hpp"
 #include "motion/motmod/read_orders.hpp"
 
@@ -130,6 +131,20 @@ void Motmod::create_unlock_pins(hal::Builder& b) noexcept {
   }
 }
 
+namespace {
+
+/// The flight record takes half of what is free at most: the rest is for pins.
+std::size_t flight_words(const rtapi::Segment* segment) noexcept {
+  if (segment == nullptr) return FlightRecord::kLeastServoWords;
+  const rtapi::RegionHead& shared = segment->region(rtapi::Region::shared);
+  const std::size_t room = (shared.end - shared.used.get()) / 2;
+  std::size_t words = FlightRecord::kServoWords;
+  while (words > FlightRecord::kLeastServoWords && FlightRecord::bytes(words) > room) words /= 2;
+  return words;
+}
+
+}  // namespace
+
 void Motmod::create_parts(hal::Builder& b) noexcept {
   auto* kinematics = static_cast<Kinematics*>(b.find_service(kKinematicsService));
   auto* in_c = kinematics == nullptr
@@ -160,6 +175,13 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
   if (block == nullptr || link_ == nullptr) return;
   shared_ = new (block) MotionShared();
   b.provide(kMotionService, shared_);
+  recorder_ = make_part<FlightRecorder>(b);
+  const auto* segment = static_cast<const rtapi::Segment*>(b.find_service(hal::kSegmentService));
+  const std::size_t words = flight_words(segment);
+  std::byte* record = b.shared_block(kFlightBlock, FlightRecord::bytes(words), kFlightAbi);
+  if (recorder_ == nullptr || record == nullptr) return;
+  recorder_->begin(new (record) FlightRecord(), words, segment, args_.servo_period_ns, args_.joints,
+                   args_.spindles, args_.extra_joints, args_.dio, args_.aio);
   const Kinematics& asked =
       asked_ != nullptr ? static_cast<const Kinematics&>(*asked_) : *kinematics;
   planner_ = make_part<PlannerParticipant>(b, asked, *shared_, *link_);
@@ -172,6 +194,7 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
   }
   controller_->use_screws(screw_);
   planner_->planner().set_counts(args_.dio, args_.aio, args_.spindles);
+  planner_->planner().set_tap(recorder_);
   controller_->status().digital_count = args_.dio;
   controller_->status().analog_count = args_.aio;
   controller_->status().extra_joints = args_.extra_joints;
@@ -198,12 +221,13 @@ void Motmod::take_config() noexcept {
   MachineConfig config;
   if (!shared_->config.read(config, 2)) return;
   adopted_version_ = version;
+  const bool switches = all && other_kind && controller_->may_switch();
+  recorder_->config(*controller_, {config, all, switches, {}, kind});
   if (!all) {
     controller_->adopt(config);
     return;
   }
-  if (other_kind && controller_->may_switch())
-    refused_kind_ = controller_->switch_kinematics(*kinematics_, kind) ? kNoKind : kind;
+  if (switches) refused_kind_ = controller_->switch_kinematics(*kinematics_, kind) ? kNoKind : kind;
   take_screws();
   controller_->configure(config);
   link_->config.write(config);
@@ -272,6 +296,8 @@ void Motmod::motion_controller(const hal::Period& period) noexcept {
   for (std::size_t i = 0; i < io_.analog_count(); ++i)
     status.analog_out[i] = controller_->outputs().analog[i];
   answer_planner();
+  // Before the planner hears of the cycle.
+  recorder_->cycle(*controller_, inputs_, orders_, status.time_ns);
   publish();
 }
 

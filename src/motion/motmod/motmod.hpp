@@ -7,6 +7,7 @@
 #include "motion/core/controller.hpp"
 #include "motion/motmod/args.hpp"
 #include "motion/motmod/c_kinematics.hpp"
+#include "motion/motmod/flight_recorder.hpp"
 #include "motion/motmod/pins.hpp"
 #include "motion/motmod/planner_participant.hpp"
 #include "rtapi/clock/clock.hpp"
@@ -110,6 +111,7 @@ class Motmod final : public hal::Component<Motmod> {
   double scale_{1};  ///< machine units in 1 mm
   double joint_scale_[kMaxJoints];
   bool coord_error_{false};
+  FlightRecorder* recorder_{nullptr};
   std::uint32_t last_ack_{0};
   hal::Function handler_;
   hal::Function function_;

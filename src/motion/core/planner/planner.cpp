@@ -90,6 +90,7 @@ void Planner::configure(const MachineConfig& config) noexcept {
 
 Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
                             std::int64_t now_ns) noexcept {
+  if (tap_ != nullptr) tap_->turn(now_ns);
   if (view.acked_epoch != epoch_ || (placed_ && view.place != place_ && !probing_)) {
     if (view.acked_epoch != epoch_) per_rev_ = FeedPerRev{};
     forget();
@@ -116,8 +117,11 @@ Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t a
       continue;
     }
     if (item->epoch != view.acked_epoch) return Waits::servo;
+    const Modal before = tap_ != nullptr ? modal() : Modal{};
+    const bool idle = slots_.pending.get() == 0;
     switch (take(*item, view)) {
       case Take::done:
+        if (tap_ != nullptr) tap_->taken(*item, before, idle);
         last_item_ns_ = now_ns;
         slots_.pending.publish(1);
         in.pop();
@@ -131,6 +135,30 @@ Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t a
     }
   }
   return Waits::turn;
+}
+
+Planner::Modal Planner::modal() const noexcept {
+  Modal m;
+  m.mode = mode_;
+  std::copy(std::begin(speed_rpm_), std::end(speed_rpm_), std::begin(m.speed_rpm));
+  std::copy(std::begin(css_), std::end(css_), std::begin(m.css));
+  m.per_rev = per_rev_;
+  m.merge_mm = merge_mm_, m.thread_per_rev = thread_per_rev_;
+  m.thread_spindle = thread_spindle_, m.thread_first = thread_first_;
+  m.epoch = epoch_, m.refused_epoch = refused_epoch_;
+  m.refusing = refusing_, m.after_traverse = after_traverse_, m.spindle_changed = spindle_changed_;
+  return m;
+}
+
+void Planner::set_modal(const Modal& m) noexcept {
+  mode_ = m.mode;
+  std::copy(std::begin(m.speed_rpm), std::end(m.speed_rpm), std::begin(speed_rpm_));
+  std::copy(std::begin(m.css), std::end(m.css), std::begin(css_));
+  per_rev_ = m.per_rev;
+  merge_mm_ = m.merge_mm, thread_per_rev_ = m.thread_per_rev;
+  thread_spindle_ = m.thread_spindle, thread_first_ = m.thread_first;
+  epoch_ = m.epoch, refused_epoch_ = m.refused_epoch;
+  refusing_ = m.refusing, after_traverse_ = m.after_traverse, spindle_changed_ = m.spindle_changed;
 }
 
 /// Nothing of what was taken will be driven, but for what the servo has.

@@ -56,6 +56,31 @@ class Planner {
             std::int64_t now_ns) noexcept;
   [[nodiscard]] std::int64_t wake_ns() const noexcept { return wake_ns_; }
 
+  /// What earlier items have set for those behind them; all that matters of the past while nothing is pending.
+  struct Modal {
+    path::PathMode mode;
+    double speed_rpm[kMaxSpindles]{};
+    bool css[kMaxSpindles]{};
+    FeedPerRev per_rev;
+    double merge_mm{0}, thread_per_rev{0};
+    std::int32_t thread_spindle{-1};
+    std::uint32_t epoch{0}, refused_epoch{0};
+    bool thread_first{false};
+    bool refusing{false}, after_traverse{false}, spindle_changed{false};
+  };
+  [[nodiscard]] Modal modal() const noexcept;
+  void set_modal(const Modal& modal) noexcept;
+  /// Called with each item that is taken, before it is; and whether anything was pending then.
+  class Tap {
+   public:
+    virtual void turn(std::int64_t now_ns) noexcept = 0;  ///< at the start of each run()
+    virtual void taken(const PathItem& item, const Modal& before, bool idle) noexcept = 0;
+
+   protected:
+    ~Tap() = default;
+  };
+  void set_tap(Tap* tap) noexcept { tap_ = tap; }
+
  private:
   enum class Take { done, wait_room, wait_servo };
   /// What the path does not know of a move.
@@ -203,6 +228,7 @@ class Planner {
   std::uint64_t next_number_{0}, first_new_{0};
   FeedScale scale_;
   bool single_step_{false};
+  Tap* tap_{nullptr};
 };
 
 }  // namespace kerf::motion

@@ -1,0 +1,61 @@
+// FlightKeeper: copies the flight record of a running machine into a file when a fault was raised or a process has died.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "motion/api/shared.hpp"
+#include "rtapi/base/result.hpp"
+#include "rtapi/shm/segment.hpp"
+
+namespace kerf::motion {
+struct FlightRecord;
+struct FlightFile;
+}  // namespace kerf::motion
+
+namespace kerf::launcher {
+
+class FlightKeeper {
+ public:
+  struct Options {
+    std::string folder;      ///< made when it is needed
+    int keep{20};            ///< files in it; the oldest are removed. 0: none are written
+    std::string ini;         ///< said in the file
+    std::string kinematics;  ///< loadrt words, likewise
+    std::vector<std::string>
+        pins;  ///< [KERF]RECORD_PIN: pins, parameters and signals that motion records, too
+  };
+  FlightKeeper(rtapi::Segment& segment, Options options);
+
+  /// Looks for new faults; gives the file that was written, or "". What follows a fault for kAftermathLooks calls is in its file.
+  [[nodiscard]] std::string look();
+  /// Now; `why` becomes part of its name.
+  [[nodiscard]] rtapi::Result<std::string> keep(const std::string& why, const std::string& text);
+  /// Tells motion of the pins that exist by now; what is wrong with those that do not.
+  [[nodiscard]] std::vector<std::string> choose_pins();
+  /// A fault that look() has seen and not written yet.
+  [[nodiscard]] bool pending() const { return looks_left_ > 0; }
+
+ private:
+  bool attach();
+  /// All that a file says but for what stands in the rings.
+  void describe(motion::FlightFile& file) const;
+  void remove_old() const;
+
+  static constexpr int kAftermathLooks = 2;
+  rtapi::Segment& segment_;
+  Options options_;
+  motion::MotionShared* motion_{nullptr};
+  motion::FlightRecord* record_{nullptr};
+  std::uint64_t seen_{0};
+  int looks_left_{0};
+  std::string why_, text_;
+};
+
+/// "flight-records" in the user's folder for what programs keep.
+[[nodiscard]] std::string default_flight_folder();
+/// `kerf record ...` and `kerf replay FILE`; gives the exit code.
+int record_command(const std::vector<std::string>& words, const std::string& bin);
+
+}  // namespace kerf::launcher
