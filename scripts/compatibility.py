@@ -86,7 +86,7 @@ def machine_pins():
         # iov2 has all the pins of a tool changer.
         machine.write_text(f"{ini}\n[DISPLAY]\nDISPLAY = {script}\n[EMCIO]\nEMCIO = iov2\n"
                            + ("[HAL]\nHALUI = halui\n[HALUI]\nMDI_COMMAND = G0 X0\n" if has_halui else ""))
-        env = {**os.environ, "KERF_INSTANCE": f"pins-{os.getpid()}", "PATH": f"{BUILD}/bin:{os.environ['PATH']}"}
+        env = {**os.environ, "KERF_INSTANCE": f"pins-{os.getpid()}", "XDG_STATE_HOME": f"{folder}/state", "PATH": f"{BUILD}/bin:{os.environ['PATH']}"}
         run = subprocess.run([kerf, machine], env=env, capture_output=True, text=True, check=False, timeout=120,
                              stdin=subprocess.DEVNULL)
         pins = Path(folder) / "pins"

@@ -24,6 +24,7 @@ class Machine:
         self.instance = "py%d" % os.getpid()
         os.environ["KERF_INSTANCE"] = self.instance
         os.environ["KERF_TEST_FOLDER"] = self.folder
+        os.environ["XDG_STATE_HOME"] = self.folder + "/state"
         self.kerf = None
 
     def __enter__(self):
