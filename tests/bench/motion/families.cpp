@@ -1,10 +1,12 @@
 #include "bench/motion/families.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
 #include <random>
 #include <utility>
+#include <vector>
 
 namespace kerf::bench {
 namespace {
@@ -37,11 +39,14 @@ class Random {
 
 }  // namespace
 
-ProgramWriter::ProgramWriter(std::string name, double p_mm, double feed) : feed_(feed) {
+ProgramWriter::ProgramWriter(std::string name, double p_mm, double feed, bool merges)
+    : feed_(feed) {
   program_.name = std::move(name);
   program_.p_mm = p_mm;
+  program_.merges = merges;
   motion::PathControl control;
   control.tolerance_mm = p_mm;
+  control.naive_cam_tolerance_mm = merges ? p_mm : 0;
   if (p_mm <= 0) control.mode = motion::PathControl::Mode::exact_stop;
   program_.items.push_back(control);
 }
@@ -73,6 +78,20 @@ void ProgramWriter::arc(double cx, double cy, double sweep, double dz, double da
   at_.z += dz;
   at_.a += da;
   m.end = at_;
+  program_.items.push_back(m);
+}
+
+void ProgramWriter::thread(const Pose& to, double pitch) {
+  motion::SyncMove m;
+  m.end = at_ = to;
+  m.per_rev_mm = pitch;
+  program_.items.push_back(m);
+}
+
+void ProgramWriter::turn(double rpm) {
+  motion::SpindleChange m;
+  m.action = motion::SpindleChange::Action::forward;
+  m.speed_rpm = rpm;
   program_.items.push_back(m);
 }
 
@@ -113,11 +132,58 @@ Program freeform(int segments, double p_mm, double feed, std::uint64_t seed) {
   return w.done();
 }
 
+Program relief(int segments, double p_mm, double feed, bool merges, std::uint64_t seed) {
+  ProgramWriter w(titled(merges ? "relief" : "relief Q0", p_mm), p_mm, feed, merges);
+  Random r(seed);
+  struct Wave {
+    double kx, ky, phase, high;
+  };
+  std::vector<Wave> waves;
+  for (const double length : {25.0, 14.0, 8.0, 4.0}) {
+    const double k = 2 * kPi / length, along = r.between(0, kPi);
+    waves.push_back({k * std::cos(along), k * std::sin(along), r.between(0, 2 * kPi), 0.25 / k});
+  }
+  const auto height = [&](double x, double y) {
+    double z = 0;
+    for (const Wave& v : waves) z += v.high * std::sin(v.kx * x + v.ky * y + v.phase);
+    return z;
+  };
+  const auto thousandths = [](double v) { return std::round(v * 1e3) / 1e3; };
+  constexpr double kRow = 60, kStepOver = 0.5;
+  double x = 0, y = 0, way = 1;
+  w.rapid(xyz(0, 0, thousandths(height(0, 0))));
+  for (int i = 0; i < segments; ++i) {
+    x += way * r.between(0.05, 0.2);
+    if (x > kRow || x < 0) {
+      x = std::clamp(x, 0.0, kRow);
+      way = -way;
+      y += kStepOver;
+    }
+    w.line(xyz(thousandths(x), thousandths(y), thousandths(height(x, y))));
+  }
+  return w.done();
+}
+
+Program arc_wave(double p_mm, double feed, double kink) {
+  ProgramWriter w(titled("wave of R4 arcs", p_mm), p_mm, feed);
+  Random r(7);
+  double heading = 0;  // of the tangent
+  for (int i = 0; i < 150; ++i) {
+    // To the left and to the right in turns.
+    const double radius = r.between(3.5, 4.5), side = i % 2 != 0 ? -1 : 1,
+                 sweep = side * r.between(1.2, 2.2);
+    const double to_centre = heading + side * kPi / 2;
+    const Pose at = w.at();
+    w.arc(at.x + radius * std::cos(to_centre), at.y + radius * std::sin(to_centre), sweep);
+    heading += sweep + r.between(-kink, kink);
+  }
+  return w.done();
+}
+
 Program arc_spiral(double p_mm, double feed) {
-  ProgramWriter w(titled("spiral of R4 arcs", p_mm), p_mm, feed);
+  ProgramWriter w(titled("R4 arcs at angles", p_mm), p_mm, feed);
   Random r(7);
   for (int i = 0; i < 150; ++i) {
-    // Waves of quarter arcs: tangent from one to the next but for a small kink, as a spiral post-processor makes them.
     const double radius = r.between(3.5, 4.5), sweep = (i % 2 != 0 ? -1 : 1) * r.between(1.2, 2.2);
     const double heading = i * 0.21;
     const Pose at = w.at();
@@ -193,6 +259,52 @@ Program four_axis(int moves, double p_mm, double feed, bool reversing, std::uint
       case 1: w.line(xyz(at.x + r.between(-4, 6), at.y + r.between(-5, 5), at.z, at.a)); break;
       default: w.line(xyz(at.x, at.y, at.z, a)); break;
     }
+  }
+  return w.done();
+}
+
+Program inverse_time(int moves, double p_mm, std::uint64_t seed) {
+  ProgramWriter w(titled("XYZA in G93", p_mm), p_mm, 100);
+  w.program().inverse_time = true;
+  Random r(seed);
+  double heading = 0, a = 0;
+  for (int i = 0; i < moves; ++i) {
+    const double length = std::exp(r.between(std::log(0.3), std::log(6.0)));
+    heading += r.between(-0.6, 0.6);
+    a += r.between(-1, 2) * length;
+    w.feed(r.between(30, 120));
+    const Pose at = w.at();
+    w.line(xyz(at.x + length * std::cos(heading), at.y + length * std::sin(heading),
+               at.z + r.between(-0.1, 0.1) * length, a));
+  }
+  return w.done();
+}
+
+Program threading(int passes, double pitch, double rpm) {
+  ProgramWriter w("lathe thread", 0.01, 100);
+  w.program().machine = Machine::lathe;
+  w.turn(rpm);
+  for (int i = 1; i <= passes; ++i) {
+    const double depth = 0.9 * std::sqrt(static_cast<double>(i) / passes);
+    w.rapid(xyz(-depth, 0, 0));
+    w.thread(xyz(-depth, 0, -20), pitch);
+    w.rapid(xyz(2, 0, -20));
+    w.rapid(xyz(2, 0, 0));
+  }
+  return w.done();
+}
+
+Program swarf(int moves, double p_mm, double feed) {
+  ProgramWriter w(titled("wall on a tilting table", p_mm), p_mm, feed);
+  w.program().machine = Machine::table;
+  Random r(3);
+  double s = 0;
+  for (int i = 0; i < moves; ++i) {
+    Pose p = xyz(rounded(40 * std::sin(s / 40)), rounded(8 * std::sin(s / 15)),
+                 rounded(0.5 * std::sin(s / 5)), rounded(-15 + 10 * std::sin(s / 12)));
+    p.c = rounded(25 * std::sin(s / 20));
+    w.line(p);
+    s += r.between(0.2, 0.8);
   }
   return w.done();
 }

@@ -10,23 +10,36 @@
 
 namespace kerf::bench {
 
+/// What a program runs on.
+enum class Machine {
+  mill,  ///< reference_machine(): XYZA
+  table,  ///< XYZAC, the work on a table that turns about Z on one that tilts about X (tilting_table.hpp)
+  lathe,  ///< the same with a spindle that is followed
+};
+
 struct Program {
   std::string name;
   double p_mm{0};  ///< G64 P
+  Machine machine{Machine::mill};
+  bool inverse_time{false};  ///< every block has its own time (G93)
+  bool merges{true};         ///< G64 Q is P, as in G64 without Q; false: Q0
   std::vector<motion::PathItems::Variant> items;
 };
 
 /// Writes moves one after another, as an interpreter would.
 class ProgramWriter {
  public:
-  ProgramWriter(std::string name, double p_mm, double feed);
+  ProgramWriter(std::string name, double p_mm, double feed, bool merges = true);
   void line(const motion::Pose& to);
   void rapid(const motion::Pose& to);
   /// In the XY plane about (cx, cy), counterclockwise for sweep > 0 [rad]; Z and A go along.
   void arc(double cx, double cy, double sweep, double dz = 0, double da = 0);
+  void thread(const motion::Pose& to, double pitch);
+  void turn(double rpm);
   void feed(double mm_s) { feed_ = mm_s; }
   [[nodiscard]] const motion::Pose& at() const { return at_; }
   [[nodiscard]] Program done() { return std::move(program_); }
+  [[nodiscard]] Program& program() { return program_; }
 
  private:
   Program program_;
@@ -38,13 +51,25 @@ class ProgramWriter {
 void reference_machine(motion::MachineConfig& config);
 
 [[nodiscard]] Program freeform(int segments, double p_mm, double feed, std::uint64_t seed);
+/// Rows over a surface with details of 4 to 25 mm, in chords of 0.05 to 0.2 mm with three decimals: what CAM makes of a relief.
+[[nodiscard]] Program relief(int segments, double p_mm, double feed, bool merges,
+                             std::uint64_t seed);
+/// Arcs that meet at any angle.
 [[nodiscard]] Program arc_spiral(double p_mm, double feed);
+/// Arcs that meet almost in one direction: kinks of at most `kink` rad.
+[[nodiscard]] Program arc_wave(double p_mm, double feed, double kink);
 [[nodiscard]] Program helical_arcs(double p_mm, double feed);
 [[nodiscard]] Program zigzag(double p_mm, double feed);
 [[nodiscard]] Program corner(double degrees, double leg, double p_mm, double feed);
 [[nodiscard]] Program fractal(int order, double step, double p_mm, double feed);
 [[nodiscard]] Program four_axis(int moves, double p_mm, double feed, bool reversing,
                                 std::uint64_t seed);
+/// G93: XYZ and A in blocks of 0.3 to 6 mm, each with its own time.
+[[nodiscard]] Program inverse_time(int moves, double p_mm, std::uint64_t seed);
+/// Passes of a thread in Z (G33) with rapids back, deeper in X each time.
+[[nodiscard]] Program threading(int passes, double pitch, double rpm);
+/// Short five-axis moves along a wall that leans to all sides, on a tilting table.
+[[nodiscard]] Program swarf(int moves, double p_mm, double feed);
 [[nodiscard]] Program mixture(int moves, std::uint64_t seed);
 
 }  // namespace kerf::bench

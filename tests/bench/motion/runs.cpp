@@ -10,21 +10,25 @@
 #include <random>
 #include <vector>
 
+#include "bench/motion/table_kinematics.hpp"
 #include "motion/core/path/reach.hpp"
-#include "unit/motion/rig.hpp"
+#include "unit/motion/spindle_rig.hpp"
 
 namespace kerf::bench {
 namespace {
 
 using motion::Pose;
 using motion::test::Rig;
+using motion::test::RigKinematics;
+using motion::test::SpindleRig;
 namespace path = motion::path;
 
-constexpr std::size_t kJoints = 4;
+constexpr std::size_t kJoints = 4;  ///< of the mill
+constexpr std::size_t kMostJoints = 5;
 /// A cycle that took longer was interrupted by the system.
 constexpr double kInterrupted = 50e-6;
 /// How many moves before and behind the one in execution are looked at for the distance.
-constexpr int kNear = 30;
+constexpr int kNear = 40;
 /// Nobody is that far from the path (mm).
 constexpr double kFar = 1;
 constexpr int kFiner = 8;
@@ -41,8 +45,19 @@ double processor_now() {
   return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec) * 1e-9;
 }
 
-void set_up(Rig& rig, double jerk) {
+constexpr TableKinematics kTable;
+
+RigKinematics moved_by(Machine machine) {
+  return machine == Machine::table ? RigKinematics(kTable)
+                                   : RigKinematics(std::vector<int>{0, 1, 2, 3});
+}
+
+void set_up(Rig& rig, Machine machine, double jerk) {
   reference_machine(rig.config);
+  if (machine == Machine::table) {
+    rig.config.joint[4] = rig.config.joint[3];
+    rig.config.axis[5] = rig.config.axis[3];
+  }
   for (auto& j : rig.config.joint) j.max_jerk = jerk;
   rig.config.max_feed_override = 2;
   rig.apply_config();
@@ -110,6 +125,9 @@ std::vector<Programmed> programmed(const Program& program) {
     if (const auto* line = std::get_if<motion::LinearMove>(&item)) {
       set(line->end);
       at = line->end;
+    } else if (const auto* thread = std::get_if<motion::SyncMove>(&item)) {
+      set(thread->end);
+      at = thread->end;
     } else if (const auto* arc = std::get_if<motion::ArcMove>(&item)) {
       set(arc->end);
       m.arc = true;
@@ -134,14 +152,16 @@ std::vector<Programmed> programmed(const Program& program) {
 }  // namespace
 
 RunResult run(const Program& program, const RunOptions& options) {
-  Rig rig({0, 1, 2, 3});
-  set_up(rig, options.jerk);
+  SpindleRig rig(moved_by(program.machine));
+  set_up(rig, program.machine, options.jerk);
+  rig.acceleration = 0;  // of the spindle: it is at speed at once
+  const auto joints = static_cast<std::size_t>(rig.kinematics.joints());
   RunResult out;
   const std::vector<Programmed> moves =
       options.deviation ? programmed(program) : std::vector<Programmed>{};
   std::mt19937_64 random(options.seed);
   std::size_t next = 0, first_move = 0, last_move = 0;
-  double p1[kJoints]{}, p2[kJoints]{}, p3[kJoints]{};
+  double p1[kMostJoints]{}, p2[kMostJoints]{}, p3[kMostJoints]{};
   constexpr double kT = Rig::kPeriod;
   Pose before = rig.status().pos_cmd;
   const std::uint64_t seq0 = rig.seq;
@@ -158,14 +178,17 @@ RunResult run(const Program& program, const RunOptions& options) {
     out.planner_s += processor_now() - t0;
     rig.plan = false;
     const double t1 = seconds_now();
-    rig.cycle();
+    if (program.machine == Machine::lathe)
+      rig.cycle();
+    else
+      rig.Rig::cycle();
     const double servo = seconds_now() - t1;
     if (servo < kInterrupted) {
       out.servo_s += servo;
       ++out.timed;
     }
     const auto& s = rig.status();
-    for (std::size_t j = 0; j < kJoints; ++j) {
+    for (std::size_t j = 0; j < joints; ++j) {
       const double p = s.joint[j].pos_cmd;
       const auto& limit = rig.config.joint[j];
       if (out.cycles > 1) {
@@ -189,6 +212,7 @@ RunResult run(const Program& program, const RunOptions& options) {
       speeds.push_back(static_cast<float>(step / kT));
     }
     before = s.pos_cmd;
+    if (options.record) out.track.push_back(s.pos_cmd);
     if (options.deviation && s.current_seq > seq0) {
       const double p[3] = {s.pos_cmd.x, s.pos_cmd.y, s.pos_cmd.z};
       const int at = static_cast<int>(s.current_seq - seq0) - 1;
@@ -226,7 +250,7 @@ double speed_cap(const path::Piece& piece, const path::Vec& slope, const path::A
 std::vector<motion::PathSpan> curve_of(const Program& program, double jerk,
                                        path::AxisLimits& limits) {
   Rig rig({0, 1, 2, 3});
-  set_up(rig, jerk);
+  set_up(rig, Machine::mill, jerk);
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     const bool there = i < kJoints;
     limits.vel[i] = there ? rig.config.joint[i].max_vel : path::kNoLimit;
@@ -280,6 +304,30 @@ std::vector<Node> nodes_of(const std::vector<motion::PathSpan>& curve,
   return nodes;
 }
 
+/// The nearest point of the stretch to q, by Newton from the nearest of some places.
+double distance_to_stretch(const motion::PathSpan& span, const path::Vec& q) {
+  const auto square = [](const path::Vec& d) {
+    double sum = 0;
+    for (const double v : d.at) sum += v * v;
+    return sum;
+  };
+  const auto off = [&](double s) { return q - span.piece.point(s); };
+  constexpr int kPlaces = 8, kRounds = 30;
+  double at = span.from;
+  for (int k = 1; k <= kPlaces; ++k) {
+    const double s = span.from + span.length * k / kPlaces;
+    if (square(off(s)) < square(off(at))) at = s;
+  }
+  for (int k = 0; k < kRounds; ++k) {
+    const path::Vec t = span.piece.first(at), d = off(at);
+    double along = 0;
+    for (std::size_t i = 0; i < rtapi::kAxes; ++i) along += d[i] * t[i];
+    if (!(square(t) > 0)) break;
+    at = std::clamp(at + along / square(t), span.from, span.from + span.length);
+  }
+  return path::max_abs(off(at));
+}
+
 /// |slope u + bend x0| <= acc at the node, u = (x1 - x0) / (2 way).
 void rows_at(const Node& n, const path::AxisLimits& limits, path::Rows& rows) {
   rows.count = 0;
@@ -292,6 +340,7 @@ void rows_at(const Node& n, const path::AxisLimits& limits, path::Rows& rows) {
 }  // namespace
 
 double optimum(const Program& program) {
+  if (program.machine != Machine::mill) return 0;
   path::AxisLimits limits;
   const std::vector<motion::PathSpan> curve = curve_of(program, 0, limits);
   const std::vector<Node> nodes = nodes_of(curve, limits);
@@ -320,7 +369,7 @@ double optimum(const Program& program) {
 double feed_floor(const Program& program) {
   motion::MachineConfig config;
   reference_machine(config);
-  double seconds = 0;
+  double seconds = 0, rps = 0;
   const std::vector<Programmed> moves = programmed(program);
   Pose at;
   for (std::size_t i = 0; i < moves.size(); ++i) {
@@ -333,6 +382,11 @@ double feed_floor(const Program& program) {
     } else if (const auto* arc = std::get_if<motion::ArcMove>(&program.items[i])) {
       feed = arc->vel_mm_s;
       end = arc->end;
+    } else if (const auto* thread = std::get_if<motion::SyncMove>(&program.items[i])) {
+      feed = thread->per_rev_mm * rps;
+      end = thread->end;
+    } else if (const auto* turn = std::get_if<motion::SpindleChange>(&program.items[i])) {
+      rps = turn->speed_rpm / 60;
     }
     const double flat =
         m.arc ? m.radius * std::abs(m.sweep) : std::hypot(m.to[0] - m.from[0], m.to[1] - m.from[1]);
@@ -348,18 +402,61 @@ double feed_floor(const Program& program) {
   return seconds;
 }
 
+RetraceResult retrace(const Program& program, double jerk) {
+  path::AxisLimits limits;
+  const std::vector<motion::PathSpan> curve = curve_of(program, jerk, limits);
+  Rig rig({0, 1, 2, 3});
+  set_up(rig, Machine::mill, jerk);
+  motion::OverrideEnable enables;
+  enables.feed = enables.adaptive = true;
+  rig.push(enables);
+  std::size_t next = 0;
+  const std::uint64_t turn_at = rig.seq + program.items.size() * 4 / 5;
+  RetraceResult out;
+  Pose before;
+  std::size_t near = 0;
+  int still = 0;
+  constexpr int kStands = 300, kMost = 400'000;
+  for (int cycle = 0; cycle < kMost && still < kStands && rig.faults.empty(); ++cycle) {
+    while (next < program.items.size() && rig.push(program.items[next])) ++next;
+    if (rig.status().current_seq >= turn_at) rig.in.adaptive_feed = -1;
+    rig.cycle();
+    const Pose& pose = rig.status().pos_cmd;
+    const bool back = rig.in.adaptive_feed < 0;
+    still = back && pose == before ? still + 1 : 0;
+    if (back) out.length += std::hypot(pose.x - before.x, pose.y - before.y, pose.z - before.z);
+    before = pose;
+    // Near the stretch of the cycle before, both ways.
+    constexpr std::size_t kWindow = 60;
+    double least = 1e9;
+    const std::size_t low = near > kWindow ? near - kWindow : 0,
+                      high = std::min(curve.size(), near + kWindow);
+    for (std::size_t k = low; k < high; ++k) {
+      const double d = distance_to_stretch(curve[k], path::to_vec(pose));
+      if (d >= least) continue;
+      least = d;
+      near = k;
+    }
+    if (back) out.off = std::max(out.off, least);
+  }
+  out.faults = rig.faults.size();
+  return out;
+}
+
 bool write_gcode(const Program& program, const std::string& file) {
   std::FILE* out = std::fopen(file.c_str(), "w");
   if (out == nullptr) return false;
-  std::fprintf(
-      out,
-      program.p_mm > 0 ? "G21 G90 G94 G17 G40 G49 G64 P%.9g\n" : "G21 G90 G94 G17 G40 G49 G61.1\n",
-      program.p_mm);
-  std::fprintf(out, "G0 X0 Y0 Z0 A0\n");
+  std::fprintf(out, "G21 G90 G94 G17 G40 G49");
+  if (program.p_mm > 0)
+    std::fprintf(out, " G64 P%.9g%s\n", program.p_mm, program.merges ? "" : " Q0");
+  else
+    std::fprintf(out, " G61.1\n");
+  std::fprintf(out, "G0 X0 Y0 Z0 A0\n%s", program.inverse_time ? "G93\n" : "");
   Pose at;
   const auto words = [&](const Pose& end, double feed) {
+    const double length = std::hypot(end.x - at.x, end.y - at.y, end.z - at.z);
     std::fprintf(out, " X%.6f Y%.6f Z%.6f A%.6f", end.x, end.y, end.z, end.a);
-    if (feed > 0) std::fprintf(out, " F%.6f", feed * 60);
+    if (feed > 0) std::fprintf(out, " F%.6f", feed * 60 / (program.inverse_time ? length : 1.0));
     at = end;
   };
   for (const auto& item : program.items) {
@@ -372,6 +469,12 @@ bool write_gcode(const Program& program, const std::string& file) {
       std::fprintf(out, arc->normal[2] < 0 ? "G2" : "G3");
       words(arc->end, arc->vel_mm_s);
       std::fprintf(out, " I%.6f J%.6f\n", i, j);
+    } else if (const auto* thread = std::get_if<motion::SyncMove>(&item)) {
+      std::fprintf(out, "G33");
+      words(thread->end, 0);
+      std::fprintf(out, " K%.6f\n", thread->per_rev_mm);
+    } else if (const auto* turn = std::get_if<motion::SpindleChange>(&item)) {
+      std::fprintf(out, "M3 S%.6f\n", turn->speed_rpm);
     }
   }
   std::fprintf(out, "M2\n");

@@ -16,6 +16,7 @@ struct RunOptions {
   bool overrides{false};  ///< the feed override changes at random, 5 to 200 %
   std::uint64_t seed{1};
   bool deviation{false};  ///< measure it too, which costs time
+  bool record{false};     ///< keep the commanded positions
 };
 
 struct RunResult {
@@ -29,7 +30,8 @@ struct RunResult {
       0};  ///< of `timed` cycles; those in which the system took the processor away are left out
   double slowest{0};  ///< mm/s, the least speed in the middle half of the run
   std::size_t moves{0}, cycles{0}, timed{0}, faults{0};
-  std::uint64_t hash{0};  ///< of all commanded positions
+  std::uint64_t hash{0};            ///< of all commanded positions
+  std::vector<motion::Pose> track;  ///< one of each cycle, where recorded
 };
 
 [[nodiscard]] RunResult run(const Program& program, const RunOptions& options);
@@ -42,7 +44,7 @@ struct RunResult {
                                const motion::path::AxisLimits& limits);
 
 /// The least time on the very curve that the planner has made of the program, by velocity and acceleration limits and feeds: a grid eight
-/// times finer than the planner's, limits at its nodes only, one backward and one forward pass.
+/// times finer than the planner's, limits at its nodes only, one backward and one forward pass. 0: not on this machine.
 [[nodiscard]] double optimum(const Program& program);
 
 struct LeastTime {
@@ -60,6 +62,16 @@ struct LeastTime {
 
 /// Length of all moves over their feeds; rapids over what the axes can do.
 [[nodiscard]] double feed_floor(const Program& program);
+
+struct RetraceResult {
+  double off{
+      0};  ///< the largest distance from the curve that was driven forwards, in any axis [mm, deg]
+  double length{0};  ///< driven backwards, in XYZ [mm]
+  std::size_t faults{0};
+};
+
+/// Drives most of a program, then backwards (adaptive feed -1) to where the machine stands.
+[[nodiscard]] RetraceResult retrace(const Program& program, double jerk);
 
 /// The program as G-code that LinuxCNC reads too. False: the file cannot be written.
 [[nodiscard]] bool write_gcode(const Program& program, const std::string& file);

@@ -55,6 +55,9 @@ TEST(Families, KeepTheLimitsUnderChangingOverrides) {
     run(bench::freeform(800, 0.01, 100, seed), seed);
     run(bench::arc_spiral(0.1, 80), seed);
     run(bench::four_axis(60, 0.02, 100, i % 2 == 0, seed), seed);
+    run(bench::relief(600, 0.01, 100, i % 2 == 0, seed), seed);
+    run(bench::arc_wave(0.01, 80, 0.3), seed);
+    run(bench::inverse_time(60, 0.02, seed), seed);
   }
 }
 
@@ -69,6 +72,36 @@ TEST(Families, KeepJerkLimitsUnderChangingOverrides) {
     run(bench::fractal(4, 0.5, 0.05, 100), seed, jerk);
     run(bench::four_axis(60, 0.02, 100, i % 2 == 0, seed), seed, jerk);
   }
+}
+
+/// 0.02 mm lines at 100 mm/s that come just as fast as they are driven, behind a start of a tenth of a second: there is
+/// always more path than the way to stop, so the feed never falls.
+TEST(Families, FiveThousandBlocksASecondAtFeed) {
+  constexpr double kStep = 0.02, kFeed = 100, kRadius = 40;
+  constexpr int kPerCycle = 5, kAhead = 500, kCycles = 3000;
+  Rig rig({0, 1, 2, 3});
+  bench::reference_machine(rig.config);
+  rig.apply_config();
+  rig.ready();
+  rig.push(motion::PathControl{.tolerance_mm = 0.01});
+  int sent = 0;
+  const auto send = [&] {
+    const double angle = ++sent * kStep / kRadius;
+    return rig.line({.x = kRadius * std::sin(angle), .y = kRadius * (1 - std::cos(angle))}, kFeed);
+  };
+  for (int i = 0; i < kAhead; ++i) ASSERT_TRUE(send());
+  double slowest = 1e9;
+  bool at_speed = false;
+  for (int cycle = 0; cycle < kCycles; ++cycle) {
+    for (int i = 0; i < kPerCycle; ++i) ASSERT_TRUE(send()) << "cycle " << cycle;
+    rig.cycle();
+    const double v = rig.status().vel_mm_s;
+    at_speed = at_speed || v > kFeed * 0.999;
+    if (at_speed) slowest = std::min(slowest, v);
+  }
+  EXPECT_TRUE(at_speed);
+  EXPECT_GT(slowest, kFeed * 0.998);
+  EXPECT_TRUE(rig.faults.empty());
 }
 
 /// With holds, aborts and resumes; KERF_COUNT=10000 are ten million cycles.

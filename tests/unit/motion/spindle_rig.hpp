@@ -19,7 +19,9 @@ struct SpindleRig : Rig {
   std::size_t number{0};   ///< which spindle it is
   std::int32_t passed{0};  ///< index pulses that were asked for
 
-  explicit SpindleRig(std::vector<int> axes = {0, 1, 2}) : Rig(std::move(axes)) {
+  explicit SpindleRig(std::vector<int> axes = {0, 1, 2})
+      : SpindleRig(RigKinematics(std::move(axes))) {}
+  explicit SpindleRig(const RigKinematics& moved_by) : Rig(moved_by) {
     for (auto& s : config.spindle) s = SpindleConfig{};
     config.spindles = 2;
     apply_config();

@@ -171,6 +171,7 @@ void Planner::forget() noexcept {
   sending_ = events_sending_ = events_sent_ = 0;
   slots_.pending.publish(0);
   due_ = false;
+  pending_since_ns_ = 0;
   begins_ = true;
   spindle_changed_ = false;
   after_traverse_ = false;

@@ -165,7 +165,8 @@ class Planner {
   void finish_sending() noexcept;
   void plan(bool all) noexcept;
   [[nodiscard]] bool plan_ramps(std::uint64_t n, int& unchanged) noexcept;
-  [[nodiscard]] double seconds_ahead() const noexcept;
+  [[nodiscard]] double seconds_ahead(double enough) const noexcept;
+  [[nodiscard]] double seconds_pending(double enough) const noexcept;
 
   const Kinematics& kinematics_;
   SpanRing& spans_;
@@ -208,7 +209,8 @@ class Planner {
   path::Buffer<Meta> meta_;
   path::Buffer<Event> events_;
   std::int64_t last_item_ns_{0}, wake_ns_{0};
-  bool due_{false};  ///< the path has to stand at the end of what is pending
+  std::int64_t pending_since_ns_{0};  ///< when the planner first waited for more; 0: not yet
+  bool due_{false};                   ///< the path has to stand at the end of what is pending
 
   // being sent
   path::ProgramPath program_path_;

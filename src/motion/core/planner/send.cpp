@@ -12,6 +12,10 @@ namespace {
 constexpr std::int64_t kSettle = 5'000'000;  // ns
 /// What the machine still has to drive when the path is ended for want of more.
 constexpr double kLeastAhead = 0.1;  // s
+/// With less than this ahead of the machine, and that much pending, the path is handed over though more moves come: who makes them just as
+/// fast as they are driven never fills the buffer.
+constexpr double kShortAhead = 0.2, kWorthHandingOver = 0.05;  // s
+constexpr std::int64_t kSteady = 2 * kSettle;                  ///< and they have come for this long
 /// Two places on the path nearer than this are one (sigma).
 constexpr double kSamePlace = 1e-7;
 /// Of the pending moves, the last ones stay when the path is handed over: they may still be joined with what comes.
@@ -40,10 +44,15 @@ void Planner::commit_if_due(bool more_items, std::int64_t now_ns) noexcept {
   // Many outputs on the path fill the events before the moves.
   const bool events_full = events_.full() && moves_.size() >= kHandOverLeast;
   if (moves_.full() || events_full) return commit(hand_over_at() + 1, true);
+  if (pending_since_ns_ == 0) pending_since_ns_ = now_ns;
   if (more_items) return;
+  if (now_ns - pending_since_ns_ >= kSteady && moves_.size() >= kHandOverLeast &&
+      seconds_pending(kWorthHandingOver) > kWorthHandingOver &&
+      seconds_ahead(kShortAhead) < kShortAhead)
+    return commit(hand_over_at() + 1, true);
   wake_ns_ = last_item_ns_ + kSettle;
   if (now_ns < wake_ns_) return;
-  if (seconds_ahead() > kLeastAhead) {
+  if (seconds_ahead(kLeastAhead) > kLeastAhead) {
     wake_ns_ = now_ns + kSettle;
     return;
   }
@@ -51,7 +60,18 @@ void Planner::commit_if_due(bool more_items, std::int64_t now_ns) noexcept {
   commit(moves_.size(), false);
 }
 
-double Planner::seconds_ahead() const noexcept {
+/// Of the pending moves at their feeds; counts no farther than `enough`.
+double Planner::seconds_pending(double enough) const noexcept {
+  double seconds = 0;
+  for (const path::Move& move : moves_) {
+    seconds += move.piece.length / move.piece.feed.speed;
+    if (seconds > enough) break;
+  }
+  return seconds;
+}
+
+/// Of what the servo has, at the speeds that are wanted; counts no farther than `enough`.
+double Planner::seconds_ahead(double enough) const noexcept {
   double seconds = 0;
   for (std::uint64_t n = next_number_; n-- > 0 && next_number_ - n <= kSpans;) {
     const Sent& s = sent_[n % kSpans];
@@ -59,7 +79,7 @@ double Planner::seconds_ahead() const noexcept {
     const double x = wanted_x(s.speed, scale_);
     if (!(x > 0)) return path::kNoLimit;
     seconds += s.length / std::sqrt(x);
-    if (seconds > kLeastAhead || s.begins) break;
+    if (seconds > enough || s.begins) break;
   }
   return seconds;
 }
@@ -76,6 +96,7 @@ std::size_t Planner::hand_over_at() const noexcept {
 
 /// Makes pieces of the first `moves` pending moves; with hand_over only of the first half of the last of them.
 void Planner::commit(std::size_t moves, bool hand_over) noexcept {
+  pending_since_ns_ = 0;
   pieces_.clear();
   merge_.end();
   handed_over_ = hand_over;
