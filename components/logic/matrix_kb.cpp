@@ -46,7 +46,8 @@ class MatrixKbChannel : public hal::Channel {
       return;
     }
     if (scans_) {
-      code_out_.declare(b, whole_name("keycode"), "Code of the key that has changed last");
+      code_out_.declare(b, whole_name("keycode"),
+                        "Code of the key that has changed in this call, 0x40 when none has");
       negative_.declare(b, whole_name("negative-logic"), "True: a key pulls its column low", true);
       for (std::size_t i = 0; i < rows; ++i)
         rows_.add(b, whole_name(hal::numbered("row-##-out", i)), "Drives this row of keys");
@@ -55,6 +56,8 @@ class MatrixKbChannel : public hal::Channel {
     } else {
       code_in_.declare(b, whole_name("keycode"), "Code from the card");
     }
+    while (std::size_t{1} << row_shift_ < columns) ++row_shift_;
+    width_ = columns;
     keys_ = hal::make_array<Key>(b, rows * columns, whole_name(""), columns);
   }
 
@@ -66,6 +69,7 @@ class MatrixKbChannel : public hal::Channel {
       take(code_in_);
   }
 
+  static constexpr std::uint32_t kPress = 0xC0, kRelease = 0x80, kNothing = 0x40;
   hal::Param<std::uint32_t> rollover_{param<hal::Param<std::uint32_t>>(
       "key_rollover", "Keys that may be down at a time; a further one is not taken", 2)};
   hal::In<std::uint32_t> code_in_;
@@ -76,10 +80,11 @@ class MatrixKbChannel : public hal::Channel {
   hal::Array<Key> keys_;
 
   void take(std::uint32_t code) noexcept {
-    const std::size_t number = code & 0x3FU;
-    const std::uint32_t kind = code & 0xC0U;
-    if (number >= keys_.size() || (kind != 0xC0U && kind != 0x80U)) return;
-    set_key(number, kind == 0xC0U);
+    const std::uint32_t kind = code & 0xC0U, key = code & 0x3FU;
+    const std::size_t column = key & ((1U << row_shift_) - 1U);
+    const std::size_t number = (key >> row_shift_) * width_ + column;
+    if (column >= width_ || number >= keys_.size() || (kind != kPress && kind != kRelease)) return;
+    set_key(number, kind == kPress);
   }
   void set_key(std::size_t number, bool down) noexcept {
     Key& key = keys_[number];
@@ -90,24 +95,26 @@ class MatrixKbChannel : public hal::Channel {
   /// One row a call: the columns show the keys of the row that was driven in the last call.
   void scan() noexcept {
     const bool low = negative_;
+    code_out_ = kNothing;
     for (std::size_t column = 0; column < columns_.size(); ++column) {
       const std::size_t number = row_ * columns_.size() + column;
       const bool down = columns_[column] != low;
-      const bool before = keys_[number].last();
-      // Two scans must agree.
-      if (down == seen_[number] && down != before) {
+      // Two scans that agree after one that did not: a change, or a bounce that has ended.
+      if (down == seen_[number] && down != older_[number]) {
         set_key(number, down);
-        code_out_ = (down ? 0xC0U : 0x80U) + static_cast<std::uint32_t>(number);
+        code_out_ =
+            (down ? kPress : kRelease) + static_cast<std::uint32_t>((row_ << row_shift_) + column);
       }
+      older_[number] = seen_[number];
       seen_[number] = down;
     }
     row_ = (row_ + 1) % rows_.size();
     for (std::size_t row = 0; row < rows_.size(); ++row) rows_[row] = (row == row_) != low;
   }
-  std::size_t row_{0};
+  std::size_t row_{0}, width_{1}, row_shift_{0};
   std::uint32_t down_{0};
   bool scans_{false};
-  bool seen_[1024]{};
+  bool seen_[1024]{}, older_[1024]{};  // in the last scan of the key's row, and in the one before
 
   hal::Function update_{
       function<MatrixKbChannel, &MatrixKbChannel::update>("", "Updates the keys")};
@@ -121,9 +128,10 @@ class MatrixKb final : public hal::Component<MatrixKb> {
       .notes =
           "config= has rows and columns of each keyboard, like 4x4, and an s behind it when this "
           "component scans the matrix itself: then it drives one row after the other and reads the "
-          "columns. Without s it takes the codes of a card at keycode: 0xC0 plus row times the "
-          "number of columns plus column for a press, 0x80 for a release, 0x40 while a key is "
-          "down.",
+          "columns. Without s it takes the codes of a card at keycode: 0xC0 plus the key for a "
+          "press, 0x80 for a release, 0x40 while nothing changes. The key is the column, with the "
+          "row in the bits above those that the columns need: times 4 with 3 or 4 columns, times 8 "
+          "with 5 to 8.",
       .singleton = true,
       .example = "config=4x4s,4x8",
       .lists = "config",

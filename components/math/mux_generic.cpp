@@ -136,8 +136,9 @@ class MuxGenericChannel : public hal::Channel {
       case hal::Type::bit: return hal::to_raw<bool>(value != 0.0);
       case hal::Type::floating: return hal::to_raw<double>(value);
       case hal::Type::s32:
-        return hal::to_raw<std::int32_t>(
-            static_cast<std::int32_t>(rtapi::limited(value, -2147483647.0, 2147483647.0)));
+        // LinuxCNC limits a float to 2147483647 in both directions.
+        return hal::to_raw<std::int32_t>(static_cast<std::int32_t>(rtapi::limited(
+            value, from_ == hal::Type::floating ? -2147483647.0 : -2147483648.0, 2147483647.0)));
       default:
         return hal::to_raw<std::uint32_t>(
             static_cast<std::uint32_t>(rtapi::limited(value, 0.0, 4294967295.0)));

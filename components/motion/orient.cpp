@@ -11,7 +11,9 @@ class Orient final : public hal::Component<Orient> {
                                    .summary = "Target position for turning a spindle to an angle",
                                    .notes =
                                        "At a rising edge of enable the target is computed from the "
-                                       "spindle's position; a position loop then follows command."};
+                                       "spindle's position; a position loop then follows command. "
+                                       "A spindle that swings through the angle is not oriented "
+                                       "yet: is-oriented comes after 100 calls within tolerance."};
   using Component::Component;
 
  private:
@@ -23,10 +25,13 @@ class Orient final : public hal::Component<Orient> {
   hal::In<double> angle_{pin<hal::In<double>>("angle", "Angle to turn to [degrees]")};
   hal::Out<double> command_{pin<hal::Out<double>>("command", "Target position [revolutions]")};
   hal::Out<double> poserr_{pin<hal::Out<double>>("poserr", "Position minus target [degrees]")};
-  hal::Out<bool> is_oriented_{
-      pin<hal::Out<bool>>("is-oriented", "True while the error is below tolerance")};
+  hal::Out<bool> is_oriented_{pin<hal::Out<bool>>(
+      "is-oriented",
+      "True after 100 calls with the error below tolerance; stays so until enable is false")};
   hal::In<double> tolerance_{
       pin<hal::In<double>>("tolerance", "Largest error that counts as oriented [degrees]", 0.5)};
+  static constexpr int kCalls = 100;
+  int calls_within_{0};
   bool before_{false};
 
   void update(const hal::Period&) noexcept {
@@ -50,9 +55,13 @@ class Orient final : public hal::Component<Orient> {
     if (enable) {
       const double error = (position - command_.last()) * 360.0;
       poserr_ = error;
-      is_oriented_ = std::fabs(error) < tolerance_;
+      if (std::fabs(error) < tolerance_) {
+        is_oriented_ = is_oriented_.last() || calls_within_ >= kCalls;
+        if (calls_within_ < kCalls) ++calls_within_;
+      }
     } else {
       is_oriented_ = false;
+      calls_within_ = 0;
     }
   }
   hal::Function update_{function<&Orient::update>("", "Computes the outputs from the inputs")};

@@ -34,16 +34,17 @@ class Spindle final : public hal::Component<Spindle> {
       const auto name = [&](const char* pattern) {
         return b.full_name(hal::numbered(pattern, index));
       };
-      select.declare(b, name("select.#"), "True selects this gear");
+      select.declare(b, name("select.#"), "True selects this gear; of several the highest",
+                     index == 0);
       scale.declare(b, name("scale.#"), "Output for one rpm, negative to turn the other way", 1.0);
       min.declare(b, name("min.#"), "Lowest speed of this gear [rpm]");
-      max.declare(b, name("max.#"), "Highest speed of this gear [rpm]", 1000.0);
-      accel.declare(b, name("accel.#"), "Acceleration [rpm per second]", 1000.0);
-      decel.declare(b, name("decel.#"), "Deceleration [rpm per second]", 1000.0);
+      max.declare(b, name("max.#"), "Highest speed of this gear [rpm]");
+      accel.declare(b, name("accel.#"), "Acceleration [rpm per second]");
+      decel.declare(b, name("decel.#"), "Deceleration [rpm per second]");
       speed_tolerance.declare(b, name("speed-tolerance.#"),
-                              "Difference that counts as at speed [rpm]", 10.0);
+                              "Difference that counts as at speed [rpm]", 20.0);
       zero_tolerance.declare(b, name("zero-tolerance.#"), "Speed that counts as standing [rpm]",
-                             2.0);
+                             20.0);
       offset.declare(b, name("offset.#"), "Added to the speed for the output [rpm]");
     }
     hal::In<bool> select;
@@ -52,7 +53,7 @@ class Spindle final : public hal::Component<Spindle> {
   double speed_{0.0}, shown_{0.0};
 
   hal::In<std::uint32_t> select_gear_{
-      pin<hal::In<std::uint32_t>>("select-gear", "Gear, from 0; instead of the select inputs")};
+      pin<hal::In<std::uint32_t>>("select-gear", "Gear; 0 leaves it to the select inputs")};
   hal::In<double> commanded_speed_{
       pin<hal::In<double>>("commanded-speed", "Wanted speed, signed [rpm]")};
   hal::In<double> actual_speed_{
@@ -80,8 +81,8 @@ class Spindle final : public hal::Component<Spindle> {
 
   void update(const hal::Period& period) noexcept {
     const double dt = period.seconds();
-    std::size_t number = select_gear_ < gears_.size() ? select_gear_ : gears_.size() - 1;
-    for (std::size_t i = 0; i < gears_.size(); ++i)
+    std::size_t number = std::min<std::size_t>(select_gear_, gears_.size() - 1);
+    for (std::size_t i = 0; select_gear_ == 0 && i < gears_.size(); ++i)
       if (gears_[i].select) number = i;
     Gear& gear = gears_[number];
     current_gear_ = static_cast<std::uint32_t>(number);

@@ -67,8 +67,13 @@ TEST(Logic, ToggleTurnsOverAtDebouncedPresses) {
   EXPECT_EQ(trace(hal, "0010011111010011100"), "0000001111111110000");
   hal.set("c.out", true);  // somebody else switches it on
   EXPECT_EQ(trace(hal, "0110"), "1100") << "released long enough before";
-  hal.set("c.debounce", 0U);
+  hal.set("c.debounce", 1U);
   EXPECT_EQ(trace(hal, "00101"), "00110");
+  for (const std::uint32_t bad : {0U, 10001U}) {
+    hal.set("c.debounce", bad);
+    hal.run("c");
+    EXPECT_EQ(hal.get<std::uint32_t>("c.debounce"), 2U) << bad;
+  }
 }
 
 TEST(Logic, EdgeMakesPulses) {
