@@ -85,8 +85,7 @@ int Session::run() {
   const StopReason reason = clock_ != nullptr ? clock_->reason() : StopReason{};
   if (reason.kind == StopReason::Kind::part_died)
     console_.error(reason.text + "; taking the machine down");
-  keep_last_flight_record(reason);
-  tear_down();
+  tear_down(reason);
   return finish(result, reason);
 }
 
@@ -317,6 +316,7 @@ void Session::keep_flight_records() {
 }
 
 void Session::look_for_faults() {
+  if (flights_ == nullptr) return;
   constexpr rtapi::Nanos kBetweenLooks = 500 * rtapi::kMillisecond;
   if (const std::string file = flights_->look(); !file.empty())
     console_.say("flight record: " + file);
@@ -330,13 +330,12 @@ void Session::look_for_faults() {
   clock_->call_after(kBetweenLooks, [this] { look_for_faults(); });
 }
 
-/// The ring outlives whoever wrote it.
-void Session::keep_last_flight_record(const StopReason& reason) {
-  if (flights_ == nullptr) return;
+/// The rings outlive whoever wrote them.
+void Session::keep_last_flight_record(FlightKeeper& flights, const StopReason& reason) {
   const bool died = reason.kind == StopReason::Kind::part_died;
-  (void)flights_->look();
-  if (!died && !flights_->pending()) return;
-  const auto file = flights_->keep(died ? "process-died" : "fault", reason.text);
+  (void)flights.look();
+  if (!died && !flights.pending()) return;
+  const auto file = flights.keep(died ? "process-died" : "fault", reason.text);
   if (file.ok()) console_.say("flight record: " + *file);
 }
 

@@ -55,7 +55,7 @@ class Session {
   rtapi::Status start_threads();
   void keep_flight_records();
   void look_for_faults();
-  void keep_last_flight_record(const StopReason& reason);
+  void keep_last_flight_record(FlightKeeper& flights, const StopReason& reason);
   rtapi::Status start_screen();
   void start_applications();
   void run_applications();
@@ -68,7 +68,7 @@ class Session {
   rtapi::Status stay_up();
   [[nodiscard]] bool at_terminal() const;
 
-  void tear_down();
+  void tear_down(const StopReason& reason);
   void stop_machine();
   void reach_safe_state(bool host_lives);
   void end_processes();

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
 #include <utility>
@@ -124,6 +125,7 @@ void SupervisedClock::stop() noexcept {
 void SupervisedClock::begin_teardown() {
   tearing_down_ = true;
   reason_ = {};
+  timers_.clear();  // one that is due and never called would let no time pass
   (void)alarm(kPatienceS);
 }
 
@@ -148,13 +150,13 @@ void SupervisedClock::look() {
     chore_();
   }
   if (tearing_down_) return;
-  for (auto at = timers_.begin(); at != timers_.end();) {
-    if (clock_->now() < at->first) {
-      ++at;
-      continue;
-    }
-    const std::function<void()> task = std::move(at->second);
-    at = timers_.erase(at);
+  // A task may ask for another one, so the list is not walked while it runs.
+  for (;;) {
+    const auto due = std::find_if(timers_.begin(), timers_.end(),
+                                  [&](const auto& timer) { return clock_->now() >= timer.first; });
+    if (due == timers_.end()) break;
+    const std::function<void()> task = std::move(due->second);
+    timers_.erase(due);
     task();
   }
   for (auto at = children_.begin(); at != children_.end();) {

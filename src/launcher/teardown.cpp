@@ -2,6 +2,8 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <memory>
+#include <utility>
 
 #include "launcher/hal_link.hpp"
 #include "launcher/session.hpp"
@@ -16,8 +18,10 @@ constexpr int kProgramsSettleMs = 100;  ///< of user components, when nobody els
 constexpr rtapi::Nanos kOutputsSettle = 20 * rtapi::kMillisecond;
 }  // namespace
 
-void Session::tear_down() {
+void Session::tear_down(const StopReason& reason) {
   if (segment_ == nullptr) return;
+  // No file is written while outputs wait for their safe values.
+  const std::unique_ptr<FlightKeeper> flights = std::move(flights_);
   segment_->begin_end();
   console_.end_progress();
   if (clock_ != nullptr) {
@@ -33,6 +37,7 @@ void Session::tear_down() {
   hal_.reset();
   clock_.reset();  // the others need no turn of ours to end
   end_processes();
+  if (flights != nullptr) keep_last_flight_record(*flights, reason);
   segment_.reset();
   guard_.release();
 }
