@@ -93,6 +93,11 @@ TEST_P(PeerRows, AreOurs) {
   std::vector<std::string> functions;
   std::vector<Column> inputs;
   std::vector<std::string> outputs;
+  std::vector<std::vector<std::string>> nets;  // the first pin writes, the others read
+  const auto connect = [&] {
+    for (const auto& pins : nets)
+      for (std::size_t i = 1; i < pins.size(); ++i) set(hal, pins[i], number(hal, pins[0]));
+  };
   for (std::string line; std::getline(file, line) && line != "rows";) {
     if (line.starts_with("#")) continue;
     const auto blank = line.find(' ');
@@ -104,6 +109,8 @@ TEST_P(PeerRows, AreOurs) {
     } else if (word == "setp") {
       const auto at = rest.find(' ');
       set(hal, rest.substr(0, at), parse(rest.substr(at + 1)));
+    } else if (word == "net") {
+      nets.push_back(split(rest, ' '));
     } else if (word == "addf") {
       functions.push_back(rest);
     } else if (word == "in" || word == "pulse") {
@@ -122,7 +129,10 @@ TEST_P(PeerRows, AreOurs) {
       const double value = parse(words[i]);
       if (!inputs[i].pulse || value != 0.0) set(hal, inputs[i].pin, value);
     }
-    for (const std::string& f : functions) hal.run(f, period_ns);
+    for (const std::string& f : functions) {
+      hal.run(f, period_ns);
+      connect();
+    }
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       const double theirs = parse(words[inputs.size() + i]), ours = number(hal, outputs[i]);
       const bool same =

@@ -1,0 +1,171 @@
+// What plasmac hears, and how it moves: sensors, voltage, feed, offsets. The states are in plasmac.cpp.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "hal/operator_line.hpp"
+#include "plasma_arc.hpp"
+#include "plasmac_pins.hpp"
+#include "plasmac_states.hpp"
+
+namespace kerf::components {
+
+class PlasmacMachine : public PlasmacPins {
+ public:
+  explicit PlasmacMachine(hal::Builder& b) noexcept
+      : PlasmacPins(b),
+        line_(static_cast<const hal::OperatorLine*>(b.find_service(hal::kOperatorLine))) {}
+
+ protected:
+  using S = PlasmaState;
+  enum class Stop : std::uint8_t { none, abort, end, pause };
+  static constexpr double kAtSpeed = 0.999, kArrived = 0.01;
+  /// A rate that comes to whole counts is taken as below them: no faster than asked.
+  static constexpr double kALittleLess = 1.0 - 1e-12;
+
+  void read_sensors() noexcept {
+    const bool relay = ohmic_sense_in_;
+    if (relay == sense_) {
+      sense_cycles_ = 0;
+    } else if (++sense_cycles_ >= (relay ? ohmic_sense_on_delay_ : ohmic_sense_off_delay_)) {
+      sense_ = relay;
+      sense_cycles_ = 0;
+    }
+    if (!ohmic_on_) sense_ = false;
+    ohmic_sense_out_ = sense_;
+    sensor_active_ = float_switch_ || breakaway_ || ohmic_contact_;
+    ohmic_contact_ = ohmic_on_ && ohmic_probe_;
+  }
+  void read_voltage() noexcept {
+    const double in = (arc_voltage_in_ - arc_voltage_offset_) * arc_voltage_scale_;
+    volts_ = voltage_.follow(std::isfinite(in) ? in : 0.0, lowpass_frequency_, dt_);
+    if (std::fabs(volts_) <= zero_window_) volts_ = 0.0;
+    arc_voltage_out_ = volts_;
+  }
+  void measure_feed() noexcept {
+    feed_now_ = current_velocity_ * 60.0;
+    current_feed_rate_ = feed_now_;
+    const bool runs = !program_is_idle_ && !was_idle_;
+    if (was_idle_ && !program_is_idle_) clear_times();
+    if (runs) run_time_ = run_time_.last() + dt_;
+    if (program_is_paused_) paused_time_ = paused_time_.last() + dt_;
+    if (runs && motion_type_ == 1) rapid_time_ = rapid_time_.last() + dt_;
+  }
+  void clear_times() noexcept {
+    run_time_ = 0.0;
+    paused_time_ = 0.0;
+    rapid_time_ = 0.0;
+    torch_time_ = 0.0;
+    probe_time_ = 0.0;
+    cut_time_ = 0.0;
+    cut_length_ = 0.0;
+  }
+  [[nodiscard]] bool ignores_arc() const noexcept { return ignore_arc_ok_0_ || ignore_arc_ok_1_; }
+  [[nodiscard]] bool in_cycle() const noexcept {
+    return state_ >= S::probe_height && state_ <= S::cut_mode_2;
+  }
+  [[nodiscard]] bool cuts() const noexcept {
+    return state_ == S::cut_mode_01 || state_ == S::cut_mode_2;
+  }
+  void torch_off_now() noexcept {
+    torch_ = false;
+    arc_.off();
+  }
+  void say(std::string_view text) const noexcept {
+    if (line_ != nullptr) line_->error(text);
+  }
+
+  void watch_arc() noexcept {
+    bool ok = false;
+    if (mode_ == 0) {
+      if (torch_)
+        ok =
+            arc_.follow(volts_, arc_ok_low_, arc_ok_high_, ok_sample_threshold_, ok_sample_counts_);
+      else
+        arc_.off();
+    } else {
+      ok = arc_ok_in_;
+    }
+    // A lost arc may come back.
+    const bool was_missing = arc_missing_;
+    arc_missing_ = torch_ && !ok && arc_lost_delay_ > 0.0 && (mode_ != 0 || arc_was_good_);
+    if (arc_missing_ && !was_missing) lost_.set(arc_lost_delay_);
+    arc_good_ = torch_ && (ok || (arc_missing_ && arc_was_good_ && !lost_.over(dt_)));
+    arc_was_good_ = arc_good_;
+    arc_ok_out_ = arc_good_;
+  }
+
+  // Moves.
+
+  [[nodiscard]] std::int32_t step_counts(double units_per_minute) const noexcept {
+    if (scale_ <= 0.0) return 0;
+    return static_cast<std::int32_t>(
+        std::clamp(units_per_minute / 60.0 * dt_ / scale_ * kALittleLess, 0.0, 1e9));
+  }
+  [[nodiscard]] double step_of(double units_per_minute) const noexcept {
+    return std::max(counts(units_per_minute / 60.0 * dt_), 0.0);
+  }
+  [[nodiscard]] double counts(double units) const noexcept {
+    return scale_ > 0.0 ? std::clamp(units / scale_, -2e9, 2e9) : 0.0;
+  }
+  /// True when z has been there since the last cycle.
+  bool z_to(double target, double units_per_minute) noexcept {
+    const auto goal = static_cast<std::int32_t>(std::clamp(target, -2e9, 2e9));
+    if (z_ == goal) return true;
+    const std::int32_t step = step_counts(units_per_minute);
+    if (z_ < goal)
+      z_ = goal - z_ > step ? z_ + step : goal;
+    else
+      z_ = z_ - goal > step ? z_ - step : goal;
+    return false;
+  }
+  [[nodiscard]] bool z_follows(double within) const noexcept {
+    return std::fabs(z_offset_current_ - z_ * scale_) < within;
+  }
+  bool z_settled(double target) noexcept {
+    return z_to(target, setup_feed_rate_) && z_follows(kArrived * units_per_mm_);
+  }
+  bool xy_to(double x, double y, double step) noexcept {
+    const double dx = x - x_, dy = y - y_, way = std::hypot(dx, dy);
+    if (way == 0.0) return true;
+    if (way <= step) {
+      x_ = x;
+      y_ = y;
+    } else {
+      x_ += std::trunc(step * dx / way);
+      y_ += std::trunc(step * dy / way);
+    }
+    return false;
+  }
+  [[nodiscard]] double highest() const noexcept {
+    return axis_z_max_limit_ - max_offset_ * units_per_mm_;
+  }
+  [[nodiscard]] double base_z() const noexcept { return axis_z_position_ - z_offset_current_; }
+
+  const hal::OperatorLine* line_;
+  ArcVoltage voltage_;
+  ArcDetector arc_;
+  SteadyVoltage steady_;
+  VoidDetector void_;
+  HeightPid pid_;
+  PlasmaTimer timer_, deploy_, lost_;
+  S state_{S::idle}, printed_{S::idle};
+  Stop stop_{Stop::none};
+  double dt_{0.001}, scale_{1e-5};
+  double volts_{0.0}, feed_now_{0.0}, requested_{0.0};
+  double zero_height_{0.0}, start_{0.0}, last_x_{0.0}, last_y_{0.0}, x_{0.0}, y_{0.0};
+  double sum_volts_{0.0}, override_seen_{0.0}, found_zero_{0.0};
+  std::int32_t z_{0}, zero_{0}, starts_{0}, pierces_{0}, samples_{0};
+  std::int32_t sense_cycles_{0}, ohmic_tries_{0}, hold_step_{0}, laser_stage_{0};
+  bool sense_{false}, ohmic_on_{false}, ohmic_contact_{false}, touched_by_contact_{false};
+  bool torch_{false}, hold_{false}, arc_good_{false}, arc_was_good_{false}, arc_missing_{false};
+  bool was_idle_{true}, first_{false}, spotting_{false}, testing_{false};
+  bool thc_allowed_{false}, begun_{false}, corner_lock_{false}, void_lock_{false}, waits_{false};
+  bool override_waits_{false}, skip_probe_{false}, consumables_{false}, recovering_{false};
+  bool bottom_{false}, aborted_{false}, found_{false}, sensor_told_{false}, arm_{false},
+      scribe_{false}, pulse_asked_{false};
+};
+
+}  // namespace kerf::components
