@@ -147,6 +147,28 @@ TEST(RemoteShellProgram, IsTheScreenOfAMachineAndEndsIt) {
     rude.send(std::string(kGarbage, sizeof kGarbage - 1) + std::string(9000, 'x'));
   }
   EXPECT_EQ(one.position("joint_pos 0"), now);
+
+  // Who started a program that waits is gone: the others see for what, and end it.
+  {
+    Shell three(port);
+    const std::string program =
+        mill.write("waits.ngc", "G21 G90\nG0 X4\nM66 P1 L3 Q600\nG0 X40\nM2\n");
+    EXPECT_EQ(three.ask("set mode auto"), "SET MODE ACK");
+    EXPECT_EQ(three.ask("set open " + program), "SET OPEN ACK");
+    three.send("set wait_mode received\nset run\n");
+    EXPECT_EQ(three.line(), "SET WAIT_MODE ACK");
+    EXPECT_EQ(three.line(), "SET RUN ACK");
+    for (int n = 0; n < 4000 && one.ask("get waiting").find("digital") == std::string::npos; ++n)
+      launcher::pause_ms(5);
+  }
+  launcher::pause_ms(50);
+  EXPECT_EQ(one.ask("get waiting"), "WAITING digital input 1: motion.digital-in-01, not linked");
+  EXPECT_EQ(one.ask("get program_status"), "PROGRAM_STATUS RUNNING");
+  EXPECT_EQ(one.ask("set abort"), "SET ABORT ACK");
+  EXPECT_EQ(one.ask("get waiting"), "WAITING NONE");
+  EXPECT_EQ(one.ask("set mode mdi"), "SET MODE ACK");
+  EXPECT_EQ(one.ask("set mdi G0 X1"), "SET MDI ACK");
+  EXPECT_EQ(one.ask("get abs_cmd_pos x"), "ABS_CMD_POS X 1.000000");
   one.send("shutdown\r\n");
   EXPECT_EQ(kerf.wait_exit(), 0) << kerf.output();
   EXPECT_EQ(kerf.leftovers(), "");

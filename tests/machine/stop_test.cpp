@@ -267,7 +267,7 @@ const Wait kWaits[] = {
      "at speed",
      "spindle.0.at-speed"},
     {"orient", "M19 R90", {"unlinkp spindle.0.is-oriented"}, "oriented", "spindle.0.is-oriented"},
-    {"probe", "G38.2 Z-60 F60", {}, ""},
+    {"probe", "G38.2 Z-60 F60", {}, "the probe", "motion.probe-input"},
     {"index",
      "S100 M3\nG33 X5 K1",
      {"unlinkp spindle.0.index-enable"},
@@ -299,6 +299,8 @@ TEST(Homing, EstopAndDeathOfItsClient) {
   ASSERT_TRUE(client->send({"home", "-1"}).ok());
   m->run_for(0.7);
   ASSERT_TRUE(m->motion().homing_active);
+  EXPECT_EQ(m->task().waiting_for.object.view(), "the home switch of joint 2");
+  EXPECT_EQ(m->task().waiting_for.pin.view(), "joint.2.home-sw-in");
   const int failed = m->branch([&] {
     m->send({"state", "estop"});
     m->run_for(0.01);

@@ -114,6 +114,10 @@ struct Tables {
        [](const Scene& s, int) -> double {
          return s.stat.interp_state != kInterpIdle && s.stat.task_paused;
        }},
+      {"program.is-waiting", PinType::bit,
+       [](const Scene& s, int) -> double {
+         return s.stat.interp_state != kInterpIdle && !s.stat.waiting_for.object.empty();
+       }},
       {"program.block-delete.is-on", PinType::bit,
        [](const Scene& s, int) -> double { return s.stat.block_delete; }},
       {"program.optional-stop.is-on", PinType::bit,

@@ -306,36 +306,66 @@ void CommandParticipant::say(MessageKind kind, const std::string& text, const st
   p_.shared.messages.newest.publish(message.number);
 }
 
+namespace {
+
+void say_wait(WaitingFor& wait, const std::string& object, const std::string& pin) {
+  wait.object = rtapi::FixedString<63>(object);
+  wait.pin = rtapi::FixedString<63>(pin);
+}
+
+/// What a joint waits for in a state of its homing, as in joint.N.home-state; false: it only moves.
+bool homing_wait(WaitingFor& wait, std::size_t j, std::int32_t state) {
+  constexpr std::int32_t kFirstSwitch = 1, kLastSwitch = 4, kUnlock = 8, kIndex = 9, kLock = 10;
+  const std::string joint = "joint." + std::to_string(j) + ".";
+  const std::string of = " of joint " + std::to_string(j);
+  if (state >= kFirstSwitch && state <= kLastSwitch)
+    say_wait(wait, "the home switch" + of, joint + "home-sw-in");
+  else if (state == kIndex)
+    say_wait(wait, "the encoder's index" + of, joint + "index-enable");
+  else if (state == kUnlock || state == kLock)
+    say_wait(wait, (state == kUnlock ? "unlocking" : "locking") + of, joint + "is-unlocked");
+  else
+    return false;
+  return true;
+}
+
+void motion_wait(WaitingFor& wait, const motion::MotionStatus& status) {
+  const std::string spindle = "spindle." + std::to_string(std::max(status.waiting_index, 0));
+  if (status.away) return say_wait(wait, "return to the path, then resume", "");
+  switch (status.waiting_for) {
+    case motion::PathWait::none: break;
+    case motion::PathWait::spindle_at_speed:
+      return say_wait(wait, "the spindle to be at speed", spindle + ".at-speed");
+    case motion::PathWait::orient:
+      return say_wait(wait, "the spindle to be oriented", spindle + ".is-oriented");
+    case motion::PathWait::dwell: return say_wait(wait, "the end of a dwell (G4)", "");
+    case motion::PathWait::hold: return say_wait(wait, "resume", "");
+    case motion::PathWait::feed_hold_pin:
+      return say_wait(wait, "the end of feed hold", "motion.feed-hold");
+    case motion::PathWait::feed_inhibit:
+      return say_wait(wait, "the end of feed inhibit", "motion.feed-inhibit");
+    case motion::PathWait::zero_override: return say_wait(wait, "a feed override above 0", "");
+    case motion::PathWait::spindle_index:
+      return say_wait(wait, "the index of the spindle", spindle + ".index-enable");
+    case motion::PathWait::spindle_turning:
+      return say_wait(wait, "the spindle to turn", spindle + ".revs, " + spindle + ".speed-in");
+  }
+  if (status.probing) return say_wait(wait, "the probe", "motion.probe-input");
+  for (std::size_t j = 0; j < motion::kMaxJoints; ++j)
+    if (status.joint[j].homing && homing_wait(wait, j, status.joint[j].home_state)) return;
+}
+
+}  // namespace
+
 /// What motion waits for on its own, in words.
 void CommandParticipant::path_wait(WaitingFor& wait) {
-  if (status_.waiting_for != last_wait_) wait_since_ = now_;
-  last_wait_ = status_.waiting_for;
-  const std::string spindle = "spindle." + std::to_string(std::max(status_.waiting_index, 0));
-  const auto say_wait = [&](const char* object, const std::string& pin) {
-    wait.object = rtapi::FixedString<63>(object);
-    wait.pin = rtapi::FixedString<63>(pin);
-    wait.since_ns = wait_since_;
-  };
   wait = {};
-  if (status_.away) return say_wait("return to the path, then resume", "");
-  switch (last_wait_) {
-    case motion::PathWait::none: return;
-    case motion::PathWait::spindle_at_speed:
-      return say_wait("the spindle to be at speed", spindle + ".at-speed");
-    case motion::PathWait::orient:
-      return say_wait("the spindle to be oriented", spindle + ".is-oriented");
-    case motion::PathWait::dwell: return say_wait("the end of a dwell (G4)", "");
-    case motion::PathWait::hold: return say_wait("resume", "");
-    case motion::PathWait::feed_hold_pin:
-      return say_wait("the end of feed hold", "motion.feed-hold");
-    case motion::PathWait::feed_inhibit:
-      return say_wait("the end of feed inhibit", "motion.feed-inhibit");
-    case motion::PathWait::zero_override: return say_wait("a feed override above 0", "");
-    case motion::PathWait::spindle_index:
-      return say_wait("the index of the spindle", spindle + ".index-enable");
-    case motion::PathWait::spindle_turning:
-      return say_wait("the spindle to turn", spindle + ".revs, " + spindle + ".speed-in");
+  motion_wait(wait, status_);
+  if (!(wait.object == last_wait_.object && wait.pin == last_wait_.pin)) {
+    last_wait_ = wait;
+    last_wait_.since_ns = now_;
   }
+  wait.since_ns = last_wait_.since_ns;
 }
 
 namespace {

@@ -342,6 +342,19 @@ TEST(Halui, StatesFollowTheMachine) {
   shows("tool.length_offset.z", 12);
 }
 
+TEST(Halui, AProgramThatWaitsShowsIt) {
+  Panel p;
+  p.stat.waiting_for.object = rtapi::FixedString<63>("the home switch of joint 0");
+  p.look();
+  EXPECT_EQ(p.get("program.is-waiting"), 0) << "no program runs";
+  p.stat.interp_state = 4;
+  p.look();
+  EXPECT_EQ(p.get("program.is-waiting"), 1);
+  p.stat.waiting_for = {};
+  p.look();
+  EXPECT_EQ(p.get("program.is-waiting"), 0);
+}
+
 TEST(Halui, ThePromptIsAnsweredByItsNumber) {
   Panel p;
   EXPECT_EQ(p.press("prompt.ok"), "") << "nothing is asked";

@@ -178,6 +178,44 @@ class Programs(unittest.TestCase):
         self.assertEqual((wait["object"], wait["pin"], wait["net"]), ("digital input 1", "motion.digital-in-01", ""))
         self.assertIn("not linked", wait["text"])
 
+    STARTER = """
+import linuxcnc, sys, time
+c, s = linuxcnc.command(), linuxcnc.stat()
+for step in (lambda: c.mode(linuxcnc.MODE_AUTO), lambda: c.program_open(sys.argv[1])):
+    step(); assert c.wait_complete(20) == linuxcnc.RCS_DONE
+c.auto(linuxcnc.AUTO_RUN, 0)
+while not s.waiting_for or s.waiting_for["object"].find(sys.argv[2]) < 0:
+    s.poll()
+print("waits", flush=True)
+c.wait_complete(600)
+"""
+
+    def test_a_client_that_is_killed_leaves_its_wait_to_the_others(self):
+        path = os.path.join(os.environ["KERF_TEST_FOLDER"], "waits.ngc")
+        for block, waits_for in (("M0", "resume"), ("M66 P1 L3 Q600", "digital input 1"), ("G4 P600", "dwell")):
+            with open(path, "w", encoding="utf-8") as program:
+                program.write("G21 G90\nG0 X4\n%s\nG0 X40\nM2\n" % block)
+            starter = subprocess.Popen([sys.executable, "-c", self.STARTER, path, waits_for], stdout=subprocess.PIPE, text=True,
+                                       env=dict(os.environ, PYTHONPATH=os.path.join(machine.BUILD, "python")))
+            self.assertEqual(starter.stdout.readline().strip(), "waits")
+            starter.kill()
+            starter.wait()
+            starter.stdout.close()
+            time.sleep(0.1)
+            self.s.poll()
+            self.assertIn(waits_for, self.s.waiting_for["text"])
+            self.assertNotEqual(self.s.interp_state, linuxcnc.INTERP_IDLE)
+            self.assertAlmostEqual(self.s.position[0], 4)
+            self.c.abort()
+            self.assertEqual(self.c.wait_complete(20), linuxcnc.RCS_DONE)
+            self.until(lambda: self.s.interp_state == linuxcnc.INTERP_IDLE and self.s.waiting_for is None)
+            self.c.mode(linuxcnc.MODE_MDI)
+            self.c.wait_complete(20)
+            self.c.mdi("G21 G90 G0 X1")
+            self.assertEqual(self.c.wait_complete(20), linuxcnc.RCS_DONE, block)
+            self.s.poll()
+            self.assertAlmostEqual(self.s.position[0], 1)
+
     def test_a_paused_program_runs_back_and_forwards_again(self):
         self.run_text("G21 G90 G61\nG0 X0\nG4 P0\nG1 X10 F1200\nG1 X20\nM2\n")
         self.until(lambda: self.s.position[0] > 12)
