@@ -83,6 +83,9 @@ def machine_pins():
             (Path(folder) / name.name).write_bytes(name.read_bytes())
         has_halui = (BUILD / "bin/halui").exists() and not re.search(r"^HALUI *=", ini, re.M)
         ini = re.sub(r"^DISPLAY *=.*$", "", ini, flags=re.M)
+        # What motmod has only when it is asked, and with switchable kinematics.
+        ini = ini.replace("EMCMOT = motmod", "EMCMOT = motmod unlock_joints_mask=7 num_misc_error=1")
+        ini = ini.replace("KINEMATICS = trivkins", "KINEMATICS = xyzac-trt-kins")
         # iov2 has all the pins of a tool changer.
         machine.write_text(f"{ini}\n[DISPLAY]\nDISPLAY = {script}\n[EMCIO]\nEMCIO = iov2\n"
                            + ("[HAL]\nHALUI = halui\n[HALUI]\nMDI_COMMAND = G0 X0\n" if has_halui else ""))

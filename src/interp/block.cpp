@@ -179,6 +179,31 @@ bool Core::choose_motion(Block& b) {
     return fail(0, "Write where to go, e.g. X0", "All axes missing with motion code");
   if (b.g53 && (b.motion == nullptr || (b.motion_code != 0 && b.motion_code != 10)))
     return fail(0, "Write G53 G0 or G53 G1", "Must use g0 or g1 with g53");
+  return check_indexers(b);
+}
+
+/// [AXIS_L]LOCKING_INDEXER_JOINT: it is unlocked for a G0 that moves nothing else.
+bool Core::check_indexers(const Block& b) {
+  constexpr int kFirstCycle = 700;
+  if (settings.indexer_mask == 0 || b.motion == nullptr || b.motion->remap != nullptr ||
+      b.axis_by_other || (b.motion_code >= kFirstCycle && b.motion_code < 1000))
+    return true;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    if (!b.has_axis(i) || (settings.indexer_mask >> i & 1U) == 0) continue;
+    const char letter = rtapi::kAxisLetters[i];
+    const auto word = static_cast<char>(std::tolower(letter));
+    if (b.motion_code != 0)
+      return fail(word, "Turn it with G0 on a line of its own",
+                  "Indexing axis %c can only be moved with G0", letter);
+    bool alone = !b.has('@') && !b.has('^');
+    for (std::size_t k = 0; k < rtapi::kAxes; ++k) alone = alone && (k == i || !b.has_axis(k));
+    if (!alone)
+      return fail(word, "Write its word on a line of its own",
+                  "Indexing axis %c can only be moved alone", letter);
+    if (compensation.bends() && !compensation.leaving())
+      return fail(word, "Write G40 before",
+                  "Indexing axis %c cannot be moved with cutter radius compensation on", letter);
+  }
   return true;
 }
 

@@ -296,6 +296,7 @@ class Core {
   [[nodiscard]] bool assign(const ParsedBlock& p);
   [[nodiscard]] bool store(const ParsedBlock& p);
   [[nodiscard]] bool choose_motion(Block& b);
+  [[nodiscard]] bool check_indexers(const Block& b);
   [[nodiscard]] bool check_letters(const Block& b);
   [[nodiscard]] bool run_rows(const Block& b);
   /// Does steps.next and what follows; `call`: the block goes on after a remapped code.

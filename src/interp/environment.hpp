@@ -31,9 +31,11 @@ enum class LogLevel : int {
 struct Settings {
   double machine_unit_mm{
       1.0};  ///< mm per machine unit ([TRAJ]LINEAR_UNITS): unit of parameters 5061-5390 and 5401-5410
-  std::optional<Units> start_units{};    ///< G20/G21 at start; absent: as the machine's unit
-  int spindles{1};                       ///< [TRAJ]SPINDLES, 1-8
-  std::uint32_t axis_mask{0x1FF};        ///< bit i = axis i of XYZABCUVW exists ([TRAJ]COORDINATES)
+  std::optional<Units> start_units{};  ///< G20/G21 at start; absent: as the machine's unit
+  int spindles{1};                     ///< [TRAJ]SPINDLES, 1-8
+  std::uint32_t axis_mask{0x1FF};      ///< bit i = axis i of XYZABCUVW exists ([TRAJ]COORDINATES)
+  std::uint32_t indexer_mask{
+      0};  ///< axes with [AXIS_L]LOCKING_INDEXER_JOINT: they move alone, by G0
   bool random_toolchanger{false};        ///< [EMCIO]RANDOM_TOOLCHANGER
   bool spindle_on_during_change{false};  ///< [EMCIO]TOOL_CHANGE_WITH_SPINDLE_ON
   bool is_task{false};                   ///< value of #<_task>

@@ -289,6 +289,32 @@ class SetupReader {
     a.max_jerk = r_.real(section, "MAX_JERK") * unit;
     limits(section, unit, a);
     a.offset_av_ratio = r_.real(section, "OFFSET_AV_RATIO");
+    indexer(section, index, a);
+  }
+
+  void indexer(const std::string& section, std::size_t index, motion::AxisConfig& a) {
+    constexpr const char* kKey = "LOCKING_INDEXER_JOINT";
+    if (!r_.has(section, kKey)) return;
+    if (!rtapi::is_rotary(index)) {
+      r_.complain(section, kKey, "is for the rotary axes A, B and C");
+      return;
+    }
+    const auto joint = static_cast<int>(r_.integer(section, kKey));
+    if (joint >= out_.setup.motion.joints) {
+      r_.complain(section, kKey,
+                  "there is no joint " + std::to_string(joint) + ": [KINS]JOINTS is " +
+                      std::to_string(out_.setup.motion.joints));
+      return;
+    }
+    a.locking_joint = joint;
+    const std::string of_joint = "JOINT_" + std::to_string(joint);
+    if ((out_.setup.motion.joint[joint].home_flags & motion::home_unlock_first) == 0)
+      r_.complain(section, kKey,
+                  "[" + of_joint + "]LOCKING_INDEXER = 1 is missing, so the joint homes locked",
+                  false);
+    if (a.offset_av_ratio > 0)
+      r_.complain(section, "OFFSET_AV_RATIO",
+                  "external offsets cannot turn a locking indexer: delete it");
   }
 
   /// [TRAJ]PLANNER_TYPE 0 switches all jerk limits off; without it they count where they are given. MAX_LINEAR_JERK counts for linear joints and

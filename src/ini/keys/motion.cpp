@@ -8,7 +8,6 @@ namespace {
 constexpr std::string_view kBlends =
     "without effect: corners are rounded within G64 P and Q, and the planner looks ahead as far as "
     "it takes";
-constexpr std::string_view kIndexer = "not yet: locking rotary indexers";
 
 constexpr Key kTrajRows[] = {
     text("COORDINATES", "the axes there are, of XYZABCUVW").required().read_by(By::task),
@@ -138,7 +137,7 @@ constexpr Key kAxisRows[] = {
     integer("LOCKING_INDEXER_JOINT", "the joint that unlocks before it turns")
         .from(0)
         .to(15)
-        .no(kIndexer),
+        .otherwise_as("none"),
     real("OFFSET_AV_RATIO",
          "external offsets: their share of the axis' velocity and acceleration, 0 none")
         .from(0)

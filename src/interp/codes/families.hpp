@@ -46,6 +46,8 @@ void feed_length(const Pose& from, const Pose& to, double& linear_mm, double& an
 [[nodiscard]] double surface_speed_mm(const Core& c);
 /// Announces the S of a spindle.
 void announce_speed(Core& c, int spindle);
+/// A traverse of one locking indexer.
+void index_traverse(Core& c, const Pose& end);
 /// The calls that bring the path mode of the state back (after cycles).
 void announce_path_mode(Core& c);
 /// First and last spindle that `$` names (-1: all). Error: no such spindle.

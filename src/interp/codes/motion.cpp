@@ -40,6 +40,18 @@ void inverse_time_feed(Core& c, const Block& b, double linear_mm, double angular
   c.out.call<&Canon::set_feed_rate>(linear_mm < 1e-9 ? c.mm(angular) : linear, angular);
 }
 
+/// In the peer's words: exact path around it.
+void index_traverse(Core& c, const Pose& end) {
+  const ModalState& s = c.state;
+  const bool exact = s.path == PathMode::exact_path;
+  if (!exact) c.out.call<&Canon::set_motion_control_mode>(PathMode::exact_path, 0.0);
+  c.out.call<&Canon::straight_traverse>(end);
+  if (exact) return;
+  const bool blends = s.path == PathMode::continuous;
+  c.out.call<&Canon::set_motion_control_mode>(s.path, blends ? s.tolerance_mm : 0.0);
+  c.out.call<&Canon::set_naivecam_tolerance>(s.naivecam_tolerance_mm);
+}
+
 namespace {
 
 bool straight(Core& c, const Block& b, int code) {
@@ -49,7 +61,13 @@ bool straight(Core& c, const Block& b, int code) {
   const bool bends = c.compensation.bends();
   if (c.compensation.leaving()) c.compensation.left();
   if (code == 0) {
-    if (!bends) c.out.call<&Canon::straight_traverse>(end);
+    bool index = false;
+    for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+      index = index || (b.has_axis(i) && (c.settings.indexer_mask >> i & 1U) != 0);
+    if (index)
+      index_traverse(c, end);
+    else if (!bends)
+      c.out.call<&Canon::straight_traverse>(end);
   } else {
     if (!check_feed(c, b, "g1", "Cannot do g1 with zero feed rate")) return false;
     if (c.state.feed_mode == ProgramFeedMode::inverse_time) {

@@ -188,8 +188,16 @@ bool go_reference(Core& c, const Block& b, int code) {
     if (b.has_axis(i)) end[i] = home[i];
     if ((c.settings.axis_mask >> i & 1U) == 0) end[i] = c.state.position[i];
   }
-  c.out.call<&Canon::straight_traverse>(between);
-  c.out.call<&Canon::straight_traverse>(end);
+  Pose at = c.state.position;
+  for (const Pose& to : {between, end}) {
+    for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+      if ((c.settings.indexer_mask >> i & 1U) == 0 || at[i] == to[i]) continue;
+      at[i] = to[i];
+      index_traverse(c, at);
+    }
+    c.out.call<&Canon::straight_traverse>(to);
+    at = to;
+  }
   c.state.position = end;
   return true;
 }

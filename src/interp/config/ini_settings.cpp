@@ -150,6 +150,10 @@ void read_remaps(Reader& r, InterpSetup& s) {
 
 InterpSetup read_interp_setup(Reader& reader, double unit_mm) {
   InterpSetup s;
+  for (std::size_t a = 0; a < rtapi::kAxes; ++a)
+    if (rtapi::is_rotary(a) &&
+        reader.has(std::string("AXIS_") + rtapi::kAxisLetters[a], "LOCKING_INDEXER_JOINT"))
+      s.settings.indexer_mask |= 1U << a;
   read_paths(reader, s.paths);
   read_flags(reader, s.settings);
   read_lengths(reader, s.settings, unit_mm);

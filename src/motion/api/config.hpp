@@ -45,7 +45,11 @@ struct AxisConfig {
   double min_limit{-1e99}, max_limit{1e99};
   double max_vel{1}, max_acc{1}, max_jerk{0};
   double offset_av_ratio{0};
+  std::int32_t locking_joint{-1};  ///< [AXIS_L]LOCKING_INDEXER_JOINT; -1: it does not lock
+  std::int32_t reserved{0};
 };
+/// An axis with a locking joint stands unless it goes farther than this (degrees): sums of offsets are not exact.
+inline constexpr double kLockedSlack = 1e-6;
 
 /// The smaller of two jerk limits, of which 0 is none.
 [[nodiscard]] constexpr double least_jerk(double a, double b) noexcept {

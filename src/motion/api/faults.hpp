@@ -32,10 +32,12 @@ inline constexpr Fault kFaults[] = {Fault::internal,
                                     Fault::no_inverse,
                                     Fault::bad_item,
                                     Fault::kinematics_refused,
+                                    Fault::indexer_refused,
                                     Fault::limit_velocity,
                                     Fault::limit_acceleration,
                                     Fault::limit_jerk,
                                     Fault::limit_continuity,
+                                    Fault::indexer_locked,
                                     Fault::probe_no_contact,
                                     Fault::probe_already_tripped,
                                     Fault::probe_unexpected,
@@ -72,10 +74,12 @@ inline const char* fault_name(Fault fault) {
     case Fault::no_inverse: return "no-inverse";
     case Fault::bad_item: return "bad-item";
     case Fault::kinematics_refused: return "kinematics-refused";
+    case Fault::indexer_refused: return "indexer-refused";
     case Fault::limit_velocity: return "limit-velocity";
     case Fault::limit_acceleration: return "limit-acceleration";
     case Fault::limit_jerk: return "limit-jerk";
     case Fault::limit_continuity: return "limit-continuity";
+    case Fault::indexer_locked: return "indexer-locked";
     case Fault::probe_no_contact: return "probe-no-contact";
     case Fault::probe_already_tripped: return "probe-already-tripped";
     case Fault::probe_unexpected: return "probe-unexpected";
@@ -196,6 +200,23 @@ inline std::string oracle_text(const FaultRecord& r, const MachineConfig& config
          joint_value(r, r.limit, config) + ". Please report it with the program";
 }
 
+inline std::string indexer_text(const FaultRecord& r) {
+  const std::string joint = std::to_string(static_cast<int>(r.limit));
+  switch (static_cast<IndexerRefusal>(static_cast<int>(r.value))) {
+    case IndexerRefusal::locked:
+      return "Cannot jog " + jogged_of(r.index) + ": it is a locking indexer, and joint." + joint +
+             ".is-unlocked is false. Turn it with G0, in MDI or a program";
+    case IndexerRefusal::no_pins:
+      return "Move" + line_of(r.tag) + " of " + axis_of(r.index) + " needs the pins joint." +
+             joint + ".unlock and joint." + joint +
+             ".is-unlocked: load motmod with this joint's bit in unlock_joints_mask";
+    case IndexerRefusal::not_alone: break;
+  }
+  return "Move" + line_of(r.tag) + " would turn " + axis_of(r.index) +
+         ", which is a locking indexer: it turns only in G0, alone; nothing was moved. Change the "
+         "program";
+}
+
 }  // namespace detail
 
 /// One message for a person: what happened, where, and what to do. Positions in machine units.
@@ -269,6 +290,11 @@ inline std::string fault_text(const FaultRecord& r, const MachineConfig& config)
              (r.limit == 1 ? ": there is no such kind. Set motion.switchkins-type to one that is"
                            : ": it has no position for where the joints stand. Move into its "
                              "working space, then set motion.switchkins-type again");
+    case Fault::indexer_refused: return indexer_text(r);
+    case Fault::indexer_locked:
+      return "Indexer joint " + std::to_string(r.index) + " turned" + line_of(r.tag) +
+             " and joint." + std::to_string(r.index) +
+             ".is-unlocked went false, so the path was stopped. Check the lock and its sensor";
     case Fault::limit_velocity: return oracle_text(r, config, "velocity");
     case Fault::limit_acceleration: return oracle_text(r, config, "acceleration");
     case Fault::limit_jerk: return oracle_text(r, config, "jerk");

@@ -33,10 +33,12 @@ enum class Fault : std::int32_t {
   no_inverse = 26,          ///< kinematics: no joint position for an axis position
   bad_item = 27,            ///< a path item that cannot be (NaN, radius 0, index out of range)
   kinematics_refused = 28,  ///< value: the kind; limit: 1 none such, 2 no position, 3 for a mode
+  indexer_refused = 29,     ///< index: axis, value: IndexerRefusal, limit: joint
   limit_velocity = 30,      ///< the oracle: commanded motion broke a limit (value, limit)
   limit_acceleration = 31,
   limit_jerk = 32,
   limit_continuity = 33,
+  indexer_locked = 34,  ///< index: joint; is-unlocked went false while it turned
   probe_no_contact = 40,
   probe_already_tripped = 41,
   probe_unexpected = 42,
@@ -49,6 +51,13 @@ enum class Fault : std::int32_t {
   path_starved_internal = 60,
   overrun =
       61,  ///< a servo cycle came too late (value: ms behind the one before, limit); [KERF]OVERRUN
+};
+
+/// FaultRecord::value of Fault::indexer_refused.
+enum class IndexerRefusal : std::int32_t {
+  not_alone = 1,  ///< it may only turn in a rapid move of its own
+  no_pins = 2,    ///< motmod has no joint.N.unlock (unlock_joints_mask)
+  locked = 3,     ///< a jog, and joint.N.is-unlocked is false
 };
 
 /// FaultRecord::index of faults of jogs: joints are 0 and up, axes are this and up.
@@ -93,8 +102,10 @@ enum class PathWait : std::int32_t {
   feed_hold_pin = 5,
   feed_inhibit = 6,
   zero_override = 7,
-  spindle_index = 8,    ///< spindle.N.index-enable
-  spindle_turning = 9,  ///< a move that follows the spindle stands with it
+  spindle_index = 8,      ///< spindle.N.index-enable
+  spindle_turning = 9,    ///< a move that follows the spindle stands with it
+  indexer_unlocked = 10,  ///< joint.N.is-unlocked to be true
+  indexer_locked = 11,    ///< ... and to be false again
 };
 
 /// Written every servo cycle.
@@ -110,7 +121,7 @@ struct MotionStatus {
   SourceTag current;              ///< of the item in execution, or of the last one
   MotionKind kind{MotionKind::none};
   PathWait waiting_for{PathWait::none};
-  std::int32_t waiting_index{-1};  ///< spindle number, where that says more
+  std::int32_t waiting_index{-1};  ///< spindle or joint, where that says more
   bool enabled{false}, in_position{true}, path_empty{true}, held{false};
   bool all_homed{false}, homing_active{false}, jogging{false}, soft_limit{false};
   bool probe_tripped{false}, probing{false}, input_timeout{false}, amp_ready{false};

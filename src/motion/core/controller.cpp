@@ -111,6 +111,7 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
   watch_away(orders);
   watch_jog_stop(in);
   watch_probe(in);
+  watch_locks();
   take_wheels(in, orders);
   take_homing(in, orders);
   take_jogs(in, orders);

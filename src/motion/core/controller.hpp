@@ -50,6 +50,10 @@ class Controller {
   [[nodiscard]] const ExternalOffsets& offsets() const noexcept { return offsets_; }
   [[nodiscard]] const Joint& joint(std::size_t j) const noexcept { return joint_[j]; }
   [[nodiscard]] const AxisMover& axis(std::size_t i) const noexcept { return axis_[i]; }
+  /// joint.N.unlock: homing wants it, or the path.
+  [[nodiscard]] bool unlocks(std::size_t j) const noexcept {
+    return joint_[j].unlock || executor_.unlocks(static_cast<std::int32_t>(j));
+  }
   [[nodiscard]] bool joint_wheel_active(std::size_t j) const noexcept {
     return joint_wheel_[j].drives && joint_[j].mover.active();
   }
@@ -105,6 +109,10 @@ class Controller {
   [[nodiscard]] Range axis_range(std::size_t i, const Intent& want) const noexcept;
   [[nodiscard]] bool may_jog(const Inputs& in, const Orders& orders) const noexcept;
   [[nodiscard]] bool may_jog_joint(std::size_t j) const noexcept;
+  /// A locking indexer turns by hand only while something else has unlocked it.
+  [[nodiscard]] bool axis_locked(std::size_t i) const noexcept;
+  [[nodiscard]] bool joint_locked(std::size_t j) const noexcept;
+  void watch_locks() noexcept;
   /// A jog wheel and what it has begun.
   struct Wheel {
     std::int32_t counts{0};  ///< of the last cycle

@@ -188,6 +188,25 @@ bool Controller::may_jog_joint(std::size_t j) const noexcept {
   return mode_ == MotionMode::free && !bound && !is_posthome(j);
 }
 
+bool Controller::axis_locked(std::size_t i) const noexcept {
+  const std::int32_t j = config_.axis[i].locking_joint;
+  return j >= 0 && j < static_cast<std::int32_t>(joints_) && !joint_[j].is_unlocked;
+}
+
+bool Controller::joint_locked(std::size_t j) const noexcept {
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    if (config_.axis[i].locking_joint == static_cast<std::int32_t>(j)) return axis_locked(i);
+  return false;
+}
+
+/// Jogs end where the lock is lost; homing waits for it by itself.
+void Controller::watch_locks() noexcept {
+  for (std::size_t j = 0; j < joints_; ++j)
+    if (mode_ == MotionMode::free && !homing_.active() && joint_locked(j)) joint_[j].mover.stop();
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    if (axis_locked(i)) axis_[i].stop();
+}
+
 void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
   const Intent& want = *orders.values;
   const bool ready = may_jog(in, orders);
@@ -195,6 +214,12 @@ void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
     if (want.joint_jog[j].seq == joint_jog_seen_[j]) continue;
     const Range range = joint_range(j, want);
     joint_wheel_[j].drives = false;
+    if (ready && joint_locked(j) && want.joint_jog[j].kind != JogIntent::Kind::none) {
+      joint_jog_seen_[j] = want.joint_jog[j].seq;
+      raise(faults_, Fault::indexer_refused, static_cast<std::int32_t>(j),
+            static_cast<double>(IndexerRefusal::locked), static_cast<double>(j));
+      continue;
+    }
     joint_[j].mover.set_limits(std::max(config_.joint[j].max_acc, kLeastAcc),
                                config_.joint[j].max_jerk);
     take_jog(want.joint_jog[j], joint_jog_seen_[j], ready && may_jog_joint(j), joint_[j].mover,
@@ -205,6 +230,12 @@ void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
     const bool exists = (kinematics_.axis_mask() >> i & 1U) != 0;
     const Range range = axis_range(i, want);
     axis_wheel_[i].drives = false;
+    if (ready && axis_locked(i) && want.axis_jog[i].kind != JogIntent::Kind::none) {
+      axis_jog_seen_[i] = want.axis_jog[i].seq;
+      raise(faults_, Fault::indexer_refused, kAxisJog + static_cast<std::int32_t>(i),
+            static_cast<double>(IndexerRefusal::locked), config_.axis[i].locking_joint);
+      continue;
+    }
     axis_[i].set_limits(std::max(axis_limit_[i].max_acc, kLeastAcc), axis_limit_[i].max_jerk);
     take_jog(want.axis_jog[i], axis_jog_seen_[i], ready && exists && may_jog_axes(), axis_[i],
              kAxisJog + static_cast<std::int32_t>(i), axis_limit_[i].max_vel, range.low,
@@ -216,13 +247,13 @@ void Controller::take_wheels(const Inputs& in, const Orders& orders) noexcept {
   const Intent& want = *orders.values;
   const bool ready = may_jog(in, orders) && !in.jog_stop && !in.jog_stop_immediate;
   for (std::size_t j = 0; j < joints_; ++j)
-    turn_wheel(in.joint_wheel[j], joint_wheel_[j], ready && may_jog_joint(j), joint_[j].mover,
-               config_.joint[j].max_vel, config_.joint[j].max_acc, config_.joint[j].max_jerk,
-               joint_range(j, want));
+    turn_wheel(in.joint_wheel[j], joint_wheel_[j], ready && may_jog_joint(j) && !joint_locked(j),
+               joint_[j].mover, config_.joint[j].max_vel, config_.joint[j].max_acc,
+               config_.joint[j].max_jerk, joint_range(j, want));
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     if ((kinematics_.axis_mask() >> i & 1U) == 0) continue;
-    turn_wheel(in.axis_wheel[i], axis_wheel_[i], ready && may_jog_axes(), axis_[i],
-               axis_limit_[i].max_vel, axis_limit_[i].max_acc, axis_limit_[i].max_jerk,
+    turn_wheel(in.axis_wheel[i], axis_wheel_[i], ready && may_jog_axes() && !axis_locked(i),
+               axis_[i], axis_limit_[i].max_vel, axis_limit_[i].max_acc, axis_limit_[i].max_jerk,
                axis_range(i, want));
   }
 }
@@ -333,6 +364,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   path.max_vel_mm_s = want.max_vel_mm_s;
   path.pose_fb = pose_fb_ - offsets_.pose();
   path.spindle = in.spindle;
+  for (std::size_t j = 0; j < joints_; ++j) path.unlocked |= joint_[j].is_unlocked ? 1U << j : 0U;
   executor_.step(path, dt, faults_);
   if (mode_ == MotionMode::free) {
     JointVector q{};

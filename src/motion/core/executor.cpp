@@ -87,6 +87,7 @@ void Executor::drop_before(std::uint32_t epoch) noexcept {
     forget_track();
   }
   sync_.end();
+  lock_again();
   (void)next();
   sync_digital_mask_ = sync_analog_mask_ = 0;
   dwell_left_ = 0;
@@ -97,6 +98,7 @@ void Executor::drop_before(std::uint32_t epoch) noexcept {
 void Executor::void_epoch(std::uint32_t epoch) noexcept {
   if (void_epoch_ == 0 || before(void_epoch_, epoch)) void_epoch_ = epoch;
   place(pose_);
+  lock_again();
   (void)next();
   sync_digital_mask_ = sync_analog_mask_ = 0;
   dwell_left_ = 0;
@@ -123,6 +125,7 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
   waiting_index_ = -1;
   if (in.spindle != nullptr) sync_.observe(in.spindle, dt);
   set_scale(in);
+  locking_ &= in.unlocked;
   if (in.stand || !in.single_step) {
     step_begun_ = false;
   } else if (started_ && !step_begun_) {
@@ -173,6 +176,10 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
       if (!run_orient(*span, *change, in, rest, faults)) break;
       continue;
     }
+    if (const auto* order = std::get_if<IndexerSpan>(&span->body)) {
+      if (!run_indexer(*span, *order, in)) break;
+      continue;
+    }
     if (in.stand) break;
     const double used = std::min(rest, dwell_left_);
     dwell_left_ -= used;
@@ -209,7 +216,10 @@ Executor::Outcome Executor::begin(const Span& span, const PathInputs& in,
   return std::visit(
       Overloaded{
           [&](const PathSpan& m) { return begin_move(span, m, in, faults); },
-          [&](const TapSpan& m) { return begin_tap(span, m, in, faults); },
+          [&](const TapSpan& m) {
+            return waits_for_lock() ? Outcome::blocked : begin_tap(span, m, in, faults);
+          },
+          [&](const IndexerSpan& m) { return begin_indexer(span, m); },
           [&](const Dwell& m) {
             history_.clear();
             current_ = span.tag;
@@ -288,14 +298,19 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
                                        FaultList& faults) noexcept {
   const bool rests = at_rest();
   if (rests) {
-    if (!in.may_move) return Outcome::blocked;
+    if (!in.may_move || waits_for_lock()) return Outcome::blocked;
+    if (move.kind == MotionKind::index_rotary && !move.point &&
+        (indexer_ < 0 || (in.unlocked >> static_cast<std::uint32_t>(indexer_) & 1U) == 0)) {
+      blocked(PathWait::indexer_unlocked, indexer_);
+      return Outcome::blocked;
+    }
     if (!same_place(move.point ? move.end : to_pose(move.piece.point(move.from)), pose_)) {
       raise(faults, Fault::path_starved_internal, -1, 0, 0, span.tag);
       fail_path(span);
       return Outcome::done;
     }
     if (move.kind != MotionKind::traverse && move.kind != MotionKind::tool_change &&
-        move.sync.per_rev <= 0) {
+        move.kind != MotionKind::index_rotary && move.sync.per_rev <= 0) {
       if (after_traverse_) spindles_.wait_after_traverse();
       after_traverse_ = false;
       const std::int32_t waiting = spindles_.not_at_speed();
@@ -329,7 +344,7 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
     return Outcome::done;
   }
   started_ = true;
-  after_traverse_ = move.kind == MotionKind::traverse;
+  after_traverse_ = move.kind == MotionKind::traverse || move.kind == MotionKind::index_rotary;
   kind_ = move.kind;
   left_ = move.length;
   half_way_ = 0;
@@ -541,6 +556,7 @@ double Executor::drive(const PathSpan& move, const Ends& ends, double x_wanted,
 double Executor::run_move(const Span& span, const PathSpan& move, const PathInputs& in, double dt,
                           FaultList& faults) noexcept {
   watch_probe(span, move, in, faults);
+  watch_indexer(span, move, in, faults);
   const double x = move.sync.per_rev > 0 ? wanted_in_thread(span, move, in, faults)
                                          : wanted_under_way(move, in, scale_);
   const double used = drive(move, ends_of(move), x, dt);
@@ -566,7 +582,7 @@ double Executor::run_move(const Span& span, const PathSpan& move, const PathInpu
 void Executor::end_span(const Span& span, const PathSpan& move, FaultList& faults) noexcept {
   if (move.stop_at_end) sigma_speed_ = sigma_acc_ = 0;
   sync_.passed(move.length);
-  if (move.probe || ending_ || move.sync.per_rev > 0)
+  if (move.probe || ending_ || move.sync.per_rev > 0 || indexer_ >= 0)
     history_.clear();
   else
     history_.add(span, move, ends_of(move).hard, limits_);

@@ -33,6 +33,7 @@ struct PathInputs {
   double max_vel_mm_s{1e99};
   Pose pose_fb;                           ///< what a probe contact latches
   const SpindleInputs* spindle{nullptr};  ///< kMaxSpindles of them
+  std::uint32_t unlocked{0};              ///< joints with is-unlocked, a bit each
 };
 
 class Executor {
@@ -70,6 +71,8 @@ class Executor {
   }
   /// Single stepping stands at the end of a block until hold is given and released again.
   [[nodiscard]] bool step_done() const noexcept { return waiting_ == PathWait::hold && !started_; }
+  /// joint.N.unlock, as far as the path wants it.
+  [[nodiscard]] bool unlocks(std::int32_t joint) const noexcept { return indexer_ == joint; }
   [[nodiscard]] bool moving_item() const noexcept { return started_ && kind_ != MotionKind::none; }
   /// A spindle decides how fast it goes (threads, taps).
   [[nodiscard]] bool follows_spindle() const noexcept;
@@ -116,6 +119,14 @@ class Executor {
                     FaultList& faults) noexcept;
   void run_tap(const Span& span, const TapSpan& tap, const PathInputs& in, double dt,
                FaultList& faults) noexcept;
+  // indexer.cpp: locking rotary joints
+  Outcome begin_indexer(const Span& span, const IndexerSpan& order) noexcept;
+  [[nodiscard]] bool run_indexer(const Span& span, const IndexerSpan& order,
+                                 const PathInputs& in) noexcept;
+  [[nodiscard]] bool waits_for_lock() noexcept;
+  void watch_indexer(const Span& span, const PathSpan& move, const PathInputs& in,
+                     FaultList& faults) noexcept;
+  void lock_again() noexcept;
   void output(const OutputChange& change) noexcept;
   void fire_synchronised() noexcept;
   void set_scale(const PathInputs& in) noexcept;
@@ -228,6 +239,8 @@ class Executor {
   MotionKind kind_{MotionKind::none};
   PathWait waiting_{PathWait::none};
   std::int32_t waiting_index_{-1};
+  std::int32_t indexer_{-1};  ///< the joint that the path has unlocked
+  std::uint32_t locking_{0};  ///< joints that it locks, until is-unlocked is false
   std::uint32_t min_epoch_{0}, void_epoch_{0};
   std::uint64_t executed_seq_{0}, current_seq_{0}, place_number_{1};
   SourceTag current_;

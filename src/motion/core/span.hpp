@@ -67,10 +67,17 @@ struct TapSpan {
   std::int32_t reserved{0};
 };
 
+/// Before and behind the move of a locking indexer: the path stands until joint.N.is-unlocked says so.
+struct IndexerSpan {
+  std::int32_t joint{0};
+  bool unlock{false};  ///< else it locks
+  bool reserved[3]{};
+};
+
 /// Everything else keeps its place between the moves.
 struct Span {
   using Body = std::variant<PathSpan, Dwell, OutputChange, SpindleChange, PathControl,
-                            OverrideEnable, ToolOffset, Marker, TapSpan>;
+                            OverrideEnable, ToolOffset, Marker, TapSpan, IndexerSpan>;
   std::uint32_t epoch{0};
   std::uint32_t reserved{0};
   std::uint64_t seq{0};  ///< of the item that it belongs to

@@ -195,6 +195,7 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
   controller_->use_screws(screw_);
   planner_->planner().set_counts(args_.dio, args_.aio, args_.spindles);
   planner_->planner().set_tap(recorder_);
+  planner_->planner().set_unlock_pins(args_.unlock_mask);
   controller_->status().digital_count = args_.dio;
   controller_->status().analog_count = args_.aio;
   controller_->status().extra_joints = args_.extra_joints;

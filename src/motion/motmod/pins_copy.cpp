@@ -89,7 +89,7 @@ void Motmod::write_joint(std::size_t j) noexcept {
   p.free_tp_enable = moves;
   // Only on order: in between it belongs to the encoder.
   if (joint.index_order != 0) p.index_enable = joint.index_order > 0;
-  if (has_unlock(j)) unlock_[j] = joint.unlock;
+  if (has_unlock(j)) unlock_[j] = controller_->unlocks(j);
   p.homed = s.homed;
   p.homing = s.homing;
   p.in_position = s.in_position;

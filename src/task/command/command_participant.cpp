@@ -349,6 +349,13 @@ void motion_wait(WaitingFor& wait, const motion::MotionStatus& status) {
       return say_wait(wait, "the index of the spindle", spindle + ".index-enable");
     case motion::PathWait::spindle_turning:
       return say_wait(wait, "the spindle to turn", spindle + ".revs, " + spindle + ".speed-in");
+    case motion::PathWait::indexer_unlocked:
+    case motion::PathWait::indexer_locked: {
+      const std::string joint = std::to_string(std::max(status.waiting_index, 0));
+      const bool opens = status.waiting_for == motion::PathWait::indexer_unlocked;
+      return say_wait(wait, (opens ? "unlocking of joint " : "locking of joint ") + joint,
+                      "joint." + joint + ".is-unlocked");
+    }
   }
   if (status.probing) return say_wait(wait, "the probe", "motion.probe-input");
   for (std::size_t j = 0; j < motion::kMaxJoints; ++j)

@@ -124,10 +124,20 @@ double CanonToPath::linear_mm_s() const {
   return per_minute / 60.0;
 }
 
+void CanonToPath::add_rapid(const Pose& from, const Pose& end, MotionKind kind) {
+  Pose at = from;
+  for (std::size_t a = 0; a < rtapi::kAxes; ++a) {
+    if ((indexers_ >> a & 1U) == 0 || std::fabs(end[a] - at[a]) <= motion::kLockedSlack) continue;
+    at[a] = end[a];
+    add_path(motion::LinearMove{at, 0, MotionKind::index_rotary});
+  }
+  if (!(end == at)) add_path(motion::LinearMove{end, 0, kind});
+}
+
 void CanonToPath::traverse_machine(const Pose& end, MotionKind kind) {
   // A move of no length has no direction, hence no place on a path.
   if (end == state_.position) return;
-  add_path(motion::LinearMove{end, 0, kind});
+  add_rapid(state_.position, end, kind);
   state_.position = end;
   state_.pending_outputs = 0;
 }

@@ -10,6 +10,7 @@
 #include "interp/canon.hpp"
 #include "interp/canon_frame.hpp"
 #include "interp/interpreter.hpp"
+#include "motion/api/config.hpp"
 #include "motion/api/path_items.hpp"
 #include "task/interpreter/task_items.hpp"
 #include "task/machine_config.hpp"
@@ -54,6 +55,10 @@ class CanonToPath final : public interp::Canon {
   [[nodiscard]] const CanonState& state() const noexcept { return state_; }
   void restore(const CanonState& state) { state_ = state; }
   void set_position(const motion::Pose& machine) { state_.position = machine; }
+  /// Axes with a locking joint, a bit each: rapids turn them in a move of their own.
+  void set_indexers(std::uint32_t axes) noexcept { indexers_ = axes; }
+  /// A rapid between two places; locking indexers turn first, each alone. Does not tell where the path leads.
+  void add_rapid(const motion::Pose& from, const motion::Pose& end, motion::MotionKind kind);
   /// After an abort: what stops with it.
   void forget_outputs();
   /// How many outputs motmod has (num_dio, num_aio).
@@ -183,6 +188,7 @@ class CanonToPath final : public interp::Canon {
   std::vector<DeliveredBlock> delivered_;
   std::vector<interp::Tool> tool_changes_;
   bool reload_{false};
+  std::uint32_t indexers_{0};
   int digital_count_{motion::kMaxDigital},
       analog_count_{motion::kMaxAnalog};  ///< until motion says
 };

@@ -53,6 +53,7 @@ InterpreterParticipant::InterpreterParticipant(const Parts& parts)
   // A motion that outlived an earlier task has seen numbers already.
   last_seq_ = std::max({status_.executed_seq, status_.current_seq, p_.motion.path.pushed()});
   canon_.start_tags_after(status_.current.id);
+  canon_.set_indexers(p_.setup.interp.indexer_mask);
 }
 
 InterpreterParticipant::~InterpreterParticipant() {

@@ -116,7 +116,10 @@ void InterpreterParticipant::approach() {
   rtapi::Pose at = from.position;
   const auto go = [&](const rtapi::Pose& to, double vel_mm_s, MotionKind kind) {
     if (to == at) return;
-    add(LinearMove{to, vel_mm_s, kind});
+    if (kind == MotionKind::traverse)
+      canon_.add_rapid(at, to, kind);
+    else
+      add(LinearMove{to, vel_mm_s, kind});
     at = to;
   };
   const bool new_tool = io.tool_in_spindle != seek_->tool();

@@ -204,6 +204,35 @@ Planner::Take Planner::bad_item(const PathItem& item, double value) noexcept {
   return refuse(item, record);
 }
 
+bool Planner::indexer_of(const Curve& curve, MotionKind kind, std::int32_t& joint,
+                         FaultRecord& fault) const noexcept {
+  joint = -1;
+  std::int32_t turns = -1;
+  int others = 0;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    const double way = std::abs(curve.end[i] - curve.start[i]);
+    if (config_.axis[i].locking_joint >= 0 && way > kLockedSlack)
+      turns = static_cast<std::int32_t>(i);
+    else if (way > 0 && config_.axis[i].locking_joint < 0)
+      ++others;
+  }
+  if (turns < 0) return true;
+  const std::int32_t of_axis = config_.axis[turns].locking_joint;
+  IndexerRefusal why{};
+  if (kind != MotionKind::index_rotary || others > 0)
+    why = IndexerRefusal::not_alone;
+  else if (of_axis >= static_cast<std::int32_t>(kMaxJoints) ||
+           (unlock_pins_ >> static_cast<std::uint32_t>(of_axis) & 1U) == 0)
+    why = IndexerRefusal::no_pins;
+  joint = of_axis;
+  if (why == IndexerRefusal{}) return true;
+  fault.fault = Fault::indexer_refused;
+  fault.index = turns;
+  fault.value = static_cast<double>(why);
+  fault.limit = of_axis;
+  return false;
+}
+
 bool Planner::may_move(const ServoView& view) noexcept {
   if (!view.takes_moves) return false;
   if (probing_) {
@@ -363,7 +392,8 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
     return Take::wait_room;
   }
   const auto& [speed, kind, probe, sync] = order;
-  const bool traverse = kind == MotionKind::traverse || kind == MotionKind::tool_change;
+  const bool traverse = kind == MotionKind::traverse || kind == MotionKind::tool_change ||
+                        kind == MotionKind::index_rotary;
   const bool speed_ok = std::isfinite(speed) && (traverse ? speed >= 0 : speed > 0);
   const bool point = curve.shape == Curve::Shape::point;
   if (!shaped || (!speed_ok && !point)) return bad_item(item, speed);
@@ -391,9 +421,16 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
     if (result == Take::done && probe != nullptr) probing_ = true;
     return result;
   }
+  FaultRecord fault;
+  std::int32_t indexer = -1;
+  if (!indexer_of(curve, kind, indexer, fault)) return refuse(item, fault);
+  if (indexer >= 0 && events_.size() + 2 > kEvents) {
+    stop_here();
+    due_ = true;
+    return Take::wait_room;
+  }
   // Judged as a whole: what follows a spindle, and what cannot be looked at in stretches.
   const bool alone = !plain_ && (!mixed_ || sync != nullptr);
-  FaultRecord fault;
   const bool within = alone ? limits_of(item, curve, speed, traverse, meta, fault)
                             : within_soft_limits(curve, kinematics_, config_, skew_, fault);
   if (!kinematics_.complete()) return Take::wait_servo;
@@ -413,11 +450,12 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   }
   move.mode = mode_;
   meta.tolerance_mm = mode_.tolerance.mm;
-  move.stop_at_end = probe != nullptr || alone;
+  move.stop_at_end = probe != nullptr || alone || indexer >= 0;
   if (!(path::axis_cap(move.piece, 0, move.piece.length, limits_) > 0) ||
       !can_accelerate(move.piece, limits_))
     return bad_item(item, 0);
-  if (alone) stop_here();
+  if (alone || indexer >= 0) stop_here();
+  if (indexer >= 0) (void)event(item, IndexerSpan{indexer, true});
   const bool may_merge = kind == MotionKind::feed && sync == nullptr && plain_ &&
                          curve.shape == Curve::Shape::line && merge_mm_ > 0 && !single_step_;
   end_ = curve.end;
@@ -433,6 +471,7 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
     merge_.begin(path::to_vec(curve.start), path::to_vec(curve.end));
   else
     merge_.end();
+  if (indexer >= 0) (void)event(item, IndexerSpan{indexer, false});
   if (move.stop_at_end) due_ = true;
   after_traverse_ = traverse;
   if (probe != nullptr) probing_ = true;

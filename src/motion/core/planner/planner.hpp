@@ -49,6 +49,8 @@ class Planner {
     analog_ = analog;
     spindles_ = spindles;
   }
+  /// The joints with unlock pins, a bit each.
+  void set_unlock_pins(std::uint32_t joints) noexcept { unlock_pins_ = joints; }
 
   /// Takes items from `in` while that is possible. Items older than `abort_epoch`, void ones and those behind a refused one
   /// are dropped. Moves are taken only while `view.takes_moves`. `now_ns` is the instance's time.
@@ -126,6 +128,9 @@ class Planner {
                  const Order& order) noexcept;
   [[nodiscard]] bool limits_of(const PathItem& item, const Curve& curve, double speed,
                                bool traverse, Meta& meta, FaultRecord& fault) noexcept;
+  /// The joint that a move of kind index_rotary unlocks, -1 for a move that turns no indexer; false: refused.
+  [[nodiscard]] bool indexer_of(const Curve& curve, MotionKind kind, std::int32_t& joint,
+                                FaultRecord& fault) const noexcept;
   [[nodiscard]] bool may_move(const ServoView& view) noexcept;
   [[nodiscard]] bool stands_for(const PathItem& item) const noexcept;
   Take event(const PathItem& item, const Span::Body& body) noexcept;
@@ -182,6 +187,7 @@ class Planner {
   std::int32_t digital_{static_cast<std::int32_t>(kMaxDigital)},
       analog_{static_cast<std::int32_t>(kMaxAnalog)};
   std::int32_t spindles_{static_cast<std::int32_t>(kMaxSpindles)};
+  std::uint32_t unlock_pins_{~0U};
 
   // where the path leads
   Pose end_;                   ///< where the path taken so far leads

@@ -258,6 +258,9 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   body.stop_at_end = piece.stop_at_end && at_piece_end;
   body.at_end_exactly = body.stop_at_end && body.done_seq == meta.seq;
 
+  // It is done when it is locked.
+  if (meta.kind == MotionKind::index_rotary) body.done_seq = 0;
+
   Sent sent;
   sent.begins = begins_;
   sent.length = body.length;
