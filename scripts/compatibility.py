@@ -83,9 +83,6 @@ def machine_pins():
             (Path(folder) / name.name).write_bytes(name.read_bytes())
         has_halui = (BUILD / "bin/halui").exists() and not re.search(r"^HALUI *=", ini, re.M)
         ini = re.sub(r"^DISPLAY *=.*$", "", ini, flags=re.M)
-        # What motmod has only when it is asked, and with switchable kinematics.
-        ini = ini.replace("EMCMOT = motmod", "EMCMOT = motmod unlock_joints_mask=7 num_misc_error=1")
-        ini = ini.replace("KINEMATICS = trivkins", "KINEMATICS = xyzac-trt-kins")
         # iov2 has all the pins of a tool changer.
         machine.write_text(f"{ini}\n[DISPLAY]\nDISPLAY = {script}\n[EMCIO]\nEMCIO = iov2\n"
                            + ("[HAL]\nHALUI = halui\n[HALUI]\nMDI_COMMAND = G0 X0\n" if has_halui else ""))
@@ -99,9 +96,29 @@ def machine_pins():
         return {general(words[4]) for words in lines if len(words) > 4}
 
 
+def asked_pins():
+    """What motmod has only when its parameters or the kinematics ask for it."""
+    out = set()
+    names = " ".join(f"names_{kind}=NAME" for kind in ("din", "dout", "ain", "aout", "misc_errors"))
+    for kinematics, asked in (("xyzac-trt-kins", "num_joints=5 unlock_joints_mask=7 num_misc_error=1"),
+                              ("trivkins coordinates=xyz kinstype=BOTH", f"num_joints=4 num_extrajoints=1 {names}")):
+        with tempfile.NamedTemporaryFile("w", suffix=".hal") as hal:
+            hal.write(f"loadrt {kinematics}\nloadrt motmod servo_period_nsec=1000000 {asked}\nshow pin\n")
+            hal.flush()
+            env = {**os.environ, "KERF_INSTANCE": f"asked-{os.getpid()}", "PATH": f"{BUILD}/bin:{os.environ['PATH']}"}
+            run = subprocess.run([BUILD / "bin/halrun", "-f", hal.name], env=env, capture_output=True, text=True,
+                                 check=False, timeout=120, stdin=subprocess.DEVNULL)
+        lines = [line.split() for line in run.stdout.splitlines()]
+        pins = {general(words[4]) for words in lines if len(words) > 4}
+        if not pins:
+            raise Unavailable(f"motmod did not load: {run.stdout}{run.stderr}")
+        out |= pins
+    return out
+
+
 def hal_pins():
     own = re.compile(r"^(motion|spindle|joint|axis|ini|iocontrol)\.")
-    return {name for name in machine_pins() if own.match(name)}
+    return {name for name in machine_pins() | asked_pins() if own.match(name)}
 
 
 def halui_pins():

@@ -9,8 +9,8 @@
 
 namespace kerf::task {
 
-/// Largest distance between a spline and the cubics that stand for it.
-inline constexpr double kCubicTolerance_mm = 1e-4;
+/// Largest distance between a spline and the cubics that stand for it (mm).
+inline constexpr double kCubicTolerance = 1e-4;
 
 /// A piece from where the one before ends; s is its length and runs from 0 to `length`.
 struct CubicPiece {
@@ -22,6 +22,6 @@ struct CubicPiece {
 
 /// Empty when the curve cannot be had so: a point, or a cusp, where it has no direction.
 [[nodiscard]] std::vector<CubicPiece> spline_cubics(const interp::NurbsCurve& curve,
-                                                    double tolerance_mm = kCubicTolerance_mm);
+                                                    double tolerance_mm = kCubicTolerance);
 
 }  // namespace kerf::task

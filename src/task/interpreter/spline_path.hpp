@@ -7,9 +7,9 @@
 
 namespace kerf::task {
 
-/// Largest distance between a spline and the arcs that stand for it. A hundredth of what machines of this kind hold, and
+/// Largest distance between a spline and the arcs that stand for it (mm). A hundredth of what machines of this kind hold, and
 /// still only some ten arcs for a curve of the size of a hand.
-inline constexpr double kSplineTolerance_mm = 0.001;
+inline constexpr double kSplineTolerance = 0.001;
 
 /// A piece from where the one before ends.
 struct SplinePiece {
@@ -21,6 +21,6 @@ struct SplinePiece {
 /// Arcs (straight pieces where the curve is straight) no further than `tolerance_mm` from the curve. Neighbours share the
 /// tangent wherever the curve has one; each arc is less than half a circle.
 [[nodiscard]] std::vector<SplinePiece> spline_pieces(const interp::NurbsCurve& curve,
-                                                     double tolerance_mm = kSplineTolerance_mm);
+                                                     double tolerance_mm = kSplineTolerance);
 
 }  // namespace kerf::task

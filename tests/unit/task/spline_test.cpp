@@ -124,7 +124,7 @@ TEST(Spline, arcs_stay_within_tolerance_and_touch) {
     EXPECT_LT(pieces.size(), 4000u) << round;
     EXPECT_NEAR(pieces.back().x, points.back().x, 1e-9);
     EXPECT_NEAR(pieces.back().y, points.back().y, 1e-9);
-    EXPECT_LE(largest_distance(curve, pieces), kSplineTolerance_mm * 1.2) << round;
+    EXPECT_LE(largest_distance(curve, pieces), kSplineTolerance * 1.2) << round;
     Vec from{points[0].x, points[0].y};
     Vec before{};
     int corners = 0;
@@ -152,7 +152,7 @@ TEST(Spline, odd_control_points_end_too) {
     const auto pieces = spline_pieces(curve);
     EXPECT_LT(pieces.size(), 5000u);
     if (!pieces.empty()) {
-      EXPECT_LE(largest_distance(curve, pieces), kSplineTolerance_mm * 1.5);
+      EXPECT_LE(largest_distance(curve, pieces), kSplineTolerance * 1.5);
     }
   }
   EXPECT_TRUE(spline_pieces(NurbsCurve(odd[0], 4)).empty());
@@ -221,7 +221,7 @@ TEST(Spline, cubics_follow_it_by_its_length_and_with_its_curvature) {
       }
       worst = std::max(worst, best);
     }
-    EXPECT_LE(worst, 2 * kCubicTolerance_mm) << "program " << program;
+    EXPECT_LE(worst, 2 * kCubicTolerance) << "program " << program;
   }
   EXPECT_GT(had, 50);
   // A cusp and a point have no direction.
