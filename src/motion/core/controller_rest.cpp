@@ -18,6 +18,7 @@ void Executor::save(Rest& r) const noexcept {
   r.current = current_, r.enables = enables_;
   r.sync_digital_mask = sync_digital_mask_, r.sync_digital = sync_digital_;
   r.sync_analog_mask = sync_analog_mask_;
+  r.indexer = indexer_, r.locking = locking_;
   std::copy(std::begin(sync_analog_), std::end(sync_analog_), std::begin(r.sync_analog));
   for (std::int32_t n = 0; n < static_cast<std::int32_t>(kMaxSpindles); ++n)
     r.observer[n] = sync_.observer(n);
@@ -37,6 +38,7 @@ void Executor::restore(const Rest& r) noexcept {
   current_ = r.current, enables_ = r.enables;
   sync_digital_mask_ = r.sync_digital_mask, sync_digital_ = r.sync_digital;
   sync_analog_mask_ = r.sync_analog_mask;
+  indexer_ = r.indexer, locking_ = r.locking;
   std::copy(std::begin(r.sync_analog), std::end(r.sync_analog), std::begin(sync_analog_));
   for (std::int32_t n = 0; n < static_cast<std::int32_t>(kMaxSpindles); ++n)
     sync_.take_over(n, r.observer[n]);

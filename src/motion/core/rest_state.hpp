@@ -16,6 +16,8 @@ struct Executor::Rest {
   SourceTag current;
   OverrideEnable enables;
   std::uint64_t sync_digital_mask{0}, sync_digital{0}, sync_analog_mask{0};
+  std::int32_t indexer{-1};
+  std::uint32_t locking{0};
   double sync_analog[kMaxAnalog]{};
   SpindleObserver observer[kMaxSpindles];
   double slow_rps[kMaxSpindles]{}, feed_rps[kMaxSpindles]{};
