@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <variant>
 
+#include "motion/api/kinematics.hpp"
 #include "motion/api/shared.hpp"
 #include "motion/core/path/piece.hpp"
 
@@ -139,6 +140,8 @@ struct ServoView {
       0};  ///< not 0: the servo wants to change its limits; the planner stands still meanwhile
   /// Of a joint from its place by the inverse kinematics: a leg of a gantry that stands beside its partner.
   double skew[kMaxJoints]{};
+  JointVector
+      joint{};  ///< where the joints stand, without that: which of several solutions the kinematics are in
   FeedScale scale;
   bool takes_moves{false};  ///< enabled, in coordinated mode
   bool single_step{false};

@@ -1,7 +1,7 @@
 // Locking rotary indexers: they turn only while they are unlocked, and whatever ends a move locks them again.
 #include <gtest/gtest.h>
 
-#include "rig.hpp"
+#include "unit/motion/rig.hpp"
 
 namespace kerf::motion::test {
 namespace {

@@ -170,11 +170,11 @@ TEST(Ceilings, LinesTakeWhatTheSlowestJointAllows) {
   Curve c;
   Ceilings out;
   ASSERT_TRUE(make_line({}, {.x = 3, .y = 4}, 0xf, c));
-  ASSERT_TRUE(ceilings_of(c, rig.kinematics, rig.config, 1e9, out));
+  ASSERT_TRUE(ceilings_of(c, rig.kinematics, rig.config, {}, 1e9, out));
   EXPECT_DOUBLE_EQ(out.speed, 12.5);
   EXPECT_DOUBLE_EQ(out.acc, 1250);
   ASSERT_TRUE(make_line({}, {.x = 1, .a = 5}, 0xf, c));
-  ASSERT_TRUE(ceilings_of(c, rig.kinematics, rig.config, 1e9, out));
+  ASSERT_TRUE(ceilings_of(c, rig.kinematics, rig.config, {}, 1e9, out));
   EXPECT_DOUBLE_EQ(out.speed, 20);
   EXPECT_DOUBLE_EQ(out.acc, 10);
 }
@@ -185,11 +185,11 @@ TEST(Ceilings, ACircleSharesTheAccelerationOfEachJoint) {
   Ceilings out;
   ArcMove m = arc_xy({.x = 10}, 0, 0, 1);
   ASSERT_TRUE(make_arc({.x = 10}, m, c));
-  ASSERT_TRUE(ceilings_of(c, rig.kinematics, rig.config, 1e9, out));
+  ASSERT_TRUE(ceilings_of(c, rig.kinematics, rig.config, {}, 1e9, out));
   EXPECT_NEAR(out.speed, std::sqrt(0.8 * 1000 * 10), 0.1) << "0.8 of the limit for the curve";
   EXPECT_NEAR(out.acc, 600, 1);
   // A slow feed leaves nearly all of it for speeding up.
-  ASSERT_TRUE(ceilings_of(c, rig.kinematics, rig.config, 5, out));
+  ASSERT_TRUE(ceilings_of(c, rig.kinematics, rig.config, {}, 5, out));
   EXPECT_GT(out.acc, 990);
 }
 
@@ -200,9 +200,50 @@ TEST(Ceilings, TrajectoryLimitsCap) {
   Curve c;
   Ceilings out;
   ASSERT_TRUE(make_line({}, {.x = 3, .y = 4}, 7, c));
-  ASSERT_TRUE(ceilings_of(c, rig.kinematics, rig.config, 1e9, out));
+  ASSERT_TRUE(ceilings_of(c, rig.kinematics, rig.config, {}, 1e9, out));
   EXPECT_EQ(out.speed, 30);
   EXPECT_EQ(out.acc, 40);
+}
+
+/// X is the square of joint 0, so each place has two solutions; the one nearer to `joint` is taken, and +  where both are as near.
+class TwoWays final : public Kinematics {
+ public:
+  [[nodiscard]] KinematicsType type() const noexcept override { return KinematicsType::both; }
+  [[nodiscard]] std::int32_t joints() const noexcept override { return 1; }
+  [[nodiscard]] bool forward(const JointVector& q, Pose& p) const noexcept override {
+    p.x = q[0] * q[0];
+    return true;
+  }
+  [[nodiscard]] bool inverse(const Pose& p, JointVector& q) const noexcept override {
+    if (p.x < 0) return false;
+    q[0] = q[0] < 0 ? -std::sqrt(p.x) : std::sqrt(p.x);
+    return true;
+  }
+  [[nodiscard]] std::int32_t axis_of_joint(std::int32_t) const noexcept override { return -1; }
+  [[nodiscard]] std::uint32_t axis_mask() const noexcept override { return 1; }
+};
+
+TEST(SoftLimits, CountForTheSolutionThatTheJointsAreIn) {
+  const TwoWays two_ways;
+  for (const double side : {-1.0, 1.0}) {
+    Rig rig(test::RigKinematics{two_ways});
+    rig.config.joint[0].min_limit = side < 0 ? -5 : -2;
+    rig.config.joint[0].max_limit = side < 0 ? 2 : 5;
+    rig.config.joint[0].home = rig.config.joint[0].home_offset = 3 * side;
+    rig.apply_config();
+    rig.ready();
+    ASSERT_NEAR(rig.status().joint[0].pos_cmd, 3 * side, 1e-9);
+    rig.line({.x = 16}, 5);
+    ASSERT_GT(rig.finish(), 0) << side;
+    EXPECT_NEAR(rig.status().joint[0].pos_cmd, 4 * side, 1e-6);
+    EXPECT_TRUE(rig.faults.empty()) << side;
+    // The next move begins in the solution in which this one ended.
+    rig.line({.x = 20}, 5);
+    rig.line({.x = 30}, 5);
+    rig.run(4000);
+    EXPECT_TRUE(rig.saw(side < 0 ? Fault::joint_soft_limit_min : Fault::joint_soft_limit_max));
+    EXPECT_LE(std::abs(rig.status().joint[0].pos_cmd), 5);
+  }
 }
 
 }  // namespace

@@ -37,10 +37,13 @@ bool is_trivial(const Kinematics& k, const MachineConfig& config) noexcept {
 /// Evaluates the rows at one place of a curve.
 class Sampler {
  public:
-  Sampler(const Curve& curve, const Kinematics& kinematics, const MachineConfig& config) noexcept
+  Sampler(const Curve& curve, const Kinematics& kinematics, const MachineConfig& config,
+          const JointVector& joint) noexcept
       : curve_(curve),
         kinematics_(kinematics),
         config_(config),
+        begin_(joint),
+        near_(joint),
         trivial_(is_trivial(kinematics, config)) {
     for (std::size_t i = 0; i < rtapi::kAxes; ++i)
       if ((axes_of(kinematics.axis_mask(), config) >> i & 1U) != 0)
@@ -128,11 +131,14 @@ class Sampler {
     }
     const double h = curve_.length * 1e-3;
     const double mid = std::clamp(s, h, curve_.length - h);
-    JointVector before{}, at{}, after{};
+    // From the start of the curve on, place by place.
+    if (s <= last_s_) near_ = begin_;
+    last_s_ = s;
+    JointVector before = near_, at{}, after{};
     if (!kinematics_.inverse(point_at(curve_, mid - h), before)) return false;
     at = before;
     if (!kinematics_.inverse(point_at(curve_, mid), at)) return false;
-    after = at;
+    near_ = after = at;
     if (!kinematics_.inverse(point_at(curve_, mid + h), after)) return false;
     for (std::size_t j = 0; j < n; ++j) {
       const JointConfig& c = config_.joint[j];
@@ -148,7 +154,8 @@ class Sampler {
     const auto n = static_cast<std::size_t>(joints_of(kinematics_.joints(), config_));
     const double h = curve_.length / kGeneralSamples;
     const double mid = std::clamp(s, 2 * h, curve_.length - 2 * h);
-    JointVector q[4]{};
+    JointVector q[4];
+    q[0] = near_;
     for (int k = 0; k < 4; ++k) {
       if (k > 0) q[k] = q[k - 1];
       constexpr double kAt[] = {-2, -1, 1, 2};
@@ -171,6 +178,9 @@ class Sampler {
   const Curve& curve_;
   const Kinematics& kinematics_;
   const MachineConfig& config_;
+  JointVector begin_;
+  mutable JointVector near_;
+  mutable double last_s_{0};
   bool trivial_;
   int samples_{1};
   double sampled_length_{0};
@@ -287,8 +297,8 @@ void limit_jerk(const Sampler& sampler, double traj_jerk, Ceilings& out) noexcep
 }  // namespace
 
 bool ceilings_of(const Curve& curve, const Kinematics& kinematics, const MachineConfig& config,
-                 double wanted_speed, Ceilings& out) noexcept {
-  const Sampler sampler(curve, kinematics, config);
+                 const JointVector& joint, double wanted_speed, Ceilings& out) noexcept {
+  const Sampler sampler(curve, kinematics, config, joint);
   double speed =
       curve.metric == FeedMetric::abc ? config.traj_max_ang_vel_deg_s : config.traj_max_vel_mm_s;
   double straight_acc = curve.metric == FeedMetric::abc ? 1e99 : config.traj_max_acc_mm_s2;
@@ -328,7 +338,7 @@ bool ceilings_of(const Curve& curve, const Kinematics& kinematics, const Machine
 }
 
 bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
-                        const MachineConfig& config, const double* skew,
+                        const MachineConfig& config, const double* skew, JointVector& joint,
                         FaultRecord& out) noexcept {
   Pose low, high;
   extent_of(curve, low, high);
@@ -354,9 +364,9 @@ bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
     }
     return true;
   }
-  JointVector first{}, at{};
+  JointVector first = joint;
   if (!kinematics.inverse(curve.start, first)) return out.fault = Fault::no_inverse, false;
-  at = first;
+  JointVector at = first;
   for (int k = 1; k < kGeneralSamples; ++k) {
     const double s = curve.length * k / (kGeneralSamples - 1);
     if (!kinematics.inverse(point_at(curve, s), at)) {
@@ -372,6 +382,7 @@ bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
         return false;
     }
   }
+  joint = at;
   return true;
 }
 

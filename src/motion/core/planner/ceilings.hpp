@@ -41,15 +41,16 @@ struct Ceilings {
 /// `wanted_speed`: the highest speed anybody may ask for (feed at the largest override). On a curve the acceleration
 /// limit of each joint is shared between curvature and speeding up: q' a + q'' v^2. When the whole of `wanted_speed` leaves
 /// at least 0.6 of the straight-line acceleration, that is what remains for a; else a takes 0.6 (of which on a circle 0.8
-/// remains for the curvature). False: kinematics without a solution on the curve.
+/// remains for the curvature). `joint`: the joints where it begins. False: kinematics without a solution on the curve.
 [[nodiscard]] bool ceilings_of(const Curve& curve, const Kinematics& kinematics,
-                               const MachineConfig& config, double wanted_speed,
-                               Ceilings& out) noexcept;
+                               const MachineConfig& config, const JointVector& joint,
+                               double wanted_speed, Ceilings& out) noexcept;
 
 /// True when the whole curve stays within axis and joint limits. Else the fault, with index, value and limit.
-/// A curve may begin outside as long as it only leads inside.
+/// A curve may begin outside as long as it only leads inside. `joint`: the joints where it begins, then where it ends; of several
+/// solutions the one that is met from there counts.
 [[nodiscard]] bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
                                       const MachineConfig& config, const double* skew,
-                                      FaultRecord& out) noexcept;
+                                      JointVector& joint, FaultRecord& out) noexcept;
 
 }  // namespace kerf::motion

@@ -24,8 +24,8 @@ class JointBounds {
 
   explicit JointBounds(const Kinematics& kinematics) noexcept : kinematics_(kinematics) {}
   void configure(const MachineConfig& config, const path::AxisLimits& axes) noexcept;
-  /// The path begins where the machine stands.
-  void begin() noexcept { near_ = JointVector{}; }
+  /// The path begins where the joints stand.
+  void begin(const JointVector& here) noexcept { near_ = here; }
 
   /// The box of a stretch that begins at `from`. `to`: the farthest end; nearer where the joints' motion changes too much on
   /// the way. `x_wanted`: the largest x that anybody may ask for.

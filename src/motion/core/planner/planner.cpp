@@ -247,7 +247,8 @@ bool Planner::may_move(const ServoView& view) noexcept {
     place_ = view.place;
     placed_ = true;
     begins_ = true;
-    joint_bounds_.begin();
+    joint_ = view.joint;
+    joint_bounds_.begin(joint_);
   }
   return true;
 }
@@ -347,14 +348,14 @@ Planner::Take Planner::take(const PathItem& item, const ServoView& view) noexcep
 }
 
 bool Planner::limits_of(const PathItem& item, const Curve& curve, double speed, bool traverse,
-                        Meta& meta, FaultRecord& fault) noexcept {
-  if (!within_soft_limits(curve, kinematics_, config_, skew_, fault)) return false;
+                        Meta& meta, JointVector& joint, FaultRecord& fault) noexcept {
+  if (!within_soft_limits(curve, kinematics_, config_, skew_, joint, fault)) return false;
   if (plain_) return true;
   // Ceilings hold for any override: a curve is planned for the largest one.
   const double most = traverse ? (speed > 0 ? speed : path::kNoLimit)
                                : speed * std::max(config_.max_feed_override, 1.0);
   Ceilings ceilings;
-  if (!ceilings_of(curve, kinematics_, config_, most, ceilings)) {
+  if (!ceilings_of(curve, kinematics_, config_, joint_, most, ceilings)) {
     fault.fault = Fault::no_inverse;
     return false;
   }
@@ -431,8 +432,9 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   }
   // Judged as a whole: what follows a spindle, and what cannot be looked at in stretches.
   const bool alone = !plain_ && (!mixed_ || sync != nullptr);
-  const bool within = alone ? limits_of(item, curve, speed, traverse, meta, fault)
-                            : within_soft_limits(curve, kinematics_, config_, skew_, fault);
+  JointVector joint = joint_;
+  const bool within = alone ? limits_of(item, curve, speed, traverse, meta, joint, fault)
+                            : within_soft_limits(curve, kinematics_, config_, skew_, joint, fault);
   if (!kinematics_.complete()) return Take::wait_servo;
   if (!within) return refuse(item, fault);
   // The first feed move after a change of a spindle waits for it at rest; at constant surface speed also the first after a rapid.
@@ -459,6 +461,7 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   const bool may_merge = kind == MotionKind::feed && sync == nullptr && plain_ &&
                          curve.shape == Curve::Shape::line && merge_mm_ > 0 && !single_step_;
   end_ = curve.end;
+  joint_ = joint;
   if (item.apart != 0) merge_.end();
   if (may_merge && merge_line(curve.end, move.piece, meta)) {
     after_traverse_ = false;

@@ -127,7 +127,8 @@ class Planner {
   Take take_move(const PathItem& item, const Curve& curve, bool shaped,
                  const Order& order) noexcept;
   [[nodiscard]] bool limits_of(const PathItem& item, const Curve& curve, double speed,
-                               bool traverse, Meta& meta, FaultRecord& fault) noexcept;
+                               bool traverse, Meta& meta, JointVector& joint,
+                               FaultRecord& fault) noexcept;
   /// The joint that a move of kind index_rotary unlocks, -1 for a move that turns no indexer; false: refused.
   [[nodiscard]] bool indexer_of(const Curve& curve, MotionKind kind, std::int32_t& joint,
                                 FaultRecord& fault) const noexcept;
@@ -192,6 +193,7 @@ class Planner {
   // where the path leads
   Pose end_;                   ///< where the path taken so far leads
   double skew_[kMaxJoints]{};  ///< ServoView::skew there
+  JointVector joint_{};        ///< the joints at end_: which of several solutions
   std::uint64_t place_{0};     ///< ServoView::place for which end_ is true
   std::uint32_t epoch_{0};     ///< of what is pending
   std::uint32_t refused_epoch_{0};

@@ -110,7 +110,8 @@ Planner::Take Planner::take_tap(const PathItem& item, const TapMove& tap,
   FaultRecord fault;
   const double rps = commanded_rps(tap.spindle), v = tap.per_rev_mm * rps;
   const double fastest = v * std::max(tap.return_factor, 1.0);
-  const bool within = limits_of(item, curve, std::max(fastest, 1e-3), false, meta, fault);
+  JointVector joint = joint_;
+  const bool within = limits_of(item, curve, std::max(fastest, 1e-3), false, meta, joint, fault);
   if (!kinematics_.complete()) return Take::wait_servo;
   if (!within) return refuse(item, fault);
   stop_here();
