@@ -1,11 +1,18 @@
-// mux_generic: multiplexers of any size and type.
+// mux_generic, and with KERF_DEMUX demux_generic: multiplexers of any size and type, and the other way round.
 
+#include <type_traits>
 #include "hal/channels.hpp"
+
 #include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
 namespace {
+#ifdef KERF_DEMUX
+constexpr bool kDemux = true;
+#else
+constexpr bool kDemux = false;
+#endif
 /// Type{} for a letter that is none.
 hal::Type type_of(char letter) noexcept {
   switch (letter) {
@@ -28,32 +35,36 @@ const char* type_word(hal::Type type) noexcept {
     default: return "u32";
   }
 }
-struct InputPin : hal::In<std::uint64_t> {
-  InputPin(hal::Builder& b, std::size_t index, const hal::Name& prefix, hal::Type type) noexcept {
+// The pins of which one is selected, and the one on the other side.
+using Choice = std::conditional_t<kDemux, hal::Out<std::uint64_t>, hal::In<std::uint64_t>>;
+using Single = std::conditional_t<kDemux, hal::In<std::uint64_t>, hal::Out<std::uint64_t>>;
+struct ChoicePin : Choice {
+  ChoicePin(hal::Builder& b, std::size_t index, const hal::Name& prefix, hal::Type type) noexcept {
     hal::Name name = prefix;
-    name.append(".in-");
+    name.append(kDemux ? ".out-" : ".in-");
     name.append(type_word(type));
     name.append(hal::numbered("-##", index));
-    declare(b, name, "Value while it is selected", 0, type);
+    declare(b, name,
+            kDemux ? "The input while it is selected, else 0" : "Value while it is selected", 0,
+            type);
   }
 };
 struct Configs : hal::ChannelList {
   std::string_view configs;
   [[nodiscard]] static hal::Name name(const hal::Builder&, std::size_t index) noexcept {
-    return hal::numbered("mux-gen.##", index);
+    return hal::numbered(kDemux ? "demux-gen.##" : "mux-gen.##", index);
   }
 };
 Configs read_list(hal::Builder& b) noexcept {
   Configs out;
-  out.configs = b.arg("config", "", "Types and number of inputs of each multiplexer");
+  out.configs = b.arg("config", "",
+                      kDemux ? "Types and number of outputs of each"
+                             : "Types and number of inputs of each multiplexer");
   out.size = hal::count_fields(out.configs);
-  if (out.size < 1)
-    b.fail("config= is missing: types and number of inputs of each multiplexer, like ff4,bu12");
+  if (out.size < 1) b.fail("config= is missing: types and number of each, like ff4,bu12");
   if (b.failed()) out.size = 0;
   return out;
 }
-}  // namespace
-
 class MuxGenericChannel : public hal::Channel {
  public:
   MuxGenericChannel(hal::Builder& b, std::size_t index, const Configs& list) noexcept
@@ -79,16 +90,19 @@ class MuxGenericChannel : public hal::Channel {
           "ff4");
       return;
     }
-    inputs_ = hal::make_array<InputPin>(b, size, whole_name(""), from_);
+    choices_ = hal::make_array<ChoicePin>(b, size, whole_name(""), kDemux ? to_ : from_);
     std::size_t bits = 0;
     while ((std::size_t{1} << bits) < size) ++bits;
     if ((std::size_t{1} << bits) == size) {
       for (std::size_t i = 0; i < bits; ++i)
-        bits_.add(b, whole_name(hal::numbered("sel-bit-##", i)), "Bit of the number of the input");
+        bits_.add(b, whole_name(hal::numbered("sel-bit-##", i)),
+                  "Bit of the number that is selected");
     }
-    hal::Name out("out-");
-    out.append(type_word(to_));
-    out_.declare(b, whole_name(out), "The selected input", 0, to_);
+    const hal::Type type = kDemux ? from_ : to_;
+    hal::Name name(kDemux ? "in-" : "out-");
+    name.append(type_word(type));
+    single_.declare(b, whole_name(name),
+                    kDemux ? "Value for the selected output" : "The selected input", 0, type);
   }
 
  private:
@@ -104,25 +118,34 @@ class MuxGenericChannel : public hal::Channel {
       number_ = number;
     }
     elapsed_ = 0.0;
-    if (number >= inputs_.size()) number = inputs_.size() - 1;
+    if (number >= choices_.size()) number = choices_.size() - 1;
+    pass(choices_, single_, number);
     selected_ = static_cast<std::int32_t>(number);
-    out_ = converted(inputs_[number].get());
   }
 
   hal::In<bool> suppress_no_input_{pin<hal::In<bool>>(
-      "suppress-no-input", "True: the output stays what it is while nothing is selected")};
+      "suppress-no-input", "True: all stays what it is while nothing is selected")};
   hal::In<std::uint32_t> debounce_us_{pin<hal::In<std::uint32_t>>(
       "debounce-us", "Time for which the selection must differ from the one in use [us]")};
   hal::In<std::uint32_t> sel_int_{
-      pin<hal::In<std::uint32_t>>("sel-int", "Number of the input, added to that of the bits")};
+      pin<hal::In<std::uint32_t>>("sel-int", "Number that is selected, added to that of the bits")};
   hal::RoParam<double> elapsed_{param<hal::RoParam<double>>(
       "elapsed", "Time for which another selection has been waiting [us]")};
   hal::RoParam<std::int32_t> selected_{
-      param<hal::RoParam<std::int32_t>>("selected", "Number of the selected input")};
+      param<hal::RoParam<std::int32_t>>("selected", "Number that is selected")};
   hal::PinArray<hal::In<bool>, 10> bits_;
-  hal::Array<InputPin> inputs_;
-  hal::Out<std::uint64_t> out_;
+  hal::Array<ChoicePin> choices_;
+  Single single_;
 
+  template <class Choices, class One>
+  void pass(Choices& choices, One& single, std::size_t number) noexcept {
+    if constexpr (kDemux) {
+      choices[static_cast<std::size_t>(selected_.last())].set(0);
+      choices[number].set(converted(single.get()));
+    } else {
+      single.set(converted(choices[number].get()));
+    }
+  }
   [[nodiscard]] std::uint64_t converted(std::uint64_t raw) const noexcept {
     double value = 0.0;
     switch (from_) {
@@ -154,13 +177,25 @@ class MuxGenericChannel : public hal::Channel {
 class MuxGeneric final : public hal::Component<MuxGeneric> {
  public:
   static constexpr hal::Info kInfo{
-      .name = "mux-generic",
-      .summary = "Multiplexers of any size and type",
-      .notes =
-          "config= has for each multiplexer the letters of the types of its inputs and its output "
-          "(b bit, f float, s s32, u u32) and the number of inputs, up to 1024, as in "
-          "\"ff4,bu12\". The bits and sel-int are added; a number past the last input is that of "
-          "the last. Values are brought to the type and the range of the output.",
+      .name = kDemux ? "demux-generic" : "mux-generic",
+      .summary =
+          kDemux ? "Demultiplexers of any size and type" : "Multiplexers of any size and type",
+      .notes = kDemux
+                   ? "config= has for each demultiplexer the letters of the types of its input and "
+                     "its outputs "
+                     "(b bit, f float, s s32, u u32) and the number of outputs, up to 1024, as in "
+                     "\"ff4,bu12\". "
+                     "The bits and sel-int are added; a number past the last output is that of the "
+                     "last. "
+                     "Outputs that are not selected are 0. Values are brought to the type and the "
+                     "range of the "
+                     "outputs."
+                   : "config= has for each multiplexer the letters of the types of its inputs and "
+                     "its output "
+                     "(b bit, f float, s s32, u u32) and the number of inputs, up to 1024, as in "
+                     "\"ff4,bu12\". The bits and sel-int are added; a number past the last input "
+                     "is that of "
+                     "the last. Values are brought to the type and the range of the output.",
       .singleton = true,
       .example = "config=ff4,bu2",
       .lists = "config",
@@ -174,6 +209,7 @@ class MuxGeneric final : public hal::Component<MuxGeneric> {
   hal::Array<MuxGenericChannel> channels_;
 };
 
+}  // namespace
 }  // namespace kerf::components
 
 KERF_HAL_MODULE(kerf::components::MuxGeneric)

@@ -1,4 +1,4 @@
-// stepgen: step pulses in software.
+// stepgen: step pulses in software; with KERF_FREQGEN freqgen, its velocity control under the names of old.
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +8,11 @@
 namespace kerf::components {
 
 namespace {
+#ifdef KERF_FREQGEN
+constexpr bool kFreqgen = true;
+#else
+constexpr bool kFreqgen = false;
+#endif
 constexpr std::size_t kMostChannels = 16;
 constexpr int kMostPhases = 5;
 constexpr int kUserType = 15;
@@ -39,7 +44,7 @@ struct Settings : hal::ChannelList {
   std::string_view types, controls;
   Pattern user{};
   [[nodiscard]] static hal::Name name(const hal::Builder&, std::size_t index) noexcept {
-    return hal::numbered("stepgen.#", index);
+    return hal::numbered(kFreqgen ? "freqgen.#" : "stepgen.#", index);
   }
 };
 
@@ -76,7 +81,8 @@ bool read_user_pattern(std::string_view text, Pattern& out) noexcept {
 Settings read_settings(hal::Builder& b) noexcept {
   Settings out;
   out.types = b.arg("step_type", "", "Step type of each channel, 0 to 15");
-  out.controls = b.arg("ctrl_type", "", "Control of each channel: p position, v velocity");
+  if (!kFreqgen)
+    out.controls = b.arg("ctrl_type", "", "Control of each channel: p position, v velocity");
   const std::string_view user =
       b.arg("user_step_type", "", "States of the phases for step type 15");
   out.size = hal::count_fields(out.types);
@@ -95,8 +101,6 @@ Settings read_settings(hal::Builder& b) noexcept {
   if (b.failed()) out.size = 0;
   return out;
 }
-}  // namespace
-
 /// One motor. make_pulses() follows a place that moves with `speed_`; a step that the times do not allow yet holds the place back, so
 /// that no step is lost.
 class StepgenChannel : public hal::Channel {
@@ -107,7 +111,7 @@ class StepgenChannel : public hal::Channel {
     hal::parse_count(field_of(list.types, index), type);
     type_ = static_cast<int>(type);
     const std::string_view control = field_of(list.controls, index);
-    velocity_mode_ = control == "v" || control == "V";
+    velocity_mode_ = kFreqgen || control == "v" || control == "V";
     if (type_ >= 2) pattern_ = type_ == kUserType ? list.user : kPatterns[type_ - 2];
     declare_items(b);
   }
@@ -185,7 +189,10 @@ class StepgenChannel : public hal::Channel {
 
   void declare_items(hal::Builder& b) noexcept {
     command_.declare(
-        b, whole_name(velocity_mode_ ? "velocity-cmd" : "position-cmd"),
+        b,
+        whole_name(kFreqgen         ? "velocity"
+                   : velocity_mode_ ? "velocity-cmd"
+                                    : "position-cmd"),
         velocity_mode_ ? "Commanded speed [units per second]" : "Commanded position [units]");
     steplen_ns_.declare(
         b, whole_name("steplen"),
@@ -306,15 +313,15 @@ class StepgenChannel : public hal::Channel {
       pin<hal::Out<std::int32_t>>("counts", "Position at the last capture-position [steps]")};
   hal::Out<double> position_fb_{
       pin<hal::Out<double>>("position-fb", "Position, finer than a step [units]")};
-  hal::In<bool> enable_{pin<hal::In<bool>>("enable", "True makes steps")};
+  hal::In<bool> enable_{pin<hal::In<bool>>("enable", "True makes steps", kFreqgen)};
   hal::RoParam<double> frequency_{
       param<hal::RoParam<double>>("frequency", "Step rate [steps per second]")};
   hal::Param<double> maxaccel_{param<hal::Param<double>>(
       "maxaccel", "Highest acceleration [units per second^2], 0 no limit")};
   hal::Param<double> maxvel_{param<hal::Param<double>>(
       "maxvel", "Highest speed [units per second], 0 what the times allow")};
-  hal::Param<double> position_scale_{
-      param<hal::Param<double>>("position-scale", "Steps of one unit", 1.0)};
+  hal::Param<double> position_scale_{param<hal::Param<double>>(
+      kFreqgen ? "velocity-scale" : "position-scale", "Steps of one unit", 1.0)};
   hal::RoParam<std::int32_t> rawcounts_{
       param<hal::RoParam<std::int32_t>>("rawcounts", "Position at the last make-pulses [steps]")};
   hal::In<double> command_;
@@ -333,20 +340,27 @@ class StepgenChannel : public hal::Channel {
 class Stepgen final : public hal::Component<Stepgen> {
  public:
   static constexpr hal::Info kInfo{
-      .name = "stepgen",
-      .summary = "Step pulse generator",
-      .notes =
-          "step_type= has a number for each motor, at most 16: 0 step and dir, 1 up and down, 2 "
-          "quadrature, 3 and 4 three phases "
-          "(full, half steps), 5 and 6 unipolar and 7 and 8 bipolar four phases, 9 and 10 their "
-          "half steps, 11 to 14 five phases, 15 "
-          "the states of user_step_type=. ctrl_type= has p (position, the usual) or v (velocity) "
-          "for each. Times are rounded up to "
-          "whole calls of make-pulses. A step that the times do not allow yet is late, and never "
-          "lost.",
+      .name = kFreqgen ? "freqgen" : "stepgen",
+      .summary = kFreqgen ? "Step pulses of a wanted frequency" : "Step pulse generator",
+      .notes = kFreqgen ? "stepgen with ctrl_type=v under the names that older HAL files have: "
+                          "velocity times "
+                          "velocity-scale is the frequency. step_type= is that of stepgen. enable "
+                          "is true at the start."
+                        : "step_type= has a number for each motor, at most 16: 0 step and dir, 1 "
+                          "up and down, 2 "
+                          "quadrature, 3 and 4 three phases "
+                          "(full, half steps), 5 and 6 unipolar and 7 and 8 bipolar four phases, 9 "
+                          "and 10 their "
+                          "half steps, 11 to 14 five phases, 15 "
+                          "the states of user_step_type=. ctrl_type= has p (position, the usual) "
+                          "or v (velocity) "
+                          "for each. Times are rounded up to "
+                          "whole calls of make-pulses. A step that the times do not allow yet is "
+                          "late, and never "
+                          "lost.",
       .singleton = true,
       .example = "step_type=0,2,5",
-      .lists = "step_type ctrl_type user_step_type",
+      .lists = kFreqgen ? "step_type user_step_type" : "step_type ctrl_type user_step_type",
       .own_names = true};
   explicit Stepgen(hal::Builder& b) noexcept : Component(b) {
     const Settings list = read_settings(b);
@@ -372,6 +386,7 @@ class Stepgen final : public hal::Component<Stepgen> {
       function<&Stepgen::update_freq>("update-freq", "Computes the step rate from the command")};
 };
 
+}  // namespace
 }  // namespace kerf::components
 
 KERF_HAL_MODULE(kerf::components::Stepgen)
