@@ -74,12 +74,18 @@ class OverwriteRing {
 
   /// Any thread or process, also when the writer is dead: all whole records, oldest first, as they stand.
   [[nodiscard]] std::vector<std::uint64_t> copy() const {
+    return copy([] {});
+  }
+  /// `between` is called when the words have been read and it is not known yet which of them are good; for tests.
+  template <class Between>
+  [[nodiscard]] std::vector<std::uint64_t> copy(Between&& between) const {
     if (words_ == 0) return {};
     const std::uint64_t head = head_word().load(std::memory_order_acquire);
     const std::uint64_t from = tail_word().load(std::memory_order_relaxed);
     if (head - from > words_) return {};
     std::vector<std::uint64_t> out(static_cast<std::size_t>(head - from));
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = load(from + i);
+    between();
     std::atomic_thread_fence(std::memory_order_acquire);
     const std::uint64_t tail = tail_word().load(std::memory_order_relaxed);
     if (tail > from)

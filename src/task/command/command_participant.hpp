@@ -278,7 +278,7 @@ class CommandParticipant final : public rtapi::Participant {
   std::array<JogLease, rtapi::kAxes> axis_lease_{};
   rtapi::Nanos heard_local_{0};
   rtapi::FixedString<63> wait_pin_, wait_net_;  ///< looked up once a wait
-  WaitingFor last_wait_;  ///< of motion
+  WaitingFor last_wait_;                        ///< of motion
 };
 
 }  // namespace kerf::task

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <thread>
 
@@ -118,6 +119,25 @@ TEST(OverwriteRing, DamagedMemoryIsOvercome) {
       EXPECT_EQ(all.back().head.number, 100U);
       for (const auto& record : all) EXPECT_EQ(record.words.size(), 3U);
     }
+  }
+}
+
+/// What gives way while it is being read is left out, also when all of it does.
+TEST(OverwriteRing, AReaderThatIsOvertakenLeavesOutWhatMayBeTorn) {
+  for (std::uint64_t written = 0; written <= 40; ++written) {
+    const Memory m(64);
+    for (std::uint64_t n = 1; n <= 50; ++n) write(m.ring, n, {n, n, n});
+    const auto words = m.ring.copy([&] {
+      for (std::uint64_t n = 51; n <= 50 + written; ++n) write(m.ring, n, {n, n, n});
+    });
+    // Five words each: twelve records find room.
+    std::uint64_t expected = 50 - 12 + 1 + written;
+    OverwriteRing::for_each(words, [&](const OverwriteRing::Head& head, const std::uint64_t* w) {
+      EXPECT_EQ(head.number, expected) << written;
+      EXPECT_EQ(w[2], expected) << written;
+      ++expected;
+    });
+    EXPECT_EQ(expected, std::max<std::uint64_t>(51, 39 + written)) << written;
   }
 }
 
