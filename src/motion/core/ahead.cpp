@@ -34,23 +34,46 @@ bool same_group(const Slot& a, const Slot& b) noexcept {
   return a.acc.get() == b.acc.get() && a.jerk.get() == b.jerk.get();
 }
 
-/// Of x.
-double wanted_of(const Slot& s, const FeedScale& scale) noexcept {
-  SpeedBounds speed;
-  speed.cap = s.cap.get();
-  speed.feed_cap = s.feed_cap.get();
-  speed.slope = s.slope.get();
-  speed.rps = s.rps.get();
-  speed.rapid = s.rapid.get() != 0;
-  speed.per_rev = static_cast<std::int8_t>(s.per_rev.get());
-  return std::max(0.0, wanted_x(speed, scale));
-}
+/// The x that is wanted on a stretch, at most `cap`: wanted_x for many stretches at one scale.
+class Wanted {
+ public:
+  explicit Wanted(const FeedScale* scale) noexcept : scale_(scale) {
+    if (scale == nullptr) return;
+    feed_ = scale->feed;
+    max_vel_ = std::max(scale->max_vel, 0.0);
+  }
+  [[nodiscard]] double on(const Slot& s, double cap) const noexcept {
+    if (scale_ == nullptr) return cap;
+    if (s.rapid.get() != 0 || s.per_rev.get() >= 0 || !(feed_ > 0)) return other(s, cap);
+    const double x = std::min(cap, s.feed_cap.get() * feed_ * feed_), slope = s.slope.get();
+    // v / slope < sqrt(x), without a division for each stretch.
+    if (!(slope > 0) || max_vel_ * max_vel_ >= x * slope * slope) return x;
+    const double v = max_vel_ / slope;
+    return v * v;
+  }
+
+ private:
+  [[nodiscard]] double other(const Slot& s, double cap) const noexcept {
+    SpeedBounds speed;
+    speed.cap = cap;
+    speed.feed_cap = s.feed_cap.get();
+    speed.slope = s.slope.get();
+    speed.rps = s.rps.get();
+    speed.rapid = s.rapid.get() != 0;
+    speed.per_rev = static_cast<std::int8_t>(s.per_rev.get());
+    return std::min(cap, std::max(0.0, wanted_x(speed, *scale_)));
+  }
+
+  const FeedScale* scale_;
+  double feed_{0}, max_vel_{0};
+};
 
 /// Calls f(bound, hard speed) for what holds at the end of each span from `n` on, `left` ahead: caps of what follows, and acceleration 0 at
 /// the end of the group number `groups` or where the path stands. Ends when f gives false.
 template <class F>
 void for_each_bound(const PlanSlots& slots, std::uint64_t n, double left, int groups,
                     const FeedScale* scale, double horizon, F&& f) noexcept {
+  const Wanted wants(scale);
   int group = 1;
   double low_cap = path::kNoLimit, low_wanted = path::kNoLimit;  // of x
   for (std::uint64_t k = n; k < n + kLook; ++k) {
@@ -70,7 +93,7 @@ void for_each_bound(const PlanSlots& slots, std::uint64_t n, double left, int gr
       return;
     }
     const double cap = next.cap.get();
-    const double wanted = scale != nullptr ? std::min(cap, wanted_of(next, *scale)) : cap;
+    const double wanted = wants.on(next, cap);
     // What is no lower than what stands before it bears on nothing.
     if (cap < low_cap || wanted < low_wanted || left > horizon) {
       low_cap = std::min(low_cap, cap);

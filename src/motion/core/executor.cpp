@@ -18,6 +18,8 @@ constexpr double kNoStretch = 1e-10;
 constexpr double kNoSpeed = 1e-14;
 constexpr int kStopRounds = 4;
 constexpr double kStopReserve = 1.01;
+/// Share of a cycle for which braking to a stand is decided at once. In a bend that takes all of the acceleration what is braked first counts most.
+constexpr double kBrakeStep = 0.25;
 /// A span that begins elsewhere than where the machine stands is a fault of ours (mm, degrees).
 constexpr double kSamePlace = 1e-6;
 /// Fault::orient_fault: no answer in time. Above zero it is the drive's own number, zero is a spindle stopped.
@@ -133,6 +135,7 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
     step_begun_ = true;
     step_id_ = current_.id;
   }
+  period_ = dt;
   double rest = dt;
   for (int n = 0; n < kSpansPerCycle && rest > 0; ++n) {
     if (!track_.on && may_turn_back(in)) turn_back();
@@ -478,12 +481,17 @@ double Executor::run_curved(const PathSpan& move, const Ends& ends, double x_wan
   if (half_way_ > 0) {
     x1 = half_speed_ * half_speed_;
   } else if (stretch > kNoStretch) {
-    path::rows_of(move.piece, end - left_, end, limits_, rows);
+    // To stand, as hard as the limits allow on the next bit of the way: over the whole stretch a bend still to come would count now. It stays
+    // possible: braking over the whole stretch is one of the ways to brake here, and whatever a speed can do, a lower one can.
+    if (x_wanted <= 0 && x > 0)
+      stretch = std::min(stretch, std::max(sigma_speed_ * period_ * kBrakeStep, kNoStretch));
+    path::rows_of(move.piece, end - left_, end - left_ + stretch, limits_, rows);
     const path::Range range = path::range_of_x1(rows.all(), x, left_ < move.length);
-    if (x_wanted <= 0 && range.low < 0) return stop_within(move, range.low, dt);
+    if (x_wanted <= 0 && range.low < 0) return stop_within(move, range.low, stretch, dt);
     x1 = std::clamp(soft, std::min(range.low, range.high), range.high);
     // `hard` can always be met; that range.low is a rounding above it sometimes must not leave speed at a stop.
-    x1 = std::min({x1, hard, move.speed.cap});
+    x1 = std::min(x1, move.speed.cap);
+    if (stretch >= left_) x1 = std::min(x1, hard);
   } else {
     x1 = x;
   }
@@ -491,7 +499,7 @@ double Executor::run_curved(const PathSpan& move, const Ends& ends, double x_wan
   const double need = sum > 0 ? 2.0 * stretch / sum : 0.0;
   if (!(sum > 0)) return dt;  // stands
   if (need <= dt) {
-    left_ = half_way_;
+    left_ = half_way_ > 0 || stretch >= left_ ? half_way_ : left_ - stretch;
     half_way_ = 0;
     sigma_speed_ = x1 <= kNoSpeed ? 0.0 : v1;
     return need;
@@ -502,11 +510,11 @@ double Executor::run_curved(const PathSpan& move, const Ends& ends, double x_wan
   return dt;
 }
 
-/// The hardest braking ends before the stretch does: `low` is where it would bring x at the end. Each round takes the stopping distance of
+/// The hardest braking ends within `distance`: `low` is where it would bring x at its end. Each round takes the stopping distance of
 /// the last one, which the rows of that shorter stretch then confirm.
-double Executor::stop_within(const PathSpan& move, double low, double dt) noexcept {
+double Executor::stop_within(const PathSpan& move, double low, double distance,
+                             double dt) noexcept {
   const double begin = move.from + move.length - left_, x = sigma_speed_ * sigma_speed_;
-  double distance = left_;
   for (int round = 0; round < kStopRounds; ++round) {
     const double next = distance * x / (x - low) * kStopReserve;
     if (!(next < distance)) break;

@@ -162,7 +162,8 @@ class Executor {
   [[nodiscard]] bool begin_leg(const PathSpan& move, RampState state, double x_wanted, double cap,
                                double dt) noexcept;
   [[nodiscard]] Course track_course(RampState state, double cap, double dt) const noexcept;
-  [[nodiscard]] double stop_within(const PathSpan& move, double low, double dt) noexcept;
+  [[nodiscard]] double stop_within(const PathSpan& move, double low, double distance,
+                                   double dt) noexcept;
 
   // retrace.cpp
   [[nodiscard]] bool may_turn_back(const PathInputs& in) noexcept;
@@ -222,6 +223,7 @@ class Executor {
   Pose pose_;
   double sigma_speed_{0};  ///< dsigma/dt, never negative; kept from span to span
   double sigma_acc_{0};    ///< with jerk limits; signed
+  double period_{0};       ///< of the servo cycle
   double left_{0};         ///< of the span in execution (sigma)
   double half_way_{
       0};  ///< above 0: the span begins and ends at rest; it speeds up until this much is left ...

@@ -14,7 +14,7 @@ constexpr double kSamePlace = 1e-9;
 constexpr double kLeastPhase = 1e-9;
 constexpr int kSteps = 60;
 /// A leg goes on that long before what lies ahead is looked at again; changes of override and holds end it at once.
-constexpr double kKeep = 0.004;
+constexpr double kKeep = 0.008;
 /// A cap that has risen by less is not worth a look.
 constexpr double kWorth = 1.05;
 

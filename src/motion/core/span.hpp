@@ -103,7 +103,8 @@ using FaultRing = rtapi::SpscRing<FaultRecord, 16>;
 /// only above 0 elsewhere; `soft` is 0 where it is to stand and kNoLimit elsewhere; and `ahead` says of each span what the servo needs to look
 /// ahead. It is written before the `hard` of the span before it rises above 0.
 struct PlanSlots {
-  struct Ahead {
+  /// A cache line: the servo reads many of them in one look ahead.
+  struct alignas(64) Ahead {
     rtapi::Word<double> length, acc, jerk, cap, feed_cap, slope, rps;
     rtapi::Word<std::int32_t> rapid, per_rev;
   };
