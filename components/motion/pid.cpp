@@ -66,10 +66,9 @@ class PidChannel : public hal::Channel {
     command_d_before_ = command_d_;
     if (!indexed) command_d_ = (command - command_before_) / dt;
     if (linked(command_deriv_, own_command_deriv_)) command_d_ = command_deriv_;
-    const double feedback_d_now = (feedback - feedback_before_) / dt;
-    const bool has_feedback_deriv = linked(feedback_deriv_, own_feedback_deriv_);
-    if (!indexed || has_feedback_deriv)
-      error_d_ = command_d_ - (has_feedback_deriv ? feedback_deriv_.get() : feedback_d_now);
+    if (!indexed) feedback_d_ = (feedback - feedback_before_) / dt;
+    if (linked(feedback_deriv_, own_feedback_deriv_)) feedback_d_ = feedback_deriv_;
+    error_d_ = command_d_ - feedback_d_;
     error_d_ = limited(error_d_, max_error_d_);
     command_d_ = limited(command_d_, max_cmd_d_);
     feedback_before_ = feedback;
@@ -232,7 +231,8 @@ class PidChannel : public hal::Channel {
   static constexpr std::uint32_t kUncounted = 2;
   const void* own_command_deriv_{nullptr};
   const void* own_feedback_deriv_{nullptr};
-  double error_i_{0.0}, error_d_{0.0}, command_before_{0.0}, feedback_before_{0.0};
+  double error_i_{0.0}, error_d_{0.0}, feedback_d_{0.0}, command_before_{0.0},
+      feedback_before_{0.0};
   double command_d_{0.0}, command_d_before_{0.0}, command_dd_{0.0}, command_ddd_{0.0};
   double cycle_s_{0.0}, amplitude_sum_{0.0}, peak_{0.0};
   std::uint32_t half_cycles_{0};
