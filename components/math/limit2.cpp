@@ -24,15 +24,15 @@ class Limit2 final : public hal::Component<Limit2> {
   double before_{0.0};
 
   void update(const hal::Period& period) noexcept {
+    const double min = min_, max = max_;
     double value = in_;
+    if (value > max) value = max;
+    if (value < min) value = min;
     if (!load_) {
       const double step = maxv_ * period.seconds();
       if (value > before_ + step) value = before_ + step;
       if (value < before_ - step) value = before_ - step;
     }
-    const double min = min_, max = max_;
-    if (value > max) value = max;
-    if (value < min) value = min;
     before_ = value;
     out_ = value;
   }

@@ -40,7 +40,7 @@ class Limit3 final : public hal::Component<Limit3> {
         std::max(1.0, std::ceil((std::sqrt(1.0 + 8.0 * size / change) - 1.0) / 2.0 - 1e-9));
     return std::copysign(size / steps + change * (steps - 1.0) / 2.0, way);
   }
-  double value_{0.0}, step_{0.0};
+  double value_{0.0}, step_{0.0}, target_{0.0};
 
   void update(const hal::Period& period) noexcept {
     const double dt = period.seconds();
@@ -49,16 +49,19 @@ class Limit3 final : public hal::Component<Limit3> {
     if (target > max) target = max;
     if (target < min) target = min;
     if (load_) {
-      target = in_;
-      if (target > max) target = max;
-      if (target < min) target = min;
       out_ = value_ = target;
       step_ = 0.0;
+      target_ = target;
       return;
     }
     const double most = std::min(std::fabs(maxv_) * dt, 1e300),
                  change = std::min(std::fabs(maxa_) * dt * dt, 1e300);
-    double step = stopping_step(target - value_, change);
+    // An input under way is met at its speed; the bounds stand still.
+    const double way = rtapi::limited(target - target_, -most, most);
+    target_ = target;
+    double step = way + stopping_step(target - value_ - way, change);
+    if (max >= value_) step = std::min(step, stopping_step(max - value_, change));
+    if (min <= value_) step = std::max(step, stopping_step(min - value_, change));
     step = rtapi::limited(step, -most, most);
     // The bounds of the value are never broken, not even for maxa.
     step = rtapi::limited(step, step_ - change, step_ + change);

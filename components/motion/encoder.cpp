@@ -64,6 +64,9 @@ class EncoderChannel : public hal::Channel {
       armed_ = false;
       index_seen_ = true;
     }
+    const bool latch = latch_input_;
+    if (latch != latch_before_ && (latch ? latch_rising_ : latch_falling_)) latched_ = raw_;
+    latch_before_ = latch;
     rawcounts_ = static_cast<std::int32_t>(raw_);
     time_ns_ += period.nominal_ns;
   }
@@ -107,12 +110,9 @@ class EncoderChannel : public hal::Channel {
     position_interpolated_ = position + speed_ * since_s / scale;
     velocity_ = speed_ / scale;
     velocity_rpm_ = speed_ / scale * 60.0;
-    const bool latch = latch_input_;
-    if (latch != latch_before_ && (latch ? latch_rising_ : latch_falling_)) latched_ = raw_;
     const auto counts_latched = static_cast<std::int32_t>(latched_ - zero_);
     counts_latched_ = counts_latched;
     position_latched_ = counts_latched / scale;
-    latch_before_ = latch;
   }
 
  private:

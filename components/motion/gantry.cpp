@@ -64,7 +64,7 @@ class Gantry final : public hal::Component<Gantry> {
     home_ = homed_;
     limit_ = any;
     // The joint that still follows while others stand at their switches.
-    if (any && !homed_) {
+    if (any && !homed_ && joints_[shown_].home) {
       for (std::size_t i = 0; i < joints_.size(); ++i) {
         if (!joints_[i].home) {
           shown_ = i;

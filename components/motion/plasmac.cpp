@@ -394,7 +394,7 @@ class Plasmac final : public PlasmacMachine {
         fail("bottom limit reached while probing down, program is paused");
       }
     } else {
-      z_ -= step_counts(probe_feed_rate_);
+      move_z(-step_counts(probe_feed_rate_));
     }
     probe_time_ = probe_time_.last() + dt_;
   }
@@ -413,8 +413,8 @@ class Plasmac final : public PlasmacMachine {
     probe_time_ = probe_time_.last() + dt_;
     if (touched_by_contact_ ? ohmic_contact_ : float_switch_.get()) {
       if (axis_z_position_ >= highest()) return too_high();
-      z_ += std::clamp<std::int32_t>(probe_final_speed_, 1, 10) *
-            std::max<std::int32_t>(resolution_, 1);
+      move_z(std::clamp<std::int32_t>(probe_final_speed_, 1, 10) *
+             static_cast<double>(std::max<std::int32_t>(resolution_, 1)));
       return;
     }
     ohmic_on_ = false;

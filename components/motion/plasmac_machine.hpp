@@ -112,13 +112,10 @@ class PlasmacMachine : public PlasmacPins {
   }
   /// True when z has been there since the last cycle.
   bool z_to(double target, double units_per_minute) noexcept {
-    const auto goal = static_cast<std::int32_t>(std::clamp(target, -2e9, 2e9));
-    if (z_ == goal) return true;
-    const std::int32_t step = step_counts(units_per_minute);
-    if (z_ < goal)
-      z_ = goal - z_ > step ? z_ + step : goal;
-    else
-      z_ = z_ - goal > step ? z_ - step : goal;
+    const std::int64_t goal = static_cast<std::int32_t>(std::clamp(target, -2e9, 2e9)), now = z_;
+    if (now == goal) return true;
+    const std::int64_t step = step_counts(units_per_minute);
+    z_ = static_cast<std::int32_t>(std::clamp(goal, now - step, now + step));
     return false;
   }
   [[nodiscard]] bool z_follows(double within) const noexcept {

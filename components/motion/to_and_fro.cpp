@@ -55,8 +55,8 @@ class ToAndFro final : public hal::Component<ToAndFro> {
       running_ = false;
       started_ = false;
       double command = at;
-      // So far ahead that the generator keeps its speed.
-      const double ahead = kStepper ? 2.0 * maxvel * period.seconds() : 0.5 * maxvel;
+      // So far ahead that the generator, or what limits the axis behind axistest, keeps its speed.
+      const double ahead = kStepper ? 2.0 * maxvel * period.seconds() : 10.0;
       if (jog_plus_) command = at + ahead;
       if (jog_minus_) command = at - ahead;
       position_cmd_ = command;

@@ -14,7 +14,7 @@ class Histobins final : public hal::Component<Histobins> {
           "Read availablebins, set minvalue, binsize and nbins, then step index through the bins "
           "and read binvalue once check shows the same index. The first value after a reset sets "
           "input-min and input-max and is in no bin. When an input breaks the rules input-error is "
-          "set and counting stops until reset."};
+          "set and counting stops. New limits of the bins start anew."};
   using Component::Component;
 
  private:
@@ -52,7 +52,6 @@ class Histobins final : public hal::Component<Histobins> {
   void start() noexcept {
     for (double& bin : bins_) bin = 0.0;
     above_ = below_ = samples_ = sum_ = squares_ = running_mean_ = running_squares_ = 0.0;
-    input_error_ = false;
     mean_ = 0.0;
     variance_ = 0.0;
   }
@@ -91,22 +90,26 @@ class Histobins final : public hal::Component<Histobins> {
   double bins_[kBins]{};
   double above_{0.0}, below_{0.0}, samples_{0.0}, sum_{0.0}, squares_{0.0};
   double running_mean_{0.0}, running_squares_{0.0};
+  double old_size_{0.0}, old_min_{0.0};
+  std::uint32_t old_bins_{0};
   bool first_{true};
 
   void update(const hal::Period&) noexcept {
     const std::int32_t index = index_;
     const std::uint32_t bins = nbins_;
     check_ = index;
-    if (reset_) first_ = true;
-    if (first_) {
-      start();
-    } else if (input_error_.last()) {
-      return;
-    }
     if (bins < 1 || bins > kBins || !(binsize_ > 0.0)) {
       input_error_ = true;
       return;
     }
+    input_error_ = false;
+    // Bins of other limits cannot be gone on with.
+    if (reset_ || bins != old_bins_ || binsize_ != old_size_ || minvalue_ != old_min_)
+      first_ = true;
+    old_bins_ = bins;
+    old_size_ = binsize_;
+    old_min_ = minvalue_;
+    if (first_) start();
     const double value = chosen();
     if (first_) {
       first_ = false;

@@ -43,7 +43,33 @@ TEST(Limit3, KeepsAllLimitsAndEndsOnTheInput) {
   hal.set("l.load", true);
   hal.set("l.in", 1.25);
   hal.run("l");
+  EXPECT_EQ(hal.get<double>("l.out"), 0.0) << "without enable it is zero that is loaded";
+  hal.set("l.enable", true);
+  hal.run("l");
   EXPECT_EQ(hal.get<double>("l.out"), 1.25);
+}
+
+TEST(Limit3, FollowsAnInputUnderWayWithoutLag) {
+  hal::TestBuilder hal;
+  ASSERT_TRUE(hal.create(module("limit3"), "l"));
+  hal.set("l.max", 8.0);
+  hal.set("l.maxv", 20.0);
+  hal.set("l.maxa", 400.0);
+  double in = 0.0, out = 0.0, speed = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    in += 0.01;
+    hal.set("l.in", in);
+    hal.run("l");
+    const double now = hal.get<double>("l.out");
+    ASSERT_LE(now, 8.0 + 1e-9);
+    ASSERT_LE(std::fabs((now - out) * 1000.0 - speed), 0.4 + 1e-6) << "call " << i;
+    speed = (now - out) * 1000.0;
+    out = now;
+    if (i > 300 && in < 7.5) {
+      ASSERT_NEAR(now, in, 1e-9) << "call " << i;
+    }
+  }
+  EXPECT_NEAR(out, 8.0, 1e-9);
 }
 
 TEST(Watchdog, BitesAtAStillInputAndNeedsANewEnable) {
