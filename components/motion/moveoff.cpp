@@ -107,6 +107,8 @@ class Moveoff final : public hal::Component<Moveoff> {
   hal::Array<Joint> joints_;
 
   void read_inputs(const hal::Period& period) noexcept {
+    // What is measured now follows the offset of the last cycle.
+    for (Joint& j : joints_) j.fb_out = j.fb - j.offset;
     const double dt = period.seconds();
     const bool enable = power_on_ && move_enable_ && apply_offsets_;
     if (state_ == State::idle) {
@@ -156,7 +158,6 @@ class Moveoff final : public hal::Component<Moveoff> {
     for (Joint& j : joints_) {
       j.current = j.offset;
       j.pos_out = j.pos + j.offset;
-      j.fb_out = j.fb - j.offset;
     }
   }
   hal::Function write_outputs_{function<&Moveoff::write_outputs>(

@@ -72,6 +72,23 @@ TEST(Limit3, FollowsAnInputUnderWayWithoutLag) {
   EXPECT_NEAR(out, 8.0, 1e-9);
 }
 
+TEST(Moveoff, TakesTheOffsetOfTheLastCycleFromTheFeedback) {
+  hal::TestBuilder hal;
+  ASSERT_TRUE(hal.create(module("moveoff"), "mv", 1));
+  for (const char* pin : {"mv.power-on", "mv.move-enable", "mv.apply-offsets"}) hal.set(pin, true);
+  hal.set("mv.offset-in-0", 1.0);
+  double before = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    // A motor that is where it was sent in the last cycle.
+    hal.set("mv.fb-0", before);
+    hal.run("mv.read-inputs");
+    hal.run("mv.write-outputs");
+    EXPECT_EQ(hal.get<double>("mv.fb-minusoffset-0"), 0.0) << "call " << i;
+    before = hal.get<double>("mv.pos-plusoffset-0");
+  }
+  EXPECT_GT(before, 0.5);
+}
+
 TEST(Watchdog, BitesAtAStillInputAndNeedsANewEnable) {
   hal::TestBuilder hal;
   hal.set_arg("num_inputs", "2");
