@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "hal/core/view.hpp"
 #include "ini/ini_file.hpp"
@@ -52,6 +54,12 @@ rtapi::Status write_whole(const motion::FlightFile& file, const std::string& pat
   const std::string why = std::strerror(errno);
   (void)std::remove(draft.c_str());
   return fail(Errc::system, "cannot write " + path + ": " + why);
+}
+
+void remove_old(const std::string& folder, std::size_t keep) {
+  const auto all = records_in(folder);
+  std::error_code error;
+  for (std::size_t i = 0; i + keep < all.size(); ++i) fs::remove(all[i], error);
 }
 
 int usage(int code) {
@@ -154,6 +162,11 @@ bool FlightKeeper::attach() {
 
 std::string FlightKeeper::look() {
   if (options_.keep <= 0 || !attach()) return {};
+  if (writing_.valid()) {
+    if (writing_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return {};
+    const auto path = writing_.get();
+    return path.ok() ? *path : path.error().message();
+  }
   const std::uint64_t newest = motion_->faults.newest.observe();
   for (; seen_ < newest; ++seen_) {
     motion::FaultRecord fault;
@@ -166,13 +179,19 @@ std::string FlightKeeper::look() {
     looks_left_ = kAftermathLooks;
   }
   if (looks_left_ == 0 || --looks_left_ > 0) return {};
-  auto path = keep(why_, text_);
-  return path.ok() ? *path : path.error().message();
+  writing_ = begin(why_, text_);
+  return {};
 }
 
 rtapi::Result<std::string> FlightKeeper::keep(const std::string& why, const std::string& text) {
   looks_left_ = 0;
   if (options_.keep <= 0 || !attach()) return fail(Errc::not_found, "there is no flight record");
+  if (writing_.valid()) writing_.wait();  // its number is taken
+  return begin(why, text).get();
+}
+
+std::future<rtapi::Result<std::string>> FlightKeeper::begin(const std::string& why,
+                                                            const std::string& text) {
   std::error_code error;
   fs::create_directories(options_.folder, error);
   const auto old = records_in(options_.folder);
@@ -185,9 +204,14 @@ rtapi::Result<std::string> FlightKeeper::keep(const std::string& why, const std:
   file.set("text", text);
   describe(file);
   file.take(*record_, *motion_);
-  KERF_CHECK(write_whole(file, path));
-  remove_old();
-  return path;
+  return std::async(
+      std::launch::async,
+      [file = std::move(file), path, folder = options_.folder,
+       keep = static_cast<std::size_t>(options_.keep)]() -> rtapi::Result<std::string> {
+        KERF_CHECK(write_whole(file, path));
+        remove_old(folder, keep);
+        return path;
+      });
 }
 
 void FlightKeeper::describe(motion::FlightFile& file) const {
@@ -228,13 +252,6 @@ std::vector<std::string> FlightKeeper::choose_pins() {
   }
   options_.pins = missing;
   return complaints;
-}
-
-void FlightKeeper::remove_old() const {
-  const auto all = records_in(options_.folder);
-  std::error_code error;
-  for (std::size_t i = 0; i + static_cast<std::size_t>(options_.keep) < all.size(); ++i)
-    fs::remove(all[i], error);
 }
 
 int record_command(const std::vector<std::string>& words, const std::string& bin) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <future>
 #include <string>
 #include <vector>
 
@@ -29,8 +30,9 @@ class FlightKeeper {
   FlightKeeper(rtapi::Segment& segment, Options options);
 
   /// Looks for new faults; gives the file that was written, or "". What follows a fault for kAftermathLooks calls is in its file.
+  /// A disk may be slow and nobody waits for it here: a later call tells of the file.
   [[nodiscard]] std::string look();
-  /// Now; `why` becomes part of its name.
+  /// Now, and waits for the disk; `why` becomes part of its name.
   [[nodiscard]] rtapi::Result<std::string> keep(const std::string& why, const std::string& text);
   /// Tells motion of the pins that exist by now; what is wrong with those that do not.
   [[nodiscard]] std::vector<std::string> choose_pins();
@@ -39,9 +41,10 @@ class FlightKeeper {
 
  private:
   bool attach();
+  /// Copies the record, and writes it in a thread.
+  std::future<rtapi::Result<std::string>> begin(const std::string& why, const std::string& text);
   /// All that a file says but for what stands in the rings.
   void describe(motion::FlightFile& file) const;
-  void remove_old() const;
 
   static constexpr int kAftermathLooks = 2;
   rtapi::Segment& segment_;
@@ -51,6 +54,7 @@ class FlightKeeper {
   std::uint64_t seen_{0};
   int looks_left_{0};
   std::string why_, text_;
+  std::future<rtapi::Result<std::string>> writing_;  ///< its end is waited for
 };
 
 /// "flight-records" in the user's folder for what programs keep.

@@ -333,7 +333,8 @@ void Session::look_for_faults() {
 /// The rings outlive whoever wrote them.
 void Session::keep_last_flight_record(FlightKeeper& flights, const StopReason& reason) {
   const bool died = reason.kind == StopReason::Kind::part_died;
-  (void)flights.look();
+  if (const std::string file = flights.look(); !file.empty())
+    console_.say("flight record: " + file);
   if (!died && !flights.pending()) return;
   const auto file = flights.keep(died ? "process-died" : "fault", reason.text);
   if (file.ok()) console_.say("flight record: " + *file);
