@@ -39,12 +39,12 @@ std::string absolute(const std::string& path) {
 }
 
 /// A module by its name and parameters; "" or why it cannot be had. Planner and homing are part of Kerf's motion controller.
-std::string check_module(const std::string& words, const std::string& own, const char* what) {
+std::string check_planner(const std::string& words) {
   const std::string name = words.substr(0, words.find(' '));
-  if (name == own) return {};
-  return "'" + name + "': Kerf's " + what +
-         " is part of its motion controller and cannot be exchanged for a module; only '" + own +
-         "', its own, is accepted";
+  if (name == "tpmod") return {};
+  return "'" + name +
+         "': Kerf's planner is part of its motion controller and cannot be exchanged for a module; "
+         "only 'tpmod', its own, is accepted";
 }
 
 /// "-t MODULE a=b c=d" as "-t" and "MODULE a=b c=d": parameters of a module are words of their own.
@@ -65,10 +65,11 @@ void declare(CLI::App& app, Options& o) {
   app.add_flag("-l", o.last_used, "Start the INI file of the last start again");
   app.add_option("-t", "Planner module and its parameters; only tpmod, the own one")
       ->type_name("TPMOD")
-      ->check([](const std::string& words) { return check_module(words, "tpmod", "planner"); });
-  app.add_option("-m", "Homing module and its parameters; only homemod, the own one")
-      ->type_name("HOMEMOD")
-      ->check([](const std::string& words) { return check_module(words, "homemod", "homing"); });
+      ->check(check_planner);
+  app.add_option(
+         "-m", o.homing_module,
+         "Homing module and its parameters, instead of [EMCMOT]HOMEMOD; homemod is the own one")
+      ->type_name("HOMEMOD");
   app.add_option("--program", o.program, "G-code file to run")->type_name("FILE");
   app.add_flag("--once", o.once,
                "Run the program (default: [DISPLAY]OPEN_FILE), print the summary and end");

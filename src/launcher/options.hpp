@@ -15,10 +15,11 @@ inline constexpr int kExitUsage = 2;
 
 struct Options {
   std::string ini;
-  std::string program;     ///< G-code file, or "": [DISPLAY]OPEN_FILE with --once
-  std::string instance;    ///< "": KERF_INSTANCE or the user's default
-  std::string log_joints;  ///< file, or "": none
-  std::string svg;         ///< file, or "": toolpath.svg in the current directory
+  std::string program;        ///< G-code file, or "": [DISPLAY]OPEN_FILE with --once
+  std::string instance;       ///< "": KERF_INSTANCE or the user's default
+  std::string log_joints;     ///< file, or "": none
+  std::string homing_module;  ///< -m: module and its parameters, instead of [EMCMOT]HOMEMOD
+  std::string svg;            ///< file, or "": toolpath.svg in the current directory
   std::vector<std::string>
       hal_dirs;     ///< -H, searched before the INI's folder, the last given first
   double speed{0};  ///< virtual seconds per real one; 0: as fast as can be

@@ -58,6 +58,7 @@ class Planner {
         reader_.has("EMC", "MACHINE") ? reader_.string("EMC", "MACHINE") : "machine";
     read_kerf();
     read_programs();
+    read_modules();
     read_hal();
     read_safe_state();
     for (const ini::Diagnostic& d : ini::check_keys(file_, hal_use())) add(d);
@@ -173,6 +174,19 @@ class Planner {
       if (!entry->value.empty()) steps.push_back({false, entry->value, entry->at});
   }
 
+  void read_modules() {
+    if (const ini::Entry* const homing = file_.find("EMCMOT", "HOMEMOD"); homing != nullptr)
+      plan_.modules = homing_steps(homing->value, homing->at);
+    const ini::Entry* const planner = file_.find("TRAJ", "TPMOD");
+    if (planner == nullptr || planner->value.empty()) return;
+    const auto words = split_words(planner->value);
+    if (!words.empty() && words.front() != "tpmod")
+      complain(planner->at,
+               "[TRAJ]TPMOD = " + planner->value +
+                   ": Kerf's planner certifies each plan against the machine's limits "
+                   "and is a part of motmod; a module cannot replace it. Remove the key");
+  }
+
   void read_hal() {
     add_files("HALFILE", plan_.hal);
     if (file_.find("HAL", "HALFILE") == nullptr) {
@@ -286,6 +300,12 @@ std::vector<std::string> split_words(const std::string& text) {
   }
   if (inside) words.push_back(std::move(word));
   return words;
+}
+
+std::vector<HalStep> homing_steps(const std::string& words, const ini::Position& at) {
+  const auto module = split_words(words);
+  if (module.empty() || module.front() == "homemod") return {};
+  return {{false, "loadrt " + words, at}};
 }
 
 LaunchPlan make_plan(const ini::IniFile& file, const HalSearch& search) {

@@ -30,6 +30,7 @@ struct LaunchPlan {
   std::string record_dir;       ///< [KERF]RECORD_DIR, absolute, "" the user's folder for such
   int record_keep{20};          ///< [KERF]RECORD_KEEP
   std::vector<std::string> record_pins;  ///< [KERF]RECORD_PIN
+  std::vector<HalStep> modules;          ///< before the HAL files: [EMCMOT]HOMEMOD
   std::vector<HalStep> hal;              ///< [HAL]HALFILE in order, then [HAL]HALCMD in order
   std::string two_pass;          ///< [HAL]TWOPASS, "" off: how the HALFILEs of `hal` are done
   std::vector<HalStep> postgui;  ///< POSTGUI_HALFILE, then POSTGUI_HALCMD
@@ -51,6 +52,9 @@ struct HalSearch {
   std::vector<std::string> first;    ///< -H
   std::vector<std::string> library;  ///< for LIB:name, and last for all others
 };
+
+/// The steps for "MODULE a=b" of [EMCMOT]HOMEMOD or -m: none for homemod, which is motmod's own homing.
+[[nodiscard]] std::vector<HalStep> homing_steps(const std::string& words, const ini::Position& at);
 
 /// Reads the sections that the launcher owns, and holds all keys against the table of keys. Missing files, bad values
 /// and unknown keys become diagnostics with file and line.

@@ -235,6 +235,8 @@ Status Session::start_task() {
 }
 
 Status Session::run_start_steps() {
+  const auto& asked = options_.homing_module;
+  KERF_CHECK(run_hal_steps(asked.empty() ? plan_.modules : homing_steps(asked, {})));
   const auto commands = std::find_if(plan_.hal.begin(), plan_.hal.end(),
                                      [](const HalStep& step) { return !step.is_file; });
   const std::vector<HalStep> files(plan_.hal.begin(), commands);

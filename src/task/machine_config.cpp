@@ -58,6 +58,11 @@ class SetupReader {
     out_.setup.motion.lost_heartbeat_is_off = r_.choice("KERF", "HEARTBEAT_REACTION") == 1;
     out_.setup.motion.overrun = static_cast<motion::OverrunPolicy>(r_.choice("KERF", "OVERRUN"));
     out_.setup.motion.overrun_periods = r_.real("KERF", "OVERRUN_PERIODS");
+    out_.setup.motion.stale_cycles =
+        static_cast<std::int32_t>(r_.integer("KERF", "STALE_FEEDBACK_CYCLES"));
+    out_.setup.motion.stale_window =
+        static_cast<std::int32_t>(r_.integer("KERF", "STALE_FEEDBACK_WINDOW"));
+    out_.setup.check_limits = r_.boolean("KERF", "CHECK_LIMITS");
     out_.setup.journal = r_.string("KERF", "JOURNAL");
     safe_state();
     out_.diagnostics = r_.complaints();
@@ -367,6 +372,7 @@ class SetupReader {
          j < static_cast<std::size_t>(out_.setup.motion.joints) && j < order.size(); ++j) {
       const auto axis_at = static_cast<std::size_t>(rtapi::axis_index(order[j]));
       if ((out_.setup.motion.axis_mask & (1U << axis_at)) == 0) continue;
+      out_.setup.joint_axis[j] = static_cast<int>(axis_at);
       const auto& joint_config = out_.setup.motion.joint[j];
       const auto& axis_config = out_.setup.motion.axis[axis_at];
       const std::string section = "JOINT_" + std::to_string(j);

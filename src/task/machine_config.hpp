@@ -68,9 +68,13 @@ struct MachineSetup {
   double linear_unit_mm{1};                ///< mm per machine unit
   double angular_unit_deg{1};
   std::array<double, motion::kMaxJoints> joint_unit{};  ///< mm or degrees per unit of [JOINT_n]
-  double default_vel_mm_s{0}, default_acc_mm_s2{0};     ///< [TRAJ]DEFAULT_LINEAR_...
-  double task_cycle_s{0.01};                            ///< [TASK]CYCLE_TIME
-  int debug{0};                                         ///< [EMC]DEBUG
+  /// [KINS]: the axis that the joint moves alone; -1: none, or only the kinematics module knows.
+  std::array<int, motion::kMaxJoints> joint_axis{-1, -1, -1, -1, -1, -1, -1, -1,
+                                                 -1, -1, -1, -1, -1, -1, -1, -1};
+  bool check_limits{true};                           ///< [KERF]CHECK_LIMITS
+  double default_vel_mm_s{0}, default_acc_mm_s2{0};  ///< [TRAJ]DEFAULT_LINEAR_...
+  double task_cycle_s{0.01};                         ///< [TASK]CYCLE_TIME
+  int debug{0};                                      ///< [EMC]DEBUG
 
   /// Axis along which the tool leaves the work: Z; X of a machine without Y, a lathe. -1: none.
   [[nodiscard]] int retract_axis() const {

@@ -224,6 +224,7 @@ std::unique_ptr<Machine> Machine::start(const MachineOptions& options) {
   const auto plan =
       launcher::make_plan(p.ini, {.first = {}, .library = {KERF_SOURCE_DIR "/configs/hallib"}});
   for (const auto& d : plan.diagnostics) complain(d.message());
+  if (!run_hal_steps(p, plan.modules, "")) return machine;
   auto steps = plan.hal;
   for (const auto& line : options.hal) steps.push_back({false, line, {}});
   if (!run_hal_steps(p, steps, plan.two_pass)) return machine;

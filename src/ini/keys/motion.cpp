@@ -97,7 +97,9 @@ constexpr Key kTrajRows[] = {
     reals("HOME", "", "where the tool is after homing, for kinematics that need it")
         .idle("without effect: kinematics begin at the joints' own positions"),
     text("TPMOD", "trajectory planner to load")
-        .no("the planner is a part of motmod; a module cannot replace it"),
+        .otherwise("tpmod")
+        .read_by(By::kerf)
+        .differs("only tpmod: the planner is a part of motmod, and any other name is an error"),
     integer("AXES", "how many axes, before LinuxCNC 2.8")
         .no("from before LinuxCNC 2.8: [KINS]JOINTS and [TRAJ]COORDINATES say it"),
     text("UNITS", "units, before LinuxCNC 2.8")

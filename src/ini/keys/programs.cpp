@@ -38,8 +38,11 @@ constexpr Key kEmcmotRows[] = {
         .unit(kSeconds)
         .idle("without effect: [KERF]HEARTBEAT_TIMEOUT watches the connection"),
     real("COMM_WAIT", "").idle("without effect: from long ago"),
-    text("HOMEMOD", "homing module to load")
-        .no("homing is a part of motmod; a module cannot replace it"),
+    text("HOMEMOD",
+         "homing module to load, with its parameters, in place of motmod's own homing "
+         "(docs/writing-c-components.md)")
+        .otherwise("homemod")
+        .read_by(By::kerf),
 };
 
 constexpr Key kTaskRows[] = {
@@ -159,6 +162,27 @@ constexpr Key kKerfRows[] = {
         .from(1.5)
         .to(1000)
         .otherwise("3")
+        .read_by(By::task)
+        .own(),
+    boolean(
+        "CHECK_LIMITS",
+        "when a program is opened, and all joints are homed, all of it is read and held against "
+        "the soft limits of the axes; each move is, in any case, before it begins")
+        .otherwise("1")
+        .read_by(By::task)
+        .own(),
+    integer("STALE_FEEDBACK_CYCLES",
+            "cycles with joint.N.fb-stale, of the last STALE_FEEDBACK_WINDOW, in which the joint's "
+            "position is extrapolated; one more, and the machine stops and is off")
+        .from(0)
+        .to(8192)
+        .otherwise("5")
+        .read_by(By::task)
+        .own(),
+    integer("STALE_FEEDBACK_WINDOW", "servo cycles in which STALE_FEEDBACK_CYCLES are counted")
+        .from(1)
+        .to(8192)
+        .otherwise("1000")
         .read_by(By::task)
         .own(),
     text("JOURNAL",

@@ -97,6 +97,8 @@ struct MachineConfig {
   OverrunPolicy overrun{OverrunPolicy::warn};
   std::int32_t reserved3{0};
   double overrun_periods{3};  ///< so long after the cycle before, `overrun` acts
+  /// [KERF]STALE_FEEDBACK_CYCLES, STALE_FEEDBACK_WINDOW: so many of the last so many may be without feedback of a joint.
+  std::int32_t stale_cycles{5}, stale_window{1000};
   SafeOutputs safe;
   JointConfig joint[kMaxJoints];
   AxisConfig axis[rtapi::kAxes];

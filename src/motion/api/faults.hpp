@@ -33,6 +33,7 @@ inline constexpr Fault kFaults[] = {Fault::internal,
                                     Fault::bad_item,
                                     Fault::kinematics_refused,
                                     Fault::indexer_refused,
+                                    Fault::stale_feedback,
                                     Fault::limit_velocity,
                                     Fault::limit_acceleration,
                                     Fault::limit_jerk,
@@ -75,6 +76,7 @@ inline const char* fault_name(Fault fault) {
     case Fault::bad_item: return "bad-item";
     case Fault::kinematics_refused: return "kinematics-refused";
     case Fault::indexer_refused: return "indexer-refused";
+    case Fault::stale_feedback: return "stale-feedback";
     case Fault::limit_velocity: return "limit-velocity";
     case Fault::limit_acceleration: return "limit-acceleration";
     case Fault::limit_jerk: return "limit-jerk";
@@ -130,6 +132,10 @@ inline const char* home_failure_text(double value) {
       return "its HOME_SEQUENCE numbers do not begin at 0 or 1 and follow one another, and home "
              "all "
              "ends before the gap; correct them";
+    case 16:
+      return "its feedback was lost in the cycle in which its switch or index came, so nobody "
+             "knows "
+             "where that is; home again";
     case 14: return "it is an extra joint, which is unhomed only while the machine is off";
     default: return "unknown reason";
   }
@@ -295,6 +301,18 @@ inline std::string fault_text(const FaultRecord& r, const MachineConfig& config)
       return "Indexer joint " + std::to_string(r.index) + " turned" + line_of(r.tag) +
              " and joint." + std::to_string(r.index) +
              ".is-unlocked went false, so the path was stopped. Check the lock and its sensor";
+    case Fault::stale_feedback:
+      if (r.limit < 0)
+        return "Probe contact" + line_of(r.tag) + " in a cycle without feedback of " +
+               joint_of(r.index) +
+               ", so nobody knows where it was; the path was stopped. Probe again";
+      return joint_of(r.index) + " had no feedback in " +
+             std::to_string(static_cast<int>(r.value)) + " cycles" + line_of(r.tag) + " (joint." +
+             std::to_string(r.index) + ".fb-stale), allowed are " +
+             std::to_string(static_cast<int>(r.limit)) + " of " +
+             std::to_string(config.stale_window) +
+             " ([KERF]STALE_FEEDBACK_CYCLES, STALE_FEEDBACK_WINDOW); the machine stopped and is "
+             "off. Check the link to the drives, then switch on again";
     case Fault::limit_velocity: return oracle_text(r, config, "velocity");
     case Fault::limit_acceleration: return oracle_text(r, config, "acceleration");
     case Fault::limit_jerk: return oracle_text(r, config, "jerk");

@@ -51,6 +51,7 @@ enum class Fault : std::int32_t {
   path_starved_internal = 60,
   overrun =
       61,  ///< a servo cycle came too late (value: ms behind the one before, limit); [KERF]OVERRUN
+  stale_feedback = 62,  ///< cycles without feedback (value, limit); limit -1: at a probe contact
 };
 
 /// FaultRecord::value of Fault::indexer_refused.
@@ -81,6 +82,10 @@ struct JointStatus {
   bool homed{false}, homing{false}, active{true}, enabled{false};
   bool in_position{true}, faulted{false}, error{false}, on_limit_override{false};
   bool min_hard_limit{false}, max_hard_limit{false}, min_soft_limit{false}, max_soft_limit{false};
+  std::uint32_t fb_lost{0};  ///< cycles without feedback so far
+  bool fb_extrapolated{
+      false};  ///< pos_fb is where the joint should be by now, not where it was seen
+  bool reserved[3]{};
 };
 
 struct SpindleStatus {

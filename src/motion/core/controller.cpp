@@ -103,6 +103,7 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
   read_feedback(in);
   if (start_due_) take_start_positions();
   watch_overrun(in, dt);
+  watch_feedback();
   watch_heartbeat(orders, dt);
   switch_power(in, orders);
   take_requests(orders);
@@ -135,8 +136,8 @@ void Controller::read_feedback(const Inputs& in) noexcept {
   for (std::size_t j = 0; j < joints_; ++j) {
     Joint& joint = joint_[j];
     const JointInputs& source = in.joint[j];
-    joint.motor_pos_fb = source.motor_pos_fb;
-    joint.pos_fb = source.motor_pos_fb - joint.motor_offset - joint.backlash.position();
+    read_position(joint, source);
+    joint.pos_fb = joint.motor_pos_fb - joint.motor_offset - joint.backlash.position();
     joint.home_switch = source.home_switch;
     joint.neg_limit = source.neg_limit;
     joint.pos_limit = source.pos_limit;
@@ -144,7 +145,36 @@ void Controller::read_feedback(const Inputs& in) noexcept {
     joint.is_unlocked = source.is_unlocked;
     joint.index_enable = source.index_enable;
     joint.index_order = 0;
-    homing_.watch_index(j, joint, config_.joint[j]);
+    if (homing_.module() == nullptr) homing_.watch_index(j, joint, config_.joint[j]);
+  }
+  homing_.look_at_module(joints_, joint_);
+}
+
+/// What cannot be read is where it would be if the motor goes on following as it did.
+void Controller::read_position(Joint& joint, const JointInputs& source) noexcept {
+  const double command = joint.pos_cmd + joint.motor_offset + joint.backlash.position();
+  joint.fb_was_stale = joint.fb_stale;
+  joint.fb_stale = source.fb_stale;
+  if (joint.fb_stale) {
+    ++joint.fb_lost;
+    if (joint.fb_known && enabled_) joint.motor_pos_fb = command - joint.lag;
+    if (joint.fb_known) return;
+  }
+  joint.fb_known = joint.fb_known || !joint.fb_stale;
+  joint.motor_pos_fb = source.motor_pos_fb;
+  joint.lag = command - joint.motor_pos_fb;
+}
+
+/// Some cycles without feedback are the price of some links; more of them, and the machine stops while it still knows where it is.
+void Controller::watch_feedback() noexcept {
+  for (std::size_t j = 0; j < joints_; ++j) {
+    lost_[j].note(joint_[j].fb_stale);
+    const std::int32_t lost = lost_[j].count();
+    if (!enabled_ || closing_down_ || is_posthome(j) || lost <= config_.stale_cycles) continue;
+    raise(faults_, Fault::stale_feedback, static_cast<std::int32_t>(j), lost, config_.stale_cycles,
+          status_.current);
+    joint_[j].error = true;
+    closing_down_ = true;
   }
 }
 
@@ -206,7 +236,16 @@ void Controller::switch_power(const Inputs& in, const Orders& orders) noexcept {
 }
 
 bool Controller::may_enable(const Inputs& in, const Orders& orders) noexcept {
-  return !machine_fault(in, orders);
+  if (machine_fault(in, orders)) return false;
+  // Where it stands must be seen; how often it was lost before counts no more.
+  for (std::size_t j = 0; j < joints_; ++j) {
+    if (!joint_[j].fb_stale || is_posthome(j)) continue;
+    raise(faults_, Fault::stale_feedback, static_cast<std::int32_t>(j), lost_[j].count(),
+          config_.stale_cycles);
+    joint_[j].error = true;
+    return false;
+  }
+  return true;
 }
 
 bool Controller::machine_fault(const Inputs& in, const Orders& orders) noexcept {
@@ -320,6 +359,8 @@ void Controller::enable() noexcept {
     if (!is_posthome(j)) joint.pos_cmd = joint.pos_fb;
     joint.error = joint.ferrored = joint.faulted = false;
     joint.ferror = joint.ferror_high = 0;
+    joint.lag = 0;
+    lost_[j].begin(config_.stale_window);
   }
   offsets_.reset();
   if (!settle()) mode_ = MotionMode::free;
@@ -346,6 +387,7 @@ void Controller::disable() noexcept {
     joint_[j].ignore_limits = joint_[j].unlock = false;
     if (config_.joint[j].volatile_home) joint_[j].homed = false;
   }
+  if (homing_.module() != nullptr) homing_.module()->unhome(-2, false, mode_);
   for (AxisMover& axis : axis_) axis.place(axis.position());
   offsets_.stop_dead();
 }

@@ -15,6 +15,7 @@
 #include "motion/core/homing.hpp"
 #include "motion/core/io.hpp"
 #include "motion/core/joint.hpp"
+#include "motion/core/lost_cycles.hpp"
 #include "motion/core/spindles.hpp"
 
 namespace kerf::motion {
@@ -29,7 +30,10 @@ class Controller {
   /// Those values of new limits that bear on no move under way (following error, home positions); at any time.
   void adopt(const MachineConfig& config) noexcept;
   [[nodiscard]] bool at_rest() const noexcept;
+  [[nodiscard]] bool homing() const noexcept { return homing_.active(); }
   [[nodiscard]] bool may_configure() const noexcept { return at_rest() && executor_.idle(); }
+  /// Homing by somebody else, who stays the caller's.
+  void use_homing(HomingModule& module) noexcept { homing_.use(module); }
   /// One of each joint; they stay the caller's, and change only while may_configure().
   void use_screws(const ScrewTable* tables) noexcept { screws_ = tables; }
   /// Other kinematics may be put in force: nothing is planned, nothing moves.
@@ -75,6 +79,8 @@ class Controller {
  private:
   // controller.cpp: power and safety
   void read_feedback(const Inputs& in) noexcept;
+  void read_position(Joint& joint, const JointInputs& source) noexcept;
+  void watch_feedback() noexcept;
   void take_start_positions() noexcept;
   void switch_power(const Inputs& in, const Orders& orders) noexcept;
   [[nodiscard]] bool may_enable(const Inputs& in, const Orders& orders) noexcept;
@@ -158,6 +164,7 @@ class Controller {
   Guard guard_;
   ExternalOffsets offsets_;
   Joint joint_[kMaxJoints];
+  LostCycles lost_[kMaxJoints];
   bool plain_kinematics_{true};  ///< each joint moves an axis alone
   double skew_[kMaxJoints]{};  ///< of a joint from its place by the inverse kinematics; set at rest
   AxisMover axis_[rtapi::kAxes];

@@ -88,6 +88,8 @@ void Controller::take_unhome(std::int32_t which) noexcept {
     raise(faults_, Fault::home_busy, which);
     return;
   }
+  if (HomingModule* const module = homing_.module(); module != nullptr)
+    return module->unhome(which, enabled_, mode_);
   for (std::size_t j = 0; j < joints_; ++j) {
     const bool meant = which == -1 || which == static_cast<std::int32_t>(j) ||
                        (which == -2 && config_.joint[j].volatile_home);
@@ -342,7 +344,8 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
     guard_.follow(joints_, joint_);
     return;
   }
-  homing_.step(joints_, joint_, config_, faults_);
+  if (homing_.module() == nullptr || mode_ == MotionMode::free)
+    homing_.step(joints_, joint_, config_, faults_);
   const bool by_axes = mode_ != MotionMode::free;
   offsets_.take(in.offset, by_axes && !closing_down_ && all_homed());
   const std::uint32_t blocked = by_axes ? offsets_.blocked(pose_, pose_before_, dt) : 0;
@@ -363,6 +366,9 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   path.adaptive_feed = in.adaptive_feed;
   path.max_vel_mm_s = want.max_vel_mm_s;
   path.pose_fb = pose_fb_ - offsets_.pose();
+  for (std::size_t j = joints_; j-- > 0;)
+    if (joint_[j].fb_stale || joint_[j].fb_was_stale)
+      path.unseen_joint = static_cast<std::int32_t>(j);
   path.spindle = in.spindle;
   for (std::size_t j = 0; j < joints_; ++j) path.unlocked |= joint_[j].is_unlocked ? 1U << j : 0U;
   executor_.step(path, dt, faults_);

@@ -22,6 +22,8 @@ void Controller::fill_joint(std::size_t j) noexcept {
   s.ferror_limit = joint.ferror_limit;
   s.ferror_high = joint.ferror_high;
   s.motor_offset = joint.motor_offset;
+  s.fb_lost = joint.fb_lost;
+  s.fb_extrapolated = joint.fb_stale && joint.fb_known;
   s.home_state = joint.home_state;
   s.homed = joint.homed;
   s.homing = joint.homing;

@@ -430,6 +430,12 @@ void Executor::watch_probe(const Span& span, const PathSpan& move, const PathInp
   if (ending_ || failing_) return;
   if (move.probe) {
     if (in.probe == move.probe_until_open) return;
+    if (in.unseen_joint >= 0) {
+      // The contact may be as old as the feedback.
+      raise(faults, Fault::stale_feedback, in.unseen_joint, 1, -1, span.tag);
+      failing_ = true;
+      return;
+    }
     probed_ = in.pose_fb;
     probe_tripped_ = true;
     ending_ = true;

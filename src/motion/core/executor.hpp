@@ -31,7 +31,8 @@ struct PathInputs {
   bool probe{false}, feed_hold{false}, feed_inhibit{false};
   double feed_override{1}, rapid_override{1}, adaptive_feed{1};
   double max_vel_mm_s{1e99};
-  Pose pose_fb;                           ///< what a probe contact latches
+  Pose pose_fb;                   ///< what a probe contact latches
+  std::int32_t unseen_joint{-1};  ///< its feedback is extrapolated, or was in the last cycle
   const SpindleInputs* spindle{nullptr};  ///< kMaxSpindles of them
   std::uint32_t unlocked{0};              ///< joints with is-unlocked, a bit each
 };

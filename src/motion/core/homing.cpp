@@ -74,6 +74,11 @@ bool Homing::is_member(std::size_t j, const MachineConfig& config) const noexcep
 void Homing::start(std::int32_t joint, std::size_t joints, Joint* state,
                    const MachineConfig& config, const Kinematics& kinematics,
                    FaultList& faults) noexcept {
+  if (module_ != nullptr) {
+    module_->start(joint);
+    active_ = module_->active();
+    return;
+  }
   failed_ = false;
   single_ = -1;
   all_ = joint < 0;
@@ -293,6 +298,8 @@ void Homing::find_edge(std::size_t j, Joint& joint, const JointConfig& c,
     joint.home_state = index_search;
     joint.index_armed = true;
     joint.index_order = 1;
+  } else if (edge && (joint.fb_stale || joint.fb_was_stale)) {
+    fail(j, Fault::home_failed, static_cast<double>(HomeFailure::stale_feedback), faults);
   } else if (edge) {
     // The feedback of this cycle is where the switch changed.
     joint.shift(c.home_offset - joint.pos_fb);
@@ -310,9 +317,10 @@ void Homing::found(Joint& joint) noexcept {
 }
 
 void Homing::watch_index(std::size_t j, Joint& joint, const JointConfig& c) noexcept {
-  (void)j;
-  if (!joint.index_armed || joint.index_enable) return;
+  if (!joint.index_armed || joint.index_enable || joint.fb_stale) return;
   joint.index_armed = false;
+  // Without a counter that begins anew the place counts that the joint had in the very cycle.
+  leg_[j].late = joint.fb_was_stale && has(c, home_index_no_encoder_reset);
   if (!has(c, home_index_no_encoder_reset)) {
     // The encoder counts from its index on. Where the drive wants to be does not change with it.
     const double lag = joint.ferror;
@@ -353,7 +361,11 @@ void Homing::step_joint(std::size_t j, Joint* state, const MachineConfig& config
       if (at_rest)
         fail(j, Fault::home_failed, static_cast<double>(HomeFailure::no_index), faults, leg.bound);
       return;
-    case latch_stop: leg.ready = at_rest; return;
+    case latch_stop:
+      if (leg.late)
+        fail(j, Fault::home_failed, static_cast<double>(HomeFailure::stale_feedback), faults);
+      leg.ready = at_rest;
+      return;
     case final_move:
       if (!at_rest) return;
       joint.unlock = false;
@@ -410,6 +422,7 @@ void Homing::lock_if_at_rest(Joint& joint) noexcept {
 
 void Homing::step(std::size_t joints, Joint* state, const MachineConfig& config,
                   FaultList& faults) noexcept {
+  if (module_ != nullptr) return module_->step();
   for (std::size_t j = 0; j < joints; ++j) lock_if_at_rest(state[j]);
   if (!active_) return;
   bool any = false;
@@ -452,7 +465,34 @@ bool Homing::next_sequence(std::size_t joints, const MachineConfig& config,
   return true;
 }
 
+void Homing::look_at_module(std::size_t joints, Joint* state) noexcept {
+  if (module_ == nullptr) return;
+  for (std::size_t j = 0; j < joints; ++j) module_->set_unlocked(j, state[j].is_unlocked);
+  module_->read_pins();
+  active_ = module_->active();
+  for (std::size_t j = 0; j < joints; ++j) {
+    Joint& joint = state[j];
+    const bool homing = module_->homing(j);
+    // The drive moves by itself, and its counter may begin anew: also in the cycle in which it is done.
+    if (homing || joint.homing) {
+      joint.rename(joint.pos_fb - joint.pos_cmd);
+      joint.mover.place(joint.pos_cmd);
+      joint.lag = 0;
+    }
+    joint.homing = homing;
+    joint.homed = module_->homed(j);
+    joint.home_state = homing ? search : idle;
+    joint.unlock = module_->wants_unlock(j);
+  }
+}
+
 void Homing::stop(std::size_t joints, Joint* state) noexcept {
+  if (module_ != nullptr) {
+    for (std::size_t j = 0; j < joints; ++j)
+      if (module_->homing(j)) module_->cancel(static_cast<std::int32_t>(j));
+    active_ = module_->active();
+    return;
+  }
   for (std::size_t j = 0; j < joints; ++j) {
     Joint& joint = state[j];
     if (!joint.homing) continue;

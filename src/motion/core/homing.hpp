@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "motion/api/kinematics.hpp"
+#include "motion/core/homing_module.hpp"
 #include "motion/core/io.hpp"
 #include "motion/core/joint.hpp"
 
@@ -31,6 +32,7 @@ enum class HomeFailure : std::int32_t {
   extra_while_on = 14,     ///< unhome of an extra joint while the machine is on
   sequence_gap =
       15,  ///< home all ended: the next HOME_SEQUENCE (FaultRecord::limit) does not follow
+  stale_feedback = 16,  ///< the switch or index came in a cycle without feedback
 };
 
 class Homing {
@@ -50,6 +52,11 @@ class Homing {
     wait_lock = 10,  ///< and when it is home
   };
 
+  /// Somebody else homes from now on.
+  void use(HomingModule& module) noexcept { module_ = &module; }
+  [[nodiscard]] HomingModule* module() const noexcept { return module_; }
+  /// With a module, after the feedback is read: which joints are homed, and whose command follows the drive.
+  void look_at_module(std::size_t joints, Joint* state) noexcept;
   /// `joint` -1: all, in the order of the absolute values of HOME_SEQUENCE, equal ones together. A joint with a negative
   /// sequence takes the whole group along, and the group makes its final moves together. Faults are added to the list; what
   /// no joint could do is refused before anything moves.
@@ -69,6 +76,7 @@ class Homing {
   struct Leg {
     std::uint32_t partners{0};  ///< the legs of its axis that home with it, itself among them
     bool ready{false};          ///< done with its phase; the next begins when all partners are
+    bool late{false};           ///< the index came in a cycle without feedback
     bool seen{false};           ///< the switch was closed at some time in this phase
     double goal{0};             ///< where the phase ends at the latest
     double speed{0}, bound{0};  ///< of the phase; signed speed
@@ -108,6 +116,7 @@ class Homing {
       if ((leg_[j].partners >> p & 1U) != 0) f(p);
   }
 
+  HomingModule* module_{nullptr};
   bool active_{false}, all_{false}, failed_{false}, together_{false};
   std::int32_t sequence_{0};  ///< the group at work
   std::int32_t single_{-1};

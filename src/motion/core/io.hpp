@@ -31,6 +31,7 @@ struct JointInputs {
   double posthome_cmd{0};  ///< of an extra joint
   bool home_switch{false}, neg_limit{false}, pos_limit{false}, amp_fault{false};
   bool index_enable{false}, is_unlocked{false};
+  bool fb_stale{false};  ///< motor_pos_fb is older than this cycle
 };
 
 struct SpindleInputs {

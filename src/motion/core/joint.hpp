@@ -16,6 +16,10 @@ struct Joint {
   std::int8_t direction{0};  ///< of the last motion
   double pos_cmd{0}, pos_fb{0};
   double motor_pos_fb{0}, motor_offset{0};
+  double lag{0};  ///< of the motor behind its command, when it was last seen
+  bool fb_known{false}, fb_stale{false},
+      fb_was_stale{false};          ///< seen ever; not in this cycle; nor in the last
+  std::uint32_t fb_lost{0};         ///< cycles without feedback so far
   double last_pos{0}, last_vel{0};  ///< what the guard saw in the last cycle
   double vel_cmd{0}, acc_cmd{0}, jerk_cmd{0};
   double ferror{0}, ferror_limit{0}, ferror_high{0};

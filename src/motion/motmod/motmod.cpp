@@ -193,6 +193,14 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
     return;
   }
   controller_->use_screws(screw_);
+  homing_ = make_part<CHoming>(b, b, args_.joints, args_.extra_joints,
+                               static_cast<double>(args_.servo_period_ns) * 1e-9);
+  if (b.failed()) {
+    controller_ = nullptr;
+    return;
+  }
+  if (homing_ != nullptr && !homing_->found()) homing_ = nullptr;
+  if (homing_ != nullptr) controller_->use_homing(*homing_);
   planner_->planner().set_counts(args_.dio, args_.aio, args_.spindles);
   planner_->planner().set_tap(recorder_);
   planner_->planner().set_unlock_pins(args_.unlock_mask);
@@ -226,11 +234,13 @@ void Motmod::take_config() noexcept {
   recorder_->config(*controller_, {config, all, switches, {}, kind});
   if (!all) {
     controller_->adopt(config);
+    if (homing_ != nullptr && !controller_->homing()) homing_->configure(config, false);
     return;
   }
   if (switches) refused_kind_ = controller_->switch_kinematics(*kinematics_, kind) ? kNoKind : kind;
   take_screws();
   controller_->configure(config);
+  if (homing_ != nullptr) homing_->configure(config, true);
   link_->config.write(config);
   config_version_ = version;
   ++limits_version_;
@@ -296,6 +306,7 @@ void Motmod::motion_controller(const hal::Period& period) noexcept {
   }
   for (std::size_t i = 0; i < io_.analog_count(); ++i)
     status.analog_out[i] = controller_->outputs().analog[i];
+  if (homing_ != nullptr) homing_->write_pins();
   answer_planner();
   // Before the planner hears of the cycle.
   recorder_->cycle(*controller_, inputs_, orders_, status.time_ns);

@@ -6,6 +6,7 @@
 #include "hal/component.hpp"
 #include "motion/core/controller.hpp"
 #include "motion/motmod/args.hpp"
+#include "motion/motmod/c_homing.hpp"
 #include "motion/motmod/c_kinematics.hpp"
 #include "motion/motmod/flight_recorder.hpp"
 #include "motion/motmod/pins.hpp"
@@ -91,6 +92,7 @@ class Motmod final : public hal::Component<Motmod> {
   Controller* controller_{nullptr};
   PlannerParticipant* planner_{nullptr};
   Kinematics* kinematics_{nullptr};
+  CHoming* homing_{nullptr};         ///< [EMCMOT]HOMEMOD, when it is not motmod's own
   AskedKinematics* asked_{nullptr};  ///< the planner's, when the module is in C
   std::uint32_t axis_mask_{0};
 

@@ -47,6 +47,12 @@ struct JointPins {
   In<Bit> neg_lim_sw_in{pin<In<Bit>>("neg-lim-sw-in", "Negative limit switch is tripped")};
   In<Bit> pos_lim_sw_in{pin<In<Bit>>("pos-lim-sw-in", "Positive limit switch is tripped")};
   In<double> motor_pos_fb{pin<In<double>>("motor-pos-fb", "Actual motor position [machine units]")};
+  In<Bit> fb_stale{
+      pin<In<Bit>>("fb-stale", "The driver could not read motor-pos-fb in this cycle")};
+  Out<Bit> fb_extrapolated{pin<Out<Bit>>(
+      "fb-extrapolated", "pos-fb is where the joint should be by now; it was not read")};
+  Out<std::uint32_t> fb_lost{
+      pin<Out<std::uint32_t>>("fb-lost", "Cycles in which fb-stale was true")};
   In<Bit> jog_enable{pin<In<Bit>>("jog-enable", "Wheel jogging enabled")};
   In<Bit> jog_vel_mode{pin<In<Bit>>("jog-vel-mode", "Wheel jogging stops with the wheel")};
   In<std::int32_t> jog_counts{pin<In<std::int32_t>>("jog-counts", "Counts of the jog wheel")};

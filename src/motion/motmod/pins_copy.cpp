@@ -59,7 +59,8 @@ void Motmod::read_inputs() noexcept {
                    p.pos_lim_sw_in,
                    p.amp_fault_in,
                    p.index_enable,
-                   has_unlock(j) && is_unlocked_[j].get()};
+                   has_unlock(j) && is_unlocked_[j].get(),
+                   p.fb_stale};
     read_wheel(p, joint_scale(j), in.joint_wheel[j]);
   }
   for (std::size_t i = 0; i < axis_.size(); ++i) {
@@ -104,6 +105,8 @@ void Motmod::write_joint(std::size_t j) noexcept {
   p.pos_cmd = s.pos_cmd * k;
   p.coarse_pos_cmd = s.pos_cmd * k;
   p.pos_fb = s.pos_fb * k;
+  p.fb_extrapolated = s.fb_extrapolated;
+  p.fb_lost = s.fb_lost;
   p.f_error = s.ferror * k;
   p.f_error_lim = s.ferror_limit * k;
   p.free_pos_cmd = joint.mover.target() * k;

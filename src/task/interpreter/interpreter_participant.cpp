@@ -113,6 +113,7 @@ void InterpreterParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
     search(next);
   else if (!aborting_)
     work(next);
+  check_limits(next);
   user_.drain();
   user_.add_to(next, p_.segment);
   hear_database(next);
@@ -527,13 +528,17 @@ bool InterpreterParticipant::next_order() {
     return false;
   }
   run_.ticket = order.ticket;
+  check_.reset();
   if (order.epoch != epoch_) {
     finish_ticket(CommandState::aborted, "aborted");
     return true;
   }
   rtapi::Status result;
   switch (order.kind) {
-    case Order::Kind::open: result = open_program(p_.environment.find_program(order.text)); break;
+    case Order::Kind::open:
+      result = open_program(p_.environment.find_program(order.text));
+      check_due_ = result.ok() && p_.setup.check_limits;
+      break;
     case Order::Kind::reload_tools: result = load_tools(); break;
     case Order::Kind::put_tool: result = put_tool(order.tool); break;
     case Order::Kind::reset: reset_state(); break;
@@ -609,6 +614,7 @@ void InterpreterParticipant::begin_run(const Order& order) {
   report.kind = Report::Kind::begun;
   report.ticket = order.ticket;
   reports_.push_back(std::move(report));
+  if (!run_.mdi) check_due_ = false;  // each move is looked at as it comes
   if (order.line > 0) begin_seek(order);
 }
 

@@ -20,6 +20,7 @@
 #include "task/exchange.hpp"
 #include "task/interpreter/block_history.hpp"
 #include "task/interpreter/canon_to_path.hpp"
+#include "task/interpreter/limit_check.hpp"
 #include "task/interpreter/program_seek.hpp"
 #include "task/interpreter/task_environment.hpp"
 #include "task/interpreter/user_program.hpp"
@@ -135,6 +136,9 @@ class InterpreterParticipant final : public rtapi::Participant {
   void fail_here(const std::string& text);
   void fail_at(const motion::SourceTag& tag, const std::string& text);
 
+  // check_limits.cpp
+  void check_limits(rtapi::WaitSpec& next);
+
   // run_from_line.cpp
   void begin_seek(const Order& order);
   void refuse_seek(const std::string& what);
@@ -170,6 +174,8 @@ class InterpreterParticipant final : public rtapi::Participant {
   CanonToPath canon_;
   interp::Interpreter interp_;
   interp::ParameterFile parameter_file_;
+  std::unique_ptr<LimitCheck> check_;  ///< of the open program, while nothing else is to be done
+  bool check_due_{false};
   std::unique_ptr<ProgramSeek> seek_;  ///< while the line to begin at is searched
   BlockHistory history_;
   motion::MotionStatus status_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "task/api/number_text.hpp"
 
@@ -67,11 +68,23 @@ bool ProgramSeek::refuse_here(const std::string& why) {
   return refuse("line " + std::to_string(at_) + " " + why);
 }
 
-bool ProgramSeek::open(const std::string& path, std::int32_t line) {
+bool ProgramSeek::open_file(const std::string& path) {
   if (p_.environment.scripts() != nullptr)
     return refuse(
         "the machine has functions in Python ([PYTHON]TOPLEVEL), which may ask or change anything "
         "on the way; run the program from its start");
+  if (auto opened = interp_.open(path); !opened.ok()) return refuse(opened.error().message());
+  file_ = interp_.current_file();
+  return true;
+}
+
+bool ProgramSeek::open_whole(const std::string& path) {
+  whole_ = true;
+  place_.line = std::numeric_limits<std::int32_t>::max();
+  return open_file(path);
+}
+
+bool ProgramSeek::open(const std::string& path, std::int32_t line) {
   auto place = find_line(path, line);
   if (!place.ok()) return refuse(place.error().message());
   place_ = *place;
@@ -80,9 +93,7 @@ bool ProgramSeek::open(const std::string& path, std::int32_t line) {
   if (!place_.inside.empty())
     return refuse("line " + std::to_string(place_.line) + " is inside the " + place_.inside +
                   ", which may run many times; choose a line outside");
-  if (auto opened = interp_.open(path); !opened.ok()) return refuse(opened.error().message());
-  file_ = interp_.current_file();
-  return true;
+  return open_file(path);
 }
 
 /// What the blocks before the line must not have asked for.
@@ -90,6 +101,7 @@ bool ProgramSeek::look_at_items() {
   if (!p_.canon.take_tool_changes().empty() || p_.canon.take_reload())
     return refuse_here("changes the tool table (G10 L1, L10, L11), which only a run may do");
   for (const TaskItem& item : p_.list) {
+    if (watcher_) watcher_(item);
     if (const auto* path = std::get_if<PathBody>(&item.body)) {
       if (std::holds_alternative<motion::ProbeMove>(*path))
         return refuse_here("probes (G38): what it finds is only known when it runs");
@@ -194,6 +206,7 @@ ProgramSeek::Step ProgramSeek::step() {
   if (!look_at_items()) return Step::refused;
   if (outcome == Outcome::needs_sync && !answer(interp_.sync_reason())) return Step::refused;
   if (outcome == Outcome::program_end || outcome == Outcome::idle) {
+    if (whole_) return Step::found;
     refuse("the program ends at line " + std::to_string(at_) + " and does not come to line " +
            std::to_string(place_.line));
     return Step::refused;

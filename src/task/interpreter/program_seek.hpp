@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -44,6 +45,10 @@ class ProgramSeek {
 
   /// False: refusal() says why.
   [[nodiscard]] bool open(const std::string& path, std::int32_t line);
+  /// Read to its end instead: Step::found is the end.
+  [[nodiscard]] bool open_whole(const std::string& path);
+  /// Told of each item that is left out.
+  void watch(std::function<void(const TaskItem&)> watcher) { watcher_ = std::move(watcher); }
   /// Executes one block.
   [[nodiscard]] Step step();
 
@@ -70,6 +75,7 @@ class ProgramSeek {
   [[nodiscard]] double highest(std::size_t axis) const { return highest_[axis]; }
 
  private:
+  bool open_file(const std::string& path);
   bool refuse(const std::string& why);
   bool refuse_here(const std::string& why);
   [[nodiscard]] bool look_at_items();
@@ -81,6 +87,8 @@ class ProgramSeek {
   LinePlace place_;
   std::uint32_t file_{0};
   SeekEnd end_;
+  bool whole_{false};
+  std::function<void(const TaskItem&)> watcher_;
   CanonState from_canon_;
   interp::ModalState from_modal_;
   int tool_, pocket_;

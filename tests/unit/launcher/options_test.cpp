@@ -51,9 +51,12 @@ TEST(Options, Check) {
 TEST(Options, PlannerAndHomingModules) {
   EXPECT_TRUE(parse_options({"-t", "tpmod", "-m", "homemod", "a.ini"}).ok());
   EXPECT_TRUE(parse_options({"-t", "tpmod", "x=1", "y=2", "a.ini"}).ok()) << "with parameters";
-  const auto other = parse_options({"-m", "myhome", "a.ini"});
+  const auto homing = parse_options({"-m", "myhome", "slow=1", "a.ini"});
+  ASSERT_TRUE(homing.ok());
+  EXPECT_EQ(homing->homing_module, "myhome slow=1");
+  const auto other = parse_options({"-t", "mytp", "a.ini"});
   ASSERT_FALSE(other.ok());
-  EXPECT_NE(other.error().text.find("myhome"), std::string::npos);
+  EXPECT_NE(other.error().text.find("mytp"), std::string::npos);
   EXPECT_NE(other.error().text.find("cannot be exchanged"), std::string::npos);
 }
 

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <string>
 
 #include "unit/motion/rig.hpp"
 
@@ -261,6 +263,129 @@ TEST(Controller, ALateCycleIsAFaultAndSwitchesOffIfTheMachineSaysSo) {
     rig.run(3);
     EXPECT_EQ(rig.saw(Fault::overrun), policy != OverrunPolicy::warn);
     EXPECT_EQ(rig.status().enabled, policy != OverrunPolicy::estop);
+  }
+}
+
+/// A link that loses packets: within the budget nothing is felt of it, beyond it the machine stops on its path; then on again.
+TEST(StaleFeedback, IsBridgedWithinItsBudgetThenStopsAndIsArmedAgain) {
+  int bridged = 0, stopped = 0;
+  for (const int budget : {0, 1, 3, 5}) {
+    for (int lost = 1; lost <= 8; ++lost) {
+      for (const int gap : {1, 7, 60}) {
+        Rig rig;
+        rig.config.stale_cycles = budget;
+        rig.config.stale_window = 50;
+        for (auto& j : rig.config.joint) j.ferror = j.min_ferror = 0.3;
+        rig.apply_config();
+        rig.ready();
+        rig.run(60);
+        rig.follow = false;
+        rig.line({.x = 40, .y = 20}, 60);
+        double seen[3]{};
+        int left = lost, wait = 0;
+        double worst = 0;
+        bool flagged = true;
+        for (int i = 0; i < 1200; ++i) {
+          const bool stale = i > 150 && left > 0 && wait == 0 && rig.status().enabled;
+          if (i > 150) wait = wait > 0 ? wait - 1 : gap - 1;
+          for (std::size_t j = 0; j < 3; ++j) {
+            JointInputs& in = rig.in.joint[j];
+            const double now = rig.status().joint[j].pos_cmd + rig.status().joint[j].motor_offset;
+            in.fb_stale = stale;
+            // A motor that is a cycle behind; what was not read stays as it was.
+            if (!stale) in.motor_pos_fb = seen[j];
+            seen[j] = now;
+          }
+          if (stale) --left;
+          const double before = rig.status().joint[0].pos_cmd;
+          rig.cycle();
+          const JointStatus& s = rig.status().joint[0];
+          if (stale) flagged = flagged && s.fb_extrapolated;
+          if (rig.status().enabled && !stale) flagged = flagged && !s.fb_extrapolated;
+          if (rig.status().enabled && i > 2) worst = std::max(worst, std::abs(before - s.pos_fb));
+        }
+        const std::string where = std::to_string(budget) + " of 50, lost " + std::to_string(lost) +
+                                  " each " + std::to_string(gap);
+        EXPECT_TRUE(flagged) << where;
+        EXPECT_LT(worst, 0.15) << where << ": no jump of the position";
+        const int at_a_time = std::min(lost, (50 + gap - 1) / gap);
+        const bool over = at_a_time > budget;
+        EXPECT_EQ(rig.saw(Fault::stale_feedback), over) << where;
+        EXPECT_EQ(rig.status().enabled, !over) << where;
+        EXPECT_FALSE(rig.saw(Fault::following_error) || rig.saw(Fault::limit_acceleration))
+            << where;
+        if (!over) {
+          ++bridged;
+          EXPECT_EQ(rig.status().pos_cmd.x, 40) << where;
+          EXPECT_EQ(rig.status().joint[0].fb_lost, static_cast<unsigned>(lost)) << where;
+          continue;
+        }
+        ++stopped;
+        const FaultRecord& f = rig.faults.front();
+        EXPECT_EQ(f.fault, Fault::stale_feedback) << where;
+        EXPECT_EQ(f.value, budget + 1) << where;
+        EXPECT_EQ(f.limit, budget) << where;
+        // On the path: X and Y stopped together.
+        EXPECT_NEAR(rig.status().pos_cmd.y, rig.status().pos_cmd.x / 2, 1e-4) << where;
+        EXPECT_TRUE(rig.status().all_homed) << where;
+        rig.follow = true;
+        rig.orders.enable = false;
+        rig.abort();
+        rig.run(20);
+        rig.enable();
+        ASSERT_TRUE(rig.status().enabled) << where;
+        rig.intent.mode = MotionMode::coordinated;
+        rig.run(3);
+        rig.line({.x = 40, .y = 20}, 60);
+        EXPECT_GT(rig.finish(3000), 0) << where << ": armed again";
+      }
+    }
+  }
+  EXPECT_GT(bridged, 20);
+  EXPECT_GT(stopped, 20);
+  std::printf(
+      "result: feedback lost at 60 mm/s in 1 to 8 cycles, budgets 0, 1, 3 and 5 of 50: %d bridged, "
+      "%d "
+      "controlled stops on the path, each armed again\n",
+      bridged, stopped);
+}
+
+TEST(StaleFeedback, KeepsTheMachineOffWhileItLasts) {
+  Rig rig;
+  rig.run(3);
+  rig.in.joint[1].fb_stale = true;
+  rig.orders.enable = true;
+  rig.run(3);
+  EXPECT_FALSE(rig.status().enabled);
+  EXPECT_TRUE(rig.saw(Fault::stale_feedback));
+  EXPECT_EQ(rig.faults.front().index, 1);
+  rig.orders.enable = false;
+  rig.in.joint[1].fb_stale = false;
+  rig.run(2);
+  rig.enable();
+  EXPECT_TRUE(rig.status().enabled);
+}
+
+TEST(StaleFeedback, AProbeContactInSuchACycleIsRefused) {
+  for (const int stale_before : {0, 1, 3}) {
+    Rig rig;
+    rig.ready();
+    ProbeMove p;
+    p.end.x = 4;
+    p.vel_mm_s = 20;
+    rig.push(p);
+    rig.run(60 - stale_before);
+    rig.in.joint[0].fb_stale = stale_before > 0;
+    rig.run(1);
+    rig.in.joint[0].fb_stale = false;
+    rig.run(std::max(stale_before - 1, 0));
+    rig.in.probe = true;
+    rig.run(200);
+    const bool unseen = stale_before == 1;
+    EXPECT_EQ(rig.saw(Fault::stale_feedback), unseen) << stale_before;
+    EXPECT_EQ(rig.status().probe_tripped, !unseen) << stale_before;
+    EXPECT_TRUE(rig.status().enabled);
+    EXPECT_TRUE(rig.status().in_position);
   }
 }
 
