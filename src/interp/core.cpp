@@ -106,6 +106,7 @@ void Core::begin_flow() {
   tool_changes.clear();
   sync = SyncReason::none;
   ended = false;
+  machine_place = false;
   block_.source = nullptr;
   compensation.undo();
 }
@@ -482,6 +483,7 @@ bool Core::target(const Block& b, Pose& end) {
       return fail(0, "Write G40 before", "Cannot use g53 with cutter radius comp");
     if (state.distance == DistanceMode::incremental)
       return fail(0, "Write G90 before G53", "Cannot use g53 incremental");
+    machine_place = true;
     // Axes that are not named stay; an offset rotation mixes X and Y, so go through machine coordinates.
     Pose machine = machine_position();
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
@@ -502,6 +504,17 @@ void Core::set_frame(const CanonFrame& frame) {
   const Pose machine = machine_position();
   state.frame = frame;
   state.position = frame.to_program(machine);
+}
+
+void Core::replace_tool_offset(const Pose& offset) {
+  const Pose before = state.frame.tool();
+  const auto replace = [&](ModalState& modes) {
+    if (modes.frame.tool() == before) modes.frame.use_tool_length_offset(offset);
+  };
+  for (auto& frame : flows.frames)
+    if (frame.saved_state != nullptr) replace(*frame.saved_state);
+  compensation.each_waiting(replace);
+  replace(state);
 }
 
 // --- outside world ---

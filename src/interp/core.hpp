@@ -147,6 +147,7 @@ class Core {
   bool ended{false};  ///< M2, M30 or % in this block
   Flows flows;
   Repeats repeats;
+  bool machine_place{false};       ///< Interpreter::used_machine_place()
   std::vector<SplinePoint> nurbs;  ///< of G5.2; ModalState::nurbs_points says how many count
   double sub_value{0};             ///< #<_value>
   bool sub_value_returned{false};
@@ -236,6 +237,8 @@ class Core {
   void leave_sub(bool has_value, double value);
   /// leave_sub(), and the modes of M73 again.
   [[nodiscard]] bool return_from_sub(bool has_value, double value);
+  /// Interpreter::replace_tool_offset().
+  void replace_tool_offset(const Pose& offset);
   void drop_frames();
   [[nodiscard]] Program* open_program(const std::string& path);
   std::uint32_t add_program(std::string path, std::unique_ptr<LineSource> source);

@@ -74,6 +74,8 @@ SyncReason Interpreter::sync_reason() const { return core_->sync; }
 void Interpreter::synchronize(const ExternalState& state) { core_->synchronize(state); }
 void Interpreter::abort() { core_->abort(); }
 bool Interpreter::waiting() const { return core_->compensation.waits(); }
+void Interpreter::replace_tool_offset(const Pose& offset) { core_->replace_tool_offset(offset); }
+bool Interpreter::used_machine_place() const { return core_->machine_place; }
 bool Interpreter::beside_path() const { return core_->compensation.beside(); }
 const ModalState& Interpreter::modal() const {
   return core_->shown != nullptr ? *core_->shown : core_->state;

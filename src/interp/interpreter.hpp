@@ -127,6 +127,11 @@ class Interpreter {
   void abort();
   /// Calls wait for the end of a compensated move; the next block that moves, G40 or the end of the program delivers them.
   [[nodiscard]] bool waiting() const;
+  /// The tool has another length than it had: the program's place stays, and what the machine's place is follows. Also of modes that
+  /// M70 and the like have saved under the same offset.
+  void replace_tool_offset(const Pose& offset);
+  /// The last block named or noted a place in machine coordinates (G53, G28, G30 and their .1).
+  [[nodiscard]] bool used_machine_place() const;
   /// The machine stands beside modal().position: compensation is on, or G40 still waits for a move.
   [[nodiscard]] bool beside_path() const;
   /// State after the last block; while canon calls are delivered that after the block which they belong to.

@@ -70,17 +70,26 @@ struct Report {
     finished,  ///< it has ended as `state` says
     message,   ///< a line for the operator
     failed,  ///< the program is in error: tell the operator, abort, and end `ticket` with the text
+    path_shift,  ///< motion shall drive the path `shift` beside its coordinates; ends `ticket` when it does
     program_end,  ///< M2, M30: feed and spindle overrides were set to on by the program itself; nothing to do but count
   };
   Kind kind{Kind::message};
   Ticket ticket{0};
-  std::uint32_t epoch{0};  ///< of `failed`: nothing to abort when an abort has come since
+  std::uint32_t epoch{
+      0};  ///< of `failed`, `path_shift`: nothing to do when an abort has come since
   std::uint32_t reason{abort_interpreter_error};  ///< of `failed`: for ON_ABORT_COMMAND
   CommandState state{CommandState::done};
   MessageKind message{MessageKind::text};
   std::string text;
   std::string file;
   std::int32_t line{0};
+  rtapi::Pose shift;
+};
+
+/// Another tool stands in the spindle, in the middle of a held path.
+struct ToolExchange {
+  Ticket ticket{0};
+  std::int32_t tool{-1};  ///< -1: the same number, as the table has it now
 };
 
 /// What the interpreter thread shows of itself, for the status block.
@@ -122,6 +131,13 @@ class Exchange {
     }
     to_interpreter_.notify();
   }
+  void ask(const ToolExchange& exchange) {
+    {
+      const std::lock_guard lock(mutex_);
+      tool_exchanges_.push_back(exchange);
+    }
+    to_interpreter_.notify();
+  }
   [[nodiscard]] std::vector<Report> take_reports() {
     const std::lock_guard lock(mutex_);
     std::vector<Report> out;
@@ -136,6 +152,13 @@ class Exchange {
     if (orders_.empty()) return false;
     out = std::move(orders_.front());
     orders_.pop_front();
+    return true;
+  }
+  [[nodiscard]] bool take(ToolExchange& out) {
+    const std::lock_guard lock(mutex_);
+    if (tool_exchanges_.empty()) return false;
+    out = tool_exchanges_.front();
+    tool_exchanges_.pop_front();
     return true;
   }
   void put_back(Order order) {
@@ -189,6 +212,7 @@ class Exchange {
   rtapi::Cell& to_interpreter_;
   mutable std::mutex mutex_;
   std::deque<Order> orders_;
+  std::deque<ToolExchange> tool_exchanges_;
   std::vector<Report> reports_;
   rtapi::SeqCell<InterpreterView> view_;
 };

@@ -179,6 +179,7 @@ bool g10(Core& c, const Block& b, int) {
 
 // By way of the point of the axis words; the axes named there (all without words) then go to the stored position.
 bool go_reference(Core& c, const Block& b, int code) {
+  c.machine_place = true;
   Pose between;
   if (!c.target(b, between)) return false;
   const Pose home = c.state.frame.to_program(
@@ -203,6 +204,7 @@ bool go_reference(Core& c, const Block& b, int code) {
 }
 
 bool store_reference(Core& c, const Block&, int code) {
+  c.machine_place = true;
   c.params.set_pose(code == 281 ? kG28Home : kG30Home, c.machine_position(),
                     c.settings.machine_unit_mm);
   return true;

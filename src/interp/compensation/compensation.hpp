@@ -55,6 +55,11 @@ class Compensation {
   /// The machine stands beside the programmed position.
   [[nodiscard]] bool beside() const noexcept { return state_.bends || state_.leaving; }
   [[nodiscard]] bool waits() const noexcept { return !waiting_.empty(); }
+  /// Calls f with the modes behind each block that waits.
+  template <class F>
+  void each_waiting(F&& f) {
+    for (Waiting& w : waiting_) f(w.modal);
+  }
   /// This block must end by finish() instead of delivering its calls.
   [[nodiscard]] bool busy() const noexcept { return staged_ || waits(); }
   /// False, with the reason: this block would wait, and too many do already (kMostWaiting).

@@ -65,6 +65,9 @@ struct Intent {
   Once<bool> brake[kMaxSpindles];
   /// The spindle turns again as the program had it: -1 or 1, at the speed it said last.
   Once<std::int32_t> spindle_restart[kMaxSpindles];
+  /// While away: from then on the path is driven this far beside its own coordinates, since the tool has another length. 0 counts
+  /// also when no path is left. An abort ends it.
+  rtapi::Pose path_shift;
 };
 
 /// The cell itself. The words stand alone so that a stop never depends on a whole write being finished.

@@ -130,9 +130,10 @@ struct MotionStatus {
   bool enabled{false}, in_position{true}, path_empty{true}, held{false};
   bool all_homed{false}, homing_active{false}, jogging{false}, soft_limit{false};
   bool probe_tripped{false}, probing{false}, input_timeout{false}, amp_ready{false};
-  bool probe_input{false};   ///< motion.probe-input
-  bool away{false};          ///< beside the path, which is held at `place`
-  bool reverse{false};       ///< a negative adaptive feed runs the path backwards
+  bool probe_input{false};  ///< motion.probe-input
+  bool away{false};         ///< beside the path, which is held at `place`
+  bool shifts_path{false};  ///< Intent::path_shift may be asked for: each joint moves an axis alone
+  bool reverse{false};      ///< a negative adaptive feed runs the path backwards
   bool sync_in_step{false};  ///< G33, G33.1, G76: the path is where the spindle wants it
   /// motion.switchkins-type asks for other kinematics than those in force, and they come as soon as the machine stands.
   bool kinematics_pending{false};
@@ -140,6 +141,7 @@ struct MotionStatus {
       pos_fb;  ///< machine coordinates, mm and degrees; the first without external offsets
   Pose external_offset;  ///< what axis.L.eoffset-* add to pos_cmd
   Pose place;            ///< where the path stands: pos_cmd, unless `away`
+  Pose path_shift;       ///< Intent::path_shift in force; all positions here have it in them
   Pose tool_offset;
   Pose probed;  ///< where the probe tripped
   Pose distance_to_go_axes;

@@ -110,6 +110,7 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
   stop_everything(orders);
   switch_mode(orders);
   watch_away(orders);
+  take_shift(orders);
   watch_jog_stop(in);
   watch_probe(in);
   watch_locks();
@@ -122,8 +123,8 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
   for (std::size_t n = 0; n < kMaxSpindles; ++n)
     factors[n] =
         executor_.enables().spindle[n] ? std::max(orders.values->spindle_override[n], 0.0) : 1.0;
-  spindles_.step(in.spindle, factors, pose_.x + offsets_.pose().x - executor_.tool_offset().x,
-                 faults_);
+  spindles_.step(in.spindle, factors,
+                 pose_.x + offsets_.pose().x - executor_.tool_offset().x - shift_.x, faults_);
   for (FaultRecord& record : faults_) {
     record.number = ++fault_number_;
     record.time_ns = now_ns;
@@ -346,6 +347,7 @@ bool Controller::settle() noexcept {
   pose_ = pose_ - offsets_.pose();
   pose_before_ = pose_;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) axis_[i].place(pose_[i]);
+  fold_shift();
   executor_.place(pose_);
   return placed && known;
 }
@@ -381,6 +383,7 @@ void Controller::disable() noexcept {
   homing_.stop(joints_, joint_);
   spindles_.stop_all();
   executor_.void_epoch(std::max(acked_epoch_, std::uint32_t{1}));
+  fold_shift();
   away_ = false;
   for (std::size_t j = 0; j < joints_; ++j) {
     joint_[j].mover.place(joint_[j].pos_cmd);
@@ -454,6 +457,7 @@ void Controller::stop_everything(const Orders& orders) noexcept {
 void Controller::finish_abort(const Orders& orders) noexcept {
   if (orders.abort_epoch == acked_epoch_ || !at_rest()) return;
   executor_.drop_before(orders.abort_epoch);
+  fold_shift();
   if (away_) executor_.place(pose_);
   away_ = false;
   spindles_.abort_orient();
@@ -467,6 +471,7 @@ ServoView Controller::view() const noexcept {
   v.executed_seq = executor_.executed_seq();
   v.place = executor_.place_number();
   v.pose = executor_.pose();
+  v.shift = shift_;
   std::copy(std::begin(skew_), std::end(skew_), v.skew);
   for (std::size_t j = 0; j < joints_; ++j) v.joint[j] = joint_[j].pos_cmd - skew_[j];
   v.scale = executor_.scale();

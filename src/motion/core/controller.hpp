@@ -144,6 +144,10 @@ class Controller {
   void take_up_play(double dt) noexcept;
   [[nodiscard]] bool jogging() const noexcept;
   void watch_away(const Orders& orders) noexcept;
+  void take_shift(const Orders& orders) noexcept;
+  void fold_shift() noexcept;
+  [[nodiscard]] Pose path_pose() const noexcept { return executor_.pose() + shift_; }
+  [[nodiscard]] bool shift_leads_out() noexcept;
   [[nodiscard]] bool may_jog_axes() const noexcept { return mode_ == MotionMode::teleop || away_; }
 
   // controller_status.cpp
@@ -181,6 +185,7 @@ class Controller {
   bool jog_stop_before_{false}, jog_dead_before_{false}, probe_before_{false};
   MotionMode mode_{MotionMode::free}, refused_mode_{MotionMode::free};
   bool away_{false};     ///< jogs move the machine beside the path, which is held
+  Pose shift_;           ///< of the machine from the coordinates of executor_
   Pose pose_, pose_fb_;  ///< the first without external offsets
   Pose pose_before_;     ///< pose_ of the last cycle
   std::uint32_t acked_epoch_{0};
@@ -205,6 +210,7 @@ class Controller {
   struct Digest {
     std::uint64_t executed{0}, retraced{0}, faults{0};
     std::uint32_t acked{0}, flags{0}, homed{0};
+    Pose shift;
     friend bool operator==(const Digest&, const Digest&) = default;
   } digest_;
   bool changed_{false};

@@ -47,8 +47,44 @@ void Controller::watch_away(const Orders& orders) noexcept {
   }
   if (orders.values->away || !at_rest()) return;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i)
-    if (std::abs(pose_[i] - executor_.pose()[i]) > kThere) return;
+    if (std::abs(pose_[i] - path_pose()[i]) > kThere) return;
   away_ = false;
+}
+
+/// Nothing moves for it: beside the path only its place changes, and without a path there is none.
+void Controller::take_shift(const Orders& orders) noexcept {
+  const Pose& want = orders.values->path_shift;
+  if (want == shift_ || orders.abort_epoch != acked_epoch_ || !at_rest()) return;
+  if (!away_) {
+    if (want == Pose{} && executor_.idle() && orders.path_ring_empty) fold_shift();
+    return;
+  }
+  bool finite = true;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) finite = finite && std::isfinite(want[i]);
+  if (finite && plain_kinematics_) shift_ = want;
+}
+
+void Controller::fold_shift() noexcept {
+  if (shift_ == Pose{}) return;
+  executor_.fold(shift_);
+  shift_ = {};
+}
+
+/// Task and planner have looked at limits with the shift; what they overlooked ends here.
+bool Controller::shift_leads_out() noexcept {
+  constexpr double kRounding = 1e-6;  ///< mm, degrees
+  if (shift_ == Pose{}) return false;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    const AxisConfig& a = axis_limit_[i];
+    const bool over = pose_[i] > a.max_limit + kRounding && pose_[i] > pose_before_[i];
+    const bool under = pose_[i] < a.min_limit - kRounding && pose_[i] < pose_before_[i];
+    if (!over && !under) continue;
+    raise(faults_, over ? Fault::axis_soft_limit_max : Fault::axis_soft_limit_min,
+          static_cast<std::int32_t>(i), pose_[i], over ? a.max_limit : a.min_limit,
+          status_.current);
+    return true;
+  }
+  return false;
 }
 
 void Controller::switch_mode(const Orders& orders) noexcept {
@@ -369,6 +405,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   for (std::size_t j = joints_; j-- > 0;)
     if (joint_[j].fb_stale || joint_[j].fb_was_stale)
       path.unseen_joint = static_cast<std::int32_t>(j);
+  path.shift = shift_;
   path.spindle = in.spindle;
   for (std::size_t j = 0; j < joints_; ++j) path.unlocked |= joint_[j].is_unlocked ? 1U << j : 0U;
   executor_.step(path, dt, faults_);
@@ -381,13 +418,16 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
     (void)kinematics_.forward(q, pose_);
   } else {
     if (mode_ == MotionMode::coordinated && !away_) {
-      pose_ = executor_.pose();
+      pose_ = path_pose();
     } else {
       step_axes(dt);
     }
     const PathSpan* under_way = away_ ? nullptr : executor_.move();
-    offsets_.step(pose_, under_way != nullptr ? under_way->end : pose_, dt);
-    move_joints();
+    offsets_.step(pose_, under_way != nullptr ? under_way->end + shift_ : pose_, dt);
+    if (!away_ && shift_leads_out())
+      disable();
+    else
+      move_joints();
   }
   follow_posthome(in, dt);
   // Spindles and pins that lead have no jerk limit; differences look some cycles back.

@@ -50,7 +50,10 @@ void Controller::fill_status(const Inputs& in, const Orders& orders, double dt,
   s.pos_cmd = pose_;
   s.external_offset = offsets_.pose();
   s.away = away_;
-  s.place = away_ ? executor_.pose() : pose_;
+  s.place = away_ ? path_pose() : pose_;
+  s.path_shift = shift_;
+  s.shifts_path = plain_kinematics_;
+  s.tool_offset = s.tool_offset + shift_;
   s.pos_fb = pose_fb_;
   s.enabled = enabled_;
   s.in_position = at_rest();
@@ -87,6 +90,7 @@ void Controller::note_changes() noexcept {
   now.executed = s.executed_seq;
   now.faults = s.faults;
   now.acked = s.acked_epoch;
+  now.shift = s.path_shift;
   if (executor_.retraces()) now.retraced = s.current.id;
   const bool flag[] = {s.enabled, s.path_empty,    s.held,       s.homing_active,
                        s.jogging, s.probe_tripped, s.in_position};

@@ -54,6 +54,11 @@ void Executor::place(const Pose& pose) noexcept {
   ++place_number_;
 }
 
+void Executor::fold(const Pose& shift) noexcept {
+  tool_offset_ = tool_offset_ + shift;
+  place(pose_ + shift);
+}
+
 const PathSpan* Executor::move() const noexcept {
   if (!started_) return nullptr;
   const Span* span = spans_.front();
@@ -336,7 +341,7 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
   if (!in.stop) fire_synchronised();
   if (move.probe) {
     probe_tripped_ = false;
-    probed_ = move.end;  // the programmed point, until something is met
+    probed_ = move.end + in.shift;  // the programmed point, until something is met
     if (!move.point && in.probe != move.probe_until_open)
       return probe_is_there(span, move, in, faults);
   }

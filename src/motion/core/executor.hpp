@@ -33,6 +33,7 @@ struct PathInputs {
   double max_vel_mm_s{1e99};
   Pose pose_fb;                   ///< what a probe contact latches
   std::int32_t unseen_joint{-1};  ///< its feedback is extrapolated, or was in the last cycle
+  Pose shift;                     ///< of the machine from the path's coordinates
   const SpindleInputs* spindle{nullptr};  ///< kMaxSpindles of them
   std::uint32_t unlocked{0};              ///< joints with is-unlocked, a bit each
 };
@@ -55,6 +56,8 @@ class Executor {
   }
   /// Puts the machine at `pose`, at rest, outside any span.
   void place(const Pose& pose) noexcept;
+  /// The path's coordinates are from now on those of the machine, which were `shift` beside them.
+  void fold(const Pose& shift) noexcept;
   /// One cycle of `dt` seconds.
   void step(const PathInputs& in, double dt, FaultList& faults) noexcept;
 

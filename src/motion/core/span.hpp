@@ -143,6 +143,7 @@ struct ServoView {
   double skew[kMaxJoints]{};
   JointVector
       joint{};  ///< where the joints stand, without that: which of several solutions the kinematics are in
+  Pose shift;  ///< of the machine from the path's coordinates, which `pose` and all moves are in
   FeedScale scale;
   bool takes_moves{false};  ///< enabled, in coordinated mode
   bool single_step{false};

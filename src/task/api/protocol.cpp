@@ -62,6 +62,9 @@ constexpr ArgumentInfo kSwitchArgs[]{{"on", flag, true, kOnOff, ""}};
 constexpr ArgumentInfo kAnswerArgs[]{
     {"prompt", integer, false, nullptr, "number of the question; absent: whichever is asked"}};
 constexpr ArgumentInfo kDirectionArgs[]{{"way", text, true, "forward|reverse", ""}};
+constexpr ArgumentInfo kExchangeArgs[]{
+    {"tool", integer, false, nullptr,
+     "its number in the tool table; absent: the number stays, and the table has its new length"}};
 constexpr ArgumentInfo kOutputArgs[]{
     {"index", integer, true, nullptr, "number of motion.digital-out-NN"},
     {"on", flag, true, kOnOff, ""}};
@@ -129,6 +132,10 @@ constexpr CommandInfo kCommands[]{
      "Back to where away left the path: along the tool axis out, across, and in again. Done there; "
      "resume goes on.",
      {}},
+    {CommandId::exchange_tool, "exchange-tool",
+     "While away: another tool stands in the spindle. The tool table is read again, and return and "
+     "resume lead its tip along the rest of the path, whatever its length is.",
+     kExchangeArgs},
     {CommandId::step, "step", "Executes one block of the program and pauses.", {}},
     {CommandId::abort,
      "abort",

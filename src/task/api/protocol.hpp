@@ -40,6 +40,7 @@ enum class CommandId : std::uint8_t {
   direction,
   away,
   back,
+  exchange_tool,
   step,
   abort,
   mdi,

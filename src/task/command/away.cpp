@@ -124,6 +124,28 @@ void CommandParticipant::update_away() {
   }
 }
 
+/// The interpreter thread knows tools and the path's offsets; it answers, or asks for a shift of the path.
+void CommandParticipant::do_exchange_tool(Ticket ticket, const Request& request) {
+  if (refuse_unless_on(ticket, "exchange-tool")) return;
+  const int tool = request.integer("tool", -1);
+  if (request.has("tool") && tool < 1)
+    return reply(ticket, CommandState::error,
+                 "exchange-tool: " + std::to_string(tool) + ": expected the number of a tool");
+  if (!status_.away || returning_ != Returning::no)
+    return reply(ticket, CommandState::error,
+                 "tools of a held path are exchanged beside it: away first, then jog, exchange the "
+                 "tool, exchange-tool, return and resume");
+  pending_[ticket].epoch = epoch_;
+  p_.exchange.ask({ticket, tool});
+}
+
+void CommandParticipant::take_shift(const Report& report) {
+  if (report.epoch != epoch_) return;
+  want_.path_shift = report.shift;
+  write_intent();
+  if (const auto at = pending_.find(report.ticket); at != pending_.end()) at->second.begun = true;
+}
+
 /// An abort forgets the path.
 void CommandParticipant::end_away() {
   want_.away = false;

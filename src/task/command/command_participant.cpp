@@ -197,6 +197,7 @@ void CommandParticipant::take_reports() {
         reply(report.ticket, CommandState::error, report.text);
         break;
       }
+      case Report::Kind::path_shift: take_shift(report); break;
       case Report::Kind::program_end: break;
     }
   }
@@ -272,6 +273,12 @@ void CommandParticipant::update_pending() {
         else if (pending.command == CommandId::back && returning_ == Returning::no && !status_.away)
           reply(ticket, CommandState::done);
         else if (pending.command == CommandId::away && status_.away)
+          reply(ticket, CommandState::done);
+        break;
+      case CommandId::exchange_tool:
+        if (pending.epoch != epoch_)
+          reply(ticket, CommandState::aborted, "aborted");
+        else if (pending.begun && status_.path_shift == want_.path_shift)
           reply(ticket, CommandState::done);
         break;
       case CommandId::unhome:

@@ -175,6 +175,8 @@ class CommandParticipant final : public rtapi::Participant {
   // away.cpp
   void do_away(Ticket ticket);
   void do_back(Ticket ticket);
+  void do_exchange_tool(Ticket ticket, const Request& request);
+  void take_shift(const Report& report);
   void update_away();
   void end_away();
   void go(std::size_t axis, double target);

@@ -90,11 +90,11 @@ void CommandParticipant::update_machine() {
   }
   if (want_.single_step && status_.cycle > block_step_since_ &&
       (status_.held || status_.path_empty)) {
-    if (!status_.path_empty) {
-      p_.motion.intent.hold.publish(1);
-      p_.exchange.paused.set(1);
-    }
-    end_block_step();
+    // With an empty path the interpreter thread stands behind the block on its own.
+    if (!status_.path_empty)
+      pause();
+    else
+      end_block_step();
   }
 }
 
@@ -112,6 +112,7 @@ void CommandParticipant::abort_all(std::uint32_t reason) {
   stop_jogs(kNobody);
   end_away();
   want_.single_step = want_.backwards = false;
+  want_.path_shift = {};
   write_intent();
   p_.motion.intent.hold.publish(0);
   p_.exchange.paused.set(0);

@@ -32,6 +32,7 @@ void CommandParticipant::execute(Ticket ticket, const Request& request, int clie
     case CommandId::answer: return do_answer(ticket, request);
     case CommandId::away: return do_away(ticket);
     case CommandId::back: return do_back(ticket);
+    case CommandId::exchange_tool: return do_exchange_tool(ticket, request);
     case CommandId::tool_changed:
       if (!io_.waiting_changed && !io_.waiting_prepared)
         return reply(ticket, CommandState::error, "no tool change is waited for");

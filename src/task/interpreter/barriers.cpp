@@ -36,6 +36,7 @@ bool InterpreterParticipant::pump(rtapi::WaitSpec& next) {
   bool moved = false;
   while (!list_.empty() && !run_.failed) {
     TaskItem& item = list_.front();
+    if (!step_allows(item)) return moved;
     if (is_path(item)) {
       if (!motion_ready() || !push(std::get<PathBody>(item.body), item.tag)) return moved;
       history_.queued(item.tag.id, last_seq_);
@@ -269,7 +270,10 @@ bool InterpreterParticipant::poll_pause(const ProgramPause& pause) {
   const bool at_end = run_.mdi && list_.front().tag.call_level == 0;
   if (at_end || (pause.optional && !barrier_.pausing && p_.exchange.optional_stop.get() == 0))
     return true;
+  const bool waited = barrier_.pausing;
   barrier_.pausing = p_.exchange.resumes.get() == barrier_.resumes;
+  // The step that ends the wait is the block behind it.
+  if (waited && !barrier_.pausing) run_.step_taken = false;
   return !barrier_.pausing;
 }
 

@@ -12,6 +12,8 @@
 
 namespace kerf::task {
 
+inline constexpr rtapi::Pose kNowhere{1e99, 1e99, 1e99, 1e99, 1e99, 1e99, 1e99, 1e99, 1e99};
+
 /// One block, or several blocks in a row that asked nothing of anybody.
 struct BlockRecord {
   motion::SourceTag tag;
@@ -20,6 +22,9 @@ struct BlockRecord {
   bool has_items{false};
   interp::ModalState modal;  ///< after the block
   CanonState canon;
+  /// Where its moves may lead (machine coordinates); low is above high in an axis without any.
+  rtapi::Pose low{kNowhere}, high{kNowhere * -1};
+  bool machine_place{false};  ///< names or notes a place in machine coordinates
   /// M6 that is not done: until it is, the length offset is still that of the tool before.
   bool tool_awaited{false};
   rtapi::Pose offset_before;
@@ -77,6 +82,10 @@ class BlockHistory {
   const BlockRecord& stopped_at(std::uint64_t tag_id) {
     while (records_.size() > 1 && records_[1].tag.id <= tag_id) records_.pop_front();
     return records_.front();
+  }
+  template <class F>
+  void each(F&& f) {
+    for (BlockRecord& record : records_) f(record);
   }
   [[nodiscard]] const BlockRecord& present() const { return records_.front(); }
   [[nodiscard]] std::size_t size() const { return records_.size(); }

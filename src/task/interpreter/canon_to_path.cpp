@@ -82,6 +82,11 @@ void CanonToPath::use_tool_length_offset(const interp::Pose& offset) {
   add_path(motion::ToolOffset{offset});
 }
 
+void CanonToPath::replace_tool_offset(const motion::Pose& offset) {
+  state_.position = state_.position + (offset - state_.frame.tool());
+  state_.frame.use_tool_length_offset(offset);
+}
+
 void CanonToPath::set_feed_rate(double linear_mm_min, double angular_deg_min) {
   state_.linear_mm_min = linear_mm_min;
   state_.angular_deg_min = angular_deg_min;

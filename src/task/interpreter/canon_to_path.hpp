@@ -59,6 +59,8 @@ class CanonToPath final : public interp::Canon {
   void set_indexers(std::uint32_t axes) noexcept { indexers_ = axes; }
   /// A rapid between two places; locking indexers turn first, each alone. Does not tell where the path leads.
   void add_rapid(const motion::Pose& from, const motion::Pose& end, motion::MotionKind kind);
+  /// The tool has another length than it had.
+  void replace_tool_offset(const motion::Pose& offset);
   /// After an abort: what stops with it.
   void forget_outputs();
   /// How many outputs motmod has (num_dio, num_aio).

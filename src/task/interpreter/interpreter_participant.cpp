@@ -141,6 +141,8 @@ void InterpreterParticipant::follow_abort() {
   user_.terminate();
   if (run_.active) finish_ticket(CommandState::aborted, "aborted");
   run_ = {};
+  shift_ = {};
+  exchange_order_ = 0;
   aborting_ = true;
 }
 
@@ -182,7 +184,9 @@ void InterpreterParticipant::work(rtapi::WaitSpec& next) {
       next.wake_at(now_);
       return;
     }
-    bool moved = run_asides();
+    note_stepping();
+    bool moved = exchange_tools();
+    moved = run_asides() || moved;
     moved = pump(next) || moved;
     history_.advance(status_.executed_seq, status_.current_seq);
     moved = synchronise_if_due() || moved;
@@ -200,7 +204,8 @@ void InterpreterParticipant::work(rtapi::WaitSpec& next) {
 
 bool InterpreterParticipant::motion_ready() const {
   const bool any_mode = run_.active && run_.by_hand;
-  return status_.enabled && (any_mode || status_.mode == motion::MotionMode::coordinated);
+  return status_.enabled && status_.path_shift == shift_ &&
+         (any_mode || status_.mode == motion::MotionMode::coordinated);
 }
 
 bool InterpreterParticipant::push(const PathBody& body, const motion::SourceTag& tag) {
@@ -214,6 +219,7 @@ bool InterpreterParticipant::push(const PathBody& body, const motion::SourceTag&
   if (ring_full_) return false;
   news_.probe = news_.probe || std::holds_alternative<motion::ProbeMove>(body);
   pending_seq_ = ++last_seq_;
+  last_tag_ = tag.id;
   aside_before_next_ = false;
   pushed_ = true;
   return true;
@@ -223,8 +229,7 @@ bool InterpreterParticipant::read_block() {
   if (!run_.active || run_.failed || run_.source_done || run_.sync_pending || stopped_ ||
       list_.size() >= kListLimit)
     return false;
-  const bool stepping = !run_.mdi && p_.exchange.stepping.get() != 0;
-  if (stepping && run_.step_block_read) return false;
+  if (run_.stepping && run_.step_taken) return false;
   if (!motion_ready()) {
     if (now_ - run_.since > kModeTime)
       fail_here(status_.enabled ? "motion did not come into coordinated mode"
@@ -242,6 +247,7 @@ bool InterpreterParticipant::read_block() {
     record.pending = static_cast<int>(list_.size() - before);
     record.has_items = true;
     history_.add(record);
+    run_.step_tag = std::max(run_.step_tag, canon_.tag().id);
   }
   canon_.new_tag();
   if (p_.setup.tools.at_g30)
@@ -263,7 +269,11 @@ bool InterpreterParticipant::read_block() {
   silent_blocks_ = list_.size() > before ? 0 : silent_blocks_ + 1;
   if (held) record_delivered();
   take_outcome(outcome, held ? list_.size() : before, record);
-  if (stepping && list_.size() > before) run_.step_block_read = true;
+  place_items(before);
+  if (run_.stepping && list_.size() > before) {
+    run_.step_taken = true;
+    run_.step_tag = std::max(run_.step_tag, list_[before].tag.id);
+  }
   return true;
 }
 
@@ -280,6 +290,7 @@ void InterpreterParticipant::record_delivered() {
     record.canon = blocks[i].canon;
     record.offset_before = record.modal.frame.tool();
     record.offset_code_before = record.modal.tool_offset_code;
+    note_extent(blocks[i].first_item, end, record);
     history_.add(record);
   }
   if (!blocks.empty()) canon_.new_tag();
@@ -307,6 +318,8 @@ void InterpreterParticipant::take_outcome(Outcome outcome, std::size_t items_bef
   record.has_items = record.pending > 0;
   record.modal = interp_.modal();
   record.canon = canon_.state();
+  record.machine_place = interp_.used_machine_place();
+  note_extent(items_before, list_.size(), record);
   history_.add(record);
 }
 
@@ -407,14 +420,36 @@ bool InterpreterParticipant::synchronise_if_due() {
   return true;
 }
 
+// A step is one executed block. Of what motion has already (the operator paused first), motion itself stands at the end of each block
+// (Intent::single_step); what has not gone there yet goes block by block from here. So a step ends at the same place, whoever has its
+// block: in a corner of G64 that is planned already in its middle, else at its programmed end.
+void InterpreterParticipant::note_stepping() {
+  const bool stepping = run_.active && !run_.mdi && p_.exchange.stepping.get() != 0;
+  if (stepping && !run_.stepping) {
+    run_.step_tag = std::max(run_.step_tag, last_tag_);
+    // At M0 a step is the block behind it.
+    run_.step_taken = !executed() || !asides_.empty() || (barrier_.marked && !barrier_.pausing);
+  }
+  if (!stepping) run_.step_taken = false;
+  run_.stepping = stepping;
+}
+
+bool InterpreterParticipant::step_allows(const TaskItem& item) {
+  if (!run_.stepping || item.tag.id <= run_.step_tag) return true;
+  if (run_.step_taken || stopped_ || !executed() || !asides_.empty()) return false;
+  run_.step_taken = true;
+  run_.step_tag = item.tag.id;
+  return true;
+}
+
 bool InterpreterParticipant::step_stop() {
   if (!run_.active || run_.mdi || run_.failed) return false;
   if (!stopped_) {
-    if (!run_.step_block_read || !list_.empty() || !asides_.empty() || !executed() ||
-        run_.source_done)
+    const bool rest = !list_.empty() && list_.front().tag.id <= run_.step_tag;
+    if (!run_.step_taken || rest || !asides_.empty() || !executed() ||
+        (run_.source_done && list_.empty()))
       return false;
-    run_.step_block_read = false;
-    if (p_.exchange.stepping.get() == 0) return true;
+    run_.step_taken = false;
     stopped_ = true;
     step_resumes_ = p_.exchange.resumes.get();
     return true;
@@ -608,6 +643,11 @@ void InterpreterParticipant::begin_run(const Order& order) {
   run_.active = true;
   failed_ = false;
   run_.since = now_;
+  if (!(shift_ == motion::Pose{})) {
+    // Nothing of the path that it was for is left.
+    shift_ = {};
+    ask_shift(0);
+  }
   sync_position();
   history_.reset(interp_.modal(), canon_.state());
   Report report;

@@ -72,8 +72,10 @@ class InterpreterParticipant final : public rtapi::Participant {
     bool source_done{false};  ///< nothing more to read
     bool read_error{false};   ///< ... since the interpreter found an error
     bool sync_pending{false};
-    bool failed{false};  ///< told the command thread; an abort comes
-    bool step_block_read{false};
+    bool failed{false};         ///< told the command thread; an abort comes
+    bool stepping{false};       ///< Exchange::stepping, as it was looked at last
+    bool step_taken{false};     ///< the block of this step is known; nothing behind it begins
+    std::uint64_t step_tag{0};  ///< the newest block that may begin while stepping
     Ticket ticket{0};
     std::string text;
     rtapi::Nanos since{0};
@@ -113,6 +115,9 @@ class InterpreterParticipant final : public rtapi::Participant {
   void reset_state();
   bool synchronise_if_due();
   bool finish_run();
+  void note_stepping();
+  /// While stepping: whether the item at the head of the list may begin.
+  [[nodiscard]] bool step_allows(const TaskItem& item);
   bool step_stop();
   bool next_order();
   void drop_mdi_orders();
@@ -138,6 +143,17 @@ class InterpreterParticipant final : public rtapi::Participant {
 
   // check_limits.cpp
   void check_limits(rtapi::WaitSpec& next);
+
+  // tool_exchange.cpp
+  /// Answers who says that another tool stands in the spindle.
+  bool exchange_tools();
+  /// "" or why not; then `entry` is the new tool.
+  [[nodiscard]] std::string why_no_exchange(std::int32_t tool, io::ToolEntry& entry,
+                                            motion::Pose& change);
+  /// The last block's items, from `from` of the list on, in the coordinates of the path that motion drives.
+  void place_items(std::size_t from);
+  void note_extent(std::size_t from, std::size_t to, BlockRecord& record) const;
+  void ask_shift(Ticket ticket);
 
   // run_from_line.cpp
   void begin_seek(const Order& order);
@@ -186,6 +202,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   bool stopped_{false};
   std::uint32_t step_resumes_{0};
   std::uint64_t last_seq_{0};
+  std::uint64_t last_tag_{0};      ///< of it
   std::uint64_t pending_seq_{0};   ///< last item queued under this epoch
   bool aside_before_next_{false};  ///< task does something before the next item
   bool pushed_{false};
@@ -203,7 +220,9 @@ class InterpreterParticipant final : public rtapi::Participant {
   } news_;
   double input_value_{0};
   bool input_timeout_{false};
-  bool failed_{false};  ///< the last program or MDI line is in error
+  bool failed_{false};               ///< the last program or MDI line is in error
+  motion::Pose shift_;               ///< Intent::path_shift as it was asked for last
+  std::uint64_t exchange_order_{0};  ///< at io: the number of the exchanged tool
   UserProgram user_;
   std::FILE* log_{nullptr};
   std::FILE* probe_log_{nullptr};  ///< (PROBEOPEN)

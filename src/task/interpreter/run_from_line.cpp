@@ -99,6 +99,7 @@ void InterpreterParticipant::approach() {
   const io::IoState io = p_.io.state();
 
   BlockRecord record;
+  record.machine_place = true;
   record.offset_before = from.frame.tool();
   record.offset_code_before = seek_->from_modal().tool_offset_code;
   canon_.new_tag();

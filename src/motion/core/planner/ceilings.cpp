@@ -338,14 +338,17 @@ bool ceilings_of(const Curve& curve, const Kinematics& kinematics, const Machine
 }
 
 bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
-                        const MachineConfig& config, const double* skew, JointVector& joint,
-                        FaultRecord& out) noexcept {
+                        const MachineConfig& config, const double* skew, const Pose& shift,
+                        JointVector& joint, FaultRecord& out) noexcept {
   Pose low, high;
   extent_of(curve, low, high);
+  low = low + shift;
+  high = high + shift;
+  const Pose start = curve.start + shift, end = curve.end + shift;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     if ((axes_of(kinematics.axis_mask(), config) >> i & 1U) == 0 || low[i] == high[i]) continue;
     const AxisConfig& a = config.axis[i];
-    if (!check_range(low[i], high[i], curve.start[i], curve.end[i], a.min_limit, a.max_limit,
+    if (!check_range(low[i], high[i], start[i], end[i], a.min_limit, a.max_limit,
                      Fault::axis_soft_limit_min, Fault::axis_soft_limit_max, i, out))
       return false;
   }
@@ -357,9 +360,8 @@ bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
       const JointConfig& c = config.joint[j];
       if (low[i] == high[i]) continue;
       const double k = skew[j];
-      if (!check_range(low[i] + k, high[i] + k, curve.start[i] + k, curve.end[i] + k, c.min_limit,
-                       c.max_limit, Fault::joint_soft_limit_min, Fault::joint_soft_limit_max, j,
-                       out))
+      if (!check_range(low[i] + k, high[i] + k, start[i] + k, end[i] + k, c.min_limit, c.max_limit,
+                       Fault::joint_soft_limit_min, Fault::joint_soft_limit_max, j, out))
         return false;
     }
     return true;

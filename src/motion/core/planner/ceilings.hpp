@@ -47,10 +47,11 @@ struct Ceilings {
                                double wanted_speed, Ceilings& out) noexcept;
 
 /// True when the whole curve stays within axis and joint limits. Else the fault, with index, value and limit.
-/// A curve may begin outside as long as it only leads inside. `joint`: the joints where it begins, then where it ends; of several
-/// solutions the one that is met from there counts.
+/// A curve may begin outside as long as it only leads inside. `shift`: of the machine from the curve, where each joint moves an axis alone.
+/// `joint`: the joints where it begins, then where it ends; of several solutions the one that is met from there counts.
 [[nodiscard]] bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
                                       const MachineConfig& config, const double* skew,
-                                      JointVector& joint, FaultRecord& out) noexcept;
+                                      const Pose& shift, JointVector& joint,
+                                      FaultRecord& out) noexcept;
 
 }  // namespace kerf::motion

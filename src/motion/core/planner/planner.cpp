@@ -101,6 +101,7 @@ Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t a
     single_step_ = view.single_step;
     plan(true);
   }
+  shift_ = view.shift;
   for (int n = 0; n < kItemsPerTurn; ++n) {
     if (sending_ > 0 || events_sending_ > 0) {
       if (!send()) return Waits::room;
@@ -349,7 +350,7 @@ Planner::Take Planner::take(const PathItem& item, const ServoView& view) noexcep
 
 bool Planner::limits_of(const PathItem& item, const Curve& curve, double speed, bool traverse,
                         Meta& meta, JointVector& joint, FaultRecord& fault) noexcept {
-  if (!within_soft_limits(curve, kinematics_, config_, skew_, joint, fault)) return false;
+  if (!within_soft_limits(curve, kinematics_, config_, skew_, shift_, joint, fault)) return false;
   if (plain_) return true;
   // Ceilings hold for any override: a curve is planned for the largest one.
   const double most = traverse ? (speed > 0 ? speed : path::kNoLimit)
@@ -433,8 +434,9 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   // Judged as a whole: what follows a spindle, and what cannot be looked at in stretches.
   const bool alone = !plain_ && (!mixed_ || sync != nullptr);
   JointVector joint = joint_;
-  const bool within = alone ? limits_of(item, curve, speed, traverse, meta, joint, fault)
-                            : within_soft_limits(curve, kinematics_, config_, skew_, joint, fault);
+  const bool within =
+      alone ? limits_of(item, curve, speed, traverse, meta, joint, fault)
+            : within_soft_limits(curve, kinematics_, config_, skew_, shift_, joint, fault);
   if (!kinematics_.complete()) return Take::wait_servo;
   if (!within) return refuse(item, fault);
   // The first feed move after a change of a spindle waits for it at rest; at constant surface speed also the first after a rapid.

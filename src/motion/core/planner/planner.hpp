@@ -239,6 +239,7 @@ class Planner {
   FeedScale scale_;
   bool single_step_{false};
   Tap* tap_{nullptr};
+  Pose shift_;  ///< of the machine from what is planned
 };
 
 }  // namespace kerf::motion
