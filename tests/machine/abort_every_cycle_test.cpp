@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <string>
@@ -204,6 +205,8 @@ TEST_P(AbortAtEveryCycle, StopsOnThePathAndNothingLaterRuns) {
     failures += m->branch([&] { Stop(*m, course, n, where).check(); }) != 0 ? 1 : 0;
   });
   EXPECT_EQ(failures, 0U) << "of " << cases;
+  std::printf("[ figures ] abort in %s: %zu of its %zu cycles, %zu failed\n", GetParam().name,
+              cases, course.at.size(), failures);
 }
 
 INSTANTIATE_TEST_SUITE_P(Programs, AbortAtEveryCycle, testing::ValuesIn(programs),

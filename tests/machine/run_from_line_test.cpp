@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <sstream>
 #include <string>
@@ -221,6 +222,8 @@ TEST_P(RunFromLine, EachLineFindsTheStateOfAFullRunOrIsRefused) {
     }
   }
   EXPECT_EQ(refused, GetParam().refused) << refusals;
+  std::printf("[ figures ] run from line in %s: %zu lines, %d refused\n", GetParam().name,
+              lines.size(), refused);
 }
 
 INSTANTIATE_TEST_SUITE_P(Programs, RunFromLine, testing::ValuesIn(kPrograms),

@@ -1,6 +1,7 @@
 // Abort in every wait: within 100 ms, one terminal outcome, interpreter where the machine stopped.
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/wait.h>
 
 #include "rig.hpp"
 
@@ -22,6 +23,8 @@ class AbortInWait : public ::testing::TestWithParam<Wait> {};
 TEST_P(AbortInWait, ends_within_100_ms) {
   Rig rig;
   rig.folder.write("mcodes/M110", "#!/bin/sh\ntrap '' TERM\nsleep 30 &\nsleep 30\n", true);
+  // Prints without end, and ends for nobody but KILL.
+  rig.folder.write("mcodes/M111", "#!/bin/sh\ntrap '' TERM\nyes >&2 &\nyes\n", true);
   rig.pins.changes = false;
   rig.fake->orients = false;
   rig.fake->move_time = 10 * rtapi::kSecond;
@@ -40,6 +43,9 @@ TEST_P(AbortInWait, ends_within_100_ms) {
   EXPECT_EQ(rig.status().waiting_for.object.view(), "");
   EXPECT_FALSE(rig.pins.out.tool_change);
   EXPECT_FALSE(rig.pins.out.tool_prepare);
+  // Nothing of a user M-code lives on, nor does it wait to be buried.
+  int left = 0;
+  EXPECT_TRUE(::waitpid(-1, &left, WNOHANG) < 0 && errno == ECHILD);
   EXPECT_GT(rig.fake->spindle_stops, 0u);
   const auto moves = rig.fake->done.size();
   rig.run_for(1);
@@ -54,6 +60,7 @@ INSTANTIATE_TEST_SUITE_P(All, AbortInWait,
                          ::testing::Values(Wait{"motion", "G0 X1"}, Wait{"dwell", "G4 P20"},
                                            Wait{"m0", "M0"}, Wait{"m66", "M66 P0 L3 Q20"},
                                            Wait{"tool_change", "T1 M6"}, Wait{"user_mcode", "M110"},
+                                           Wait{"user_mcode_that_prints", "M111"},
                                            Wait{"orient", "M19 R90 Q20"}),
                          [](const auto& p) { return std::string(p.param.name); });
 

@@ -93,6 +93,70 @@ TEST(OnAbort, what_waits_or_does_not_end_is_left_out) {
   EXPECT_EQ(rig.command({"mdi", "G0 X1"}).state, State::done);
 }
 
+int times(const std::string& text, const std::string& what) {
+  int n = 0;
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+  return n;
+}
+
+/// Each abort has its run, with the machine as that abort left it; one behind another does not pile up, and one that comes while the
+/// outputs of the last run are on their way voids what of them has not been done.
+TEST(OnAbort, aborts_on_its_heels_run_it_again) {
+  Rig rig(with_command());
+  write_sub(rig, "(debug, reason #1)\nM64 P3\nM65 P3\n");
+  rig.fake->move_time = 10 * rtapi::kSecond;
+  rig.ready();
+  const auto run = rig.start_text("G0 X1\nM2\n");
+  rig.run_for(1);
+  for (int n = 0; n < 5; ++n) rig.send({"abort"});
+  rig.run_for(1);
+  EXPECT_EQ(rig.outcome(run).state, State::aborted);
+  const int runs = times(rig.messages(), "reason 8.000000");
+  EXPECT_GE(runs, 1);
+  EXPECT_LE(runs, 5);
+  const auto outputs = rig.fake->executed<motion::OutputChange>();
+  ASSERT_GE(outputs.size(), 2U);
+  EXPECT_EQ(outputs.back().value, 0) << "the last run went to its end";
+  EXPECT_TRUE(rig.status().idle);
+  EXPECT_EQ(rig.command({"mdi", "G90 G0 X2"}).state, State::done);
+}
+
+/// A sub that is in error says so once, with its place, and is no reason to run it again.
+TEST(OnAbort, its_own_error_is_said_once) {
+  Rig rig(with_command());
+  write_sub(rig, "(debug, begin)\nM64 P3\nG1 X1\n(debug, behind)\n");
+  rig.ready();
+  rig.does({"abort"});
+  rig.run_for(1);
+  const std::string messages = rig.messages();
+  EXPECT_EQ(times(messages, "begin"), 1);
+  EXPECT_EQ(times(messages, "[RS274NGC]ON_ABORT_COMMAND:"), 1);
+  EXPECT_THAT(messages, HasSubstr("on_abort.ngc"));
+  EXPECT_THAT(messages, Not(HasSubstr("behind")));
+  EXPECT_TRUE(rig.status().idle);
+  EXPECT_EQ(rig.command({"mdi", "G0 X1"}).state, State::done);
+}
+
+/// Startup codes are for the start: an abort leaves the modes of the block, and what it should reset stands in the command.
+TEST(OnAbort, comes_behind_the_modes_of_the_block_and_without_startup_codes) {
+  Rig rig(
+      with_command("ON_ABORT_COMMAND = O <on_abort> call\n"
+                   "RS274NGC_STARTUP_CODE = G18 G91 G64 P0.5\n"));
+  write_sub(rig, "(debug, plane #<_plane> distance #<_absolute>)\nG90\n");
+  rig.fake->move_time = 10 * rtapi::kSecond;
+  rig.ready();
+  EXPECT_EQ(rig.status().g_codes[3], 180) << "of the startup code";
+  EXPECT_THAT(rig.messages(), Not(HasSubstr("plane"))) << "not at the start";
+  (void)rig.start_text("G19 G91 G64 P0.25\nG0 X1\nM2\n");
+  rig.run_for(1);
+  rig.does({"abort"});
+  rig.run_for(0.1);
+  EXPECT_THAT(rig.messages(), HasSubstr("plane 190.000000 distance 0.000000"));
+  EXPECT_EQ(rig.status().g_codes[3], 190) << "of the block, not of the startup code";
+  EXPECT_EQ(rig.status().g_codes[6], 900) << "of the command";
+  EXPECT_NEAR(rig.status().settings[3], 0.25, 1e-9);
+}
+
 TEST(OnAbort, a_missing_sub_is_said) {
   Rig rig(with_command("ON_ABORT_COMMAND = O <nothing_of_this_name> call\n"));
   rig.ready();
