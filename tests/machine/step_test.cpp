@@ -1,9 +1,9 @@
 // Single step: one executed block at a time, through subs, loops and waits, in the order of a full run.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <string>
-#include <vector>
 
 #include "harness/machine.hpp"
 
@@ -39,9 +39,19 @@ struct Stop {
   double x, y;
 };
 /// Where a block of kNested ends, each as often as it runs. Lines without a place: 1, 16, 20.
-const std::vector<Stop> kStops = {{1, 0, 0},   {3, 5, 0},   {4, 6, 0},   {3, 15, 1},  {4, 16, 1},
-                                  {3, 25, 2},  {4, 26, 2},  {12, 40, 2}, {16, 40, 2}, {18, 42, 2},
-                                  {18, 44, 2}, {20, 44, 2}, {21, 54, 2}};
+constexpr std::array<Stop, 13> kStops{{{1, 0, 0},
+                                       {3, 5, 0},
+                                       {4, 6, 0},
+                                       {3, 15, 1},
+                                       {4, 16, 1},
+                                       {3, 25, 2},
+                                       {4, 26, 2},
+                                       {12, 40, 2},
+                                       {16, 40, 2},
+                                       {18, 42, 2},
+                                       {18, 44, 2},
+                                       {20, 44, 2},
+                                       {21, 54, 2}}};
 
 std::unique_ptr<Machine> machine() {
   auto m = Machine::start();
@@ -77,6 +87,40 @@ TEST(Step, EachBlockOfSubsLoopsAndWaitsOnceAndToItsExactEnd) {
   EXPECT_EQ(m->motion().faults, 0U) << m->errors();
 }
 
+/// Paused in the middle, the queue is full of blocks that blend into each other: no step skips one or stops twice in one.
+TEST(Step, AfterAPauseItGoesOnBlockByBlockAndNoneIsLost) {
+  auto m = machine();
+  const auto path = m->write_program(kNested);
+  for (const double pause_at : {1.0, 5.8, 12.0, 25.5, 33.0, 43.0}) {
+    EXPECT_EQ(m->branch([&] {
+      const auto run = m->start_program(path);
+      ASSERT_TRUE(m->run_until([&] { return m->joint(0) > pause_at; }, 30));
+      ASSERT_TRUE(m->does({"pause"}) && m->run_until([&] { return m->motion().held; }, 5));
+      // The block in execution is the first.
+      std::size_t next = 0;
+      while (next < kStops.size() &&
+             (kStops[next].line != m->task().current_line || kStops[next].x < m->joint(0) - 1e-6))
+        ++next;
+      ASSERT_LT(next, kStops.size()) << m->joint(0);
+      for (; next < kStops.size(); ++next) {
+        ASSERT_TRUE(m->does({"step"})) << m->errors();
+        m->run_for(0.05);
+        ASSERT_TRUE(m->run_until([&] { return stands_stepped(*m); }, 30)) << next;
+        EXPECT_EQ(m->task().current_line, kStops[next].line) << next;
+        // In a blend the path is kept, so the end of a block is the middle of its corner.
+        EXPECT_NEAR(m->joint(0), kStops[next].x, 0.51) << next;
+        EXPECT_NEAR(m->joint(1), kStops[next].y, 0.51) << next;
+      }
+      ASSERT_TRUE(m->does({"step"})) << m->errors();
+      EXPECT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }, 10));
+      EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
+      EXPECT_NEAR(m->joint(0), 54, 1e-9);
+    }),
+              0)
+        << "paused at " << pause_at;
+  }
+}
+
 /// Steps and resumes in turn end where a full run ends, with each output once.
 TEST(Step, ResumeBetweenStepsRunsOn) {
   auto m = machine();
@@ -96,6 +140,44 @@ TEST(Step, ResumeBetweenStepsRunsOn) {
   EXPECT_TRUE(m->run_until([&] { return m->task().idle; }, 60));
   EXPECT_NEAR(m->joint(0), 54, 1e-9);
   EXPECT_EQ(m->motion().faults, 0U) << m->errors();
+}
+
+/// The line shown is that of the block which the axes execute, however deep in calls, and the source is its file.
+TEST(Line, IsThatOfTheBlockInExecutionFourCallsDeep) {
+  auto m = machine();
+  const auto path = m->write_program(
+      "o<d> sub\n  G1 X[#1]\no<d> endsub\n"                       // 2: level 4
+      "o<c> sub\n  o<d> call [#1+1]\n  G1 Y[#1]\no<c> endsub\n"   // 6: level 3
+      "o<b> sub\n  o<c> call [#1+1]\n  G1 Z-[#1]\no<b> endsub\n"  // 10: level 2
+      "o<a> sub\n  o<b> call [#1+1]\n  G1 X0\no<a> endsub\n"      // 14: level 1
+      "G21 G90 G61 F1200\no<a> call [2]\nG1 Y0\nM2\n");           // 18: level 0
+  struct Oracle {
+    std::size_t axis;
+    double sign;
+    int line, level;
+  };
+  constexpr Oracle kOracle[]{
+      {0, 1, 2, 4}, {1, 1, 6, 3}, {2, -1, 10, 2}, {0, -1, 14, 1}, {1, -1, 18, 0}};
+  int cycles = 0, at[5]{}, shown[5]{};
+  const auto run = m->start_program(path);
+  while (!task::is_terminal(m->outcome(run).state) && ++cycles < 20000) {
+    m->cycle();
+    const auto s = m->motion();
+    for (std::size_t n = 0; n < 5; ++n) {
+      const Oracle& o = kOracle[n];
+      if (s.joint[o.axis].vel_cmd * o.sign < 0.1) continue;
+      ++at[n];
+      EXPECT_EQ(s.current.line, o.line) << "cycle " << cycles;
+      EXPECT_EQ(s.current.call_level, o.level) << "cycle " << cycles;
+      // Task follows within a few cycles.
+      if (at[n] < 5) continue;
+      ++shown[n];
+      EXPECT_EQ(m->task().current_line, o.line) << "cycle " << cycles;
+      EXPECT_EQ(m->task().source.view(), path) << "cycle " << cycles;
+    }
+  }
+  EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
+  for (std::size_t n = 0; n < 5; ++n) EXPECT_GT(shown[n], 50) << "line " << kOracle[n].line;
 }
 
 }  // namespace

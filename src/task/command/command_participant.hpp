@@ -151,6 +151,8 @@ class CommandParticipant final : public rtapi::Participant {
   void stop_silent_jogs();
   [[nodiscard]] rtapi::Nanos last_heard(int client) const;
   void end_block_step();
+  void finish_block_step();
+  void begin_block_step();
   void go_estop(const char* why);
   void go_off();
   void set_mode(TaskMode mode);
@@ -245,6 +247,9 @@ class CommandParticipant final : public rtapi::Participant {
   bool left_{false};               ///< away since the program was last resumed
   std::array<std::int32_t, motion::kMaxSpindles>
       away_direction_{};  ///< spindles when the machine left
+  std::uint64_t block_step_due_{
+      0};  ///< motion's cycle in which the next step begins, which was asked for as the last one ended
+  std::uint64_t block_step_ended_{0};  ///< motion's cycle in which the last one was found to stand
   std::uint64_t block_step_since_{
       0};  ///< while Intent::single_step: motion's cycle from which its standing counts
   /// The program that the journal tells of.

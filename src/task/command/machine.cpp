@@ -88,18 +88,26 @@ void CommandParticipant::update_machine() {
     p_.motion.intent.hold.publish(0);
     p_.exchange.paused.set(0);
   }
-  if (want_.single_step && status_.cycle > block_step_since_ &&
-      (status_.held || status_.path_empty)) {
-    // With an empty path the interpreter thread stands behind the block on its own.
-    if (!status_.path_empty)
-      pause();
-    else
-      end_block_step();
-  }
+  finish_block_step();
+  if (block_step_due_ != 0 && status_.cycle >= block_step_due_) begin_block_step();
+}
+
+/// Motion stands at the end of the block that was asked for.
+void CommandParticipant::finish_block_step() {
+  if (!want_.single_step || status_.cycle <= block_step_since_ ||
+      !(status_.held || status_.path_empty))
+    return;
+  block_step_ended_ = status_.cycle;
+  // With an empty path the interpreter thread stands behind the block on its own.
+  if (!status_.path_empty)
+    pause();
+  else
+    end_block_step();
 }
 
 /// Behind a hold, or before its release, so that nothing moves for it.
 void CommandParticipant::end_block_step() {
+  block_step_due_ = 0;
   if (!want_.single_step) return;
   want_.single_step = false;
   write_intent();
@@ -112,6 +120,7 @@ void CommandParticipant::abort_all(std::uint32_t reason) {
   stop_jogs(kNobody);
   end_away();
   want_.single_step = want_.backwards = false;
+  block_step_due_ = 0;
   want_.path_shift = {};
   write_intent();
   p_.motion.intent.hold.publish(0);

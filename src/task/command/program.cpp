@@ -228,6 +228,8 @@ void CommandParticipant::do_step(Ticket ticket) {
            (p.second.command == CommandId::run || p.second.command == CommandId::step);
   });
   p_.exchange.stepping.set(1);
+  // Whoever saw the last step stand may be quicker than this thread; motion has to see the hold between the two.
+  finish_block_step();
   if (!running) {
     if (!view_.idle)
       return reply(ticket, CommandState::error, "can't step while something else runs");
@@ -236,7 +238,16 @@ void CommandParticipant::do_step(Ticket ticket) {
     post(Order::Kind::step, internal_ticket(CommandId::step), {});
     return reply(ticket, CommandState::done);
   }
-  // A program that was held in the middle of its queue goes on to the end of the block in execution; motion itself stands there.
+  if (status_.cycle < block_step_ended_ + kCyclesToRelease)
+    block_step_due_ = block_step_ended_ + kCyclesToRelease;
+  else
+    begin_block_step();
+  reply(ticket, CommandState::done);
+}
+
+/// A program that was held in the middle of its queue goes on to the end of the block in execution; motion itself stands there.
+void CommandParticipant::begin_block_step() {
+  block_step_due_ = 0;
   if (p_.motion.intent.hold.observe() != 0) {
     block_step_since_ = status_.cycle + kCyclesToRelease;
     want_.single_step = true;
@@ -246,7 +257,6 @@ void CommandParticipant::do_step(Ticket ticket) {
   p_.exchange.paused.set(0);
   p_.exchange.resumes.add(1);
   p_.exchange.wake_interpreter();
-  reply(ticket, CommandState::done);
 }
 
 /// Only of a path that is held: nothing turns round under way.

@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <string>
+#include <vector>
 
 namespace kerf::io {
 namespace {
@@ -129,6 +131,37 @@ TEST(ToolTable, what_is_written_reads_back_the_same) {
       for (std::size_t a = 0; a < rtapi::kAxes; ++a)
         EXPECT_NEAR(again.find(t.number)->offset[a], t.offset[a], 1e-12);
   }
+}
+
+/// No number of tools is too many, pockets are what the user calls them, and a new length touches its own line only.
+TEST(ToolTable, ten_thousand_tools_in_any_pocket) {
+  constexpr int kTools = 10000;
+  std::vector<std::string> lines;
+  for (int n = 0; n < kTools; ++n) {
+    const int number = 1 + (n * 7919) % kTools;  // in no order
+    lines.push_back("T" + std::to_string(number) + " P" + std::to_string(number + 3) + " Z" +
+                    std::to_string(1 + number % 97) + " D" + std::to_string(1 + number % 20) +
+                    " ;tool; " + std::to_string(n));
+  }
+  const auto text_of = [&lines] {
+    std::string text;
+    for (const std::string& line : lines) text.append(line).append("\n");
+    return text;
+  };
+  auto table = parse(text_of());
+  ASSERT_EQ(table.tools().size(), static_cast<std::size_t>(kTools));
+  for (int number = 1; number <= kTools; ++number) {
+    const ToolEntry* tool = table.find(number);
+    ASSERT_NE(tool, nullptr) << number;
+    EXPECT_EQ(tool->pocket, number + 3);
+    EXPECT_EQ(tool->offset.z, 1 + number % 97);
+  }
+  EXPECT_EQ(table.text(1.0), text_of());
+  ToolEntry changed = *table.find(1);
+  changed.offset.z = 12.5;
+  table.put(changed);
+  lines[0] = "T1 P4 Z12.5 D2 ;tool; 0";
+  EXPECT_EQ(table.text(1.0), text_of());
 }
 
 class OnDisk : public ::testing::Test {
