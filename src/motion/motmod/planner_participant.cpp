@@ -9,7 +9,7 @@ constexpr rtapi::Nanos kRetry = 1'000'000;
 void PlannerParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   next.watch(shared_.path_cell);
   next.watch(link_.cell);
-  ServoView view;
+  ServoView& view = view_;
   const bool published = link_.view.version() != 0;
   const bool seen = published && link_.view.read(view);
   if (published && !seen) next.wake_at(now + kRetry);

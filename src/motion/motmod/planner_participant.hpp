@@ -40,6 +40,7 @@ class PlannerParticipant final : public rtapi::Participant {
   MotionShared& shared_;
   PlannerLink& link_;
   std::uint64_t config_version_{0};
+  ServoView view_;  ///< as it was read last
 };
 
 /// Servo side, once a cycle: publishes `view` and wakes the planner if it waits for what happened.
