@@ -17,7 +17,7 @@ Core::Core(Environment& environment, Canon& sink, const Settings& config, const 
       settings(config),
       dialect(rows),
       compat(compat_row(config.compat)),
-      scripts(environment.scripts()),
+      scripts(config.scripts ? environment.scripts() : nullptr),
       parser_(rows, params, flows.labels) {
   for (const auto& family : dialect.families) {
     for (const CodeRow& r : family) {

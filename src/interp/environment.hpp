@@ -39,8 +39,10 @@ struct Settings {
   bool random_toolchanger{false};        ///< [EMCIO]RANDOM_TOOLCHANGER
   bool spindle_on_during_change{false};  ///< [EMCIO]TOOL_CHANGE_WITH_SPINDLE_ON
   bool is_task{false};                   ///< value of #<_task>
-  double orient_offset_deg{0};           ///< ORIENT_OFFSET
-  double arc_tolerance_mm{0.00127};      ///< a smaller radius is none
+  bool scripts{
+      true};  ///< false: Environment::scripts() belongs to another interpreter, beside which this one reads
+  double orient_offset_deg{0};       ///< ORIENT_OFFSET
+  double arc_tolerance_mm{0.00127};  ///< a smaller radius is none
   double arc_tolerance_inch{0.00005};
   double arc_error_mm{
       0.0127};  ///< radii of one arc may differ by this: CENTER_ARC_RADIUS_TOLERANCE_MM

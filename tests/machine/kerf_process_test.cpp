@@ -240,7 +240,10 @@ TEST(KerfStays, AFaultLeavesAFlightRecordThatRunsAgain) {
       << said();
   EXPECT_EQ(run("kerf replay " + mill.path("now.flight")), 0) << said();
   EXPECT_TRUE(contains(said(), "no fault, as recorded"));
-  // The encoder of X is cut off.
+  // The encoder of X is cut off, in the loop.
+  do {
+    ASSERT_EQ(run("halcmd getp spindle.0.on"), 0) << said();
+  } while (said() != "TRUE\n");
   ASSERT_EQ(run("halcmd unlinkp joint.0.motor-pos-fb"), 0) << said();
   const std::string file = mill.path("flights/0001-following-error.flight");
   ASSERT_TRUE(kerf.wait_output("flight record: " + file)) << kerf.output();

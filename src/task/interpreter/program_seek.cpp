@@ -21,12 +21,18 @@ bool same_place(const rtapi::Pose& a, const rtapi::Pose& b) {
   return true;
 }
 
+/// Functions in Python work on the interpreter that runs the program; no other may take them over.
+interp::Settings without_scripts(interp::Settings settings) {
+  settings.scripts = false;
+  return settings;
+}
+
 }  // namespace
 
 ProgramSeek::ProgramSeek(const Parts& parts, interp::Interpreter& now, int tool, int pocket,
                          SeekEnd end)
     : p_(parts),
-      interp_(p_.environment, p_.canon, p_.setup.interp),
+      interp_(p_.environment, p_.canon, without_scripts(p_.setup.interp)),
       end_(end),
       from_canon_(p_.canon.state()),
       from_modal_(now.modal()),

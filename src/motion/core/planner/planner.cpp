@@ -78,6 +78,7 @@ void Planner::configure(const MachineConfig& config) noexcept {
   config_ = config;
   const PathLimits limits = path_limits_of(kinematics_, config);
   limits_ = limits.axes;
+  stop_s_ = stop_seconds();
   plain_ = limits.plain;
   mixed_ = !plain_ && !limits_.jerks && kinematics_.answers_at_once();
   if (mixed_) joint_bounds_.configure(config, limits_);
@@ -173,6 +174,7 @@ void Planner::forget() noexcept {
   slots_.pending.publish(0);
   due_ = false;
   pending_since_ns_ = 0;
+  handed_over_ = false;
   begins_ = true;
   spindle_changed_ = false;
   after_traverse_ = false;

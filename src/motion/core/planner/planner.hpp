@@ -171,6 +171,7 @@ class Planner {
   void finish_sending() noexcept;
   void plan(bool all) noexcept;
   [[nodiscard]] bool plan_ramps(std::uint64_t n, int& unchanged) noexcept;
+  [[nodiscard]] double stop_seconds() const noexcept;
   [[nodiscard]] double seconds_ahead(double enough) const noexcept;
   [[nodiscard]] double seconds_pending(double enough) const noexcept;
 
@@ -180,6 +181,7 @@ class Planner {
   FaultRing& faults_;
   MachineConfig config_{};
   path::AxisLimits limits_;
+  double stop_s_{0};  ///< what a stop takes at most
   bool plain_{true};  ///< each joint is one axis: limits along the path; else ...
   bool mixed_{
       false};  ///< ... joint_bounds_ of each stretch; if this is false too, each move by itself

@@ -12,10 +12,12 @@ namespace {
 constexpr std::int64_t kSettle = 5'000'000;  // ns
 /// What the machine still has to drive when the path is ended for want of more.
 constexpr double kLeastAhead = 0.1;  // s
-/// With less than this ahead of the machine, and that much pending, the path is handed over though more moves come: who makes them just as
-/// fast as they are driven never fills the buffer.
+/// With less than this and its stopping time ahead of the machine, and that much pending, the path is handed over while more moves come: who
+/// makes them just as fast as they are driven never fills the buffer.
 constexpr double kShortAhead = 0.2, kWorthHandingOver = 0.05;  // s
-constexpr std::int64_t kSteady = 2 * kSettle;                  ///< and they have come for this long
+constexpr std::int64_t kSteady = 5 * kSettle;                  ///< and they have come for this long
+/// Machines that stop even slower begin to brake before they get the next part of a path.
+constexpr double kLongestStop = 2;  // s
 /// Two places on the path nearer than this are one (sigma).
 constexpr double kSamePlace = 1e-7;
 /// Of the pending moves, the last ones stay when the path is handed over: they may still be joined with what comes.
@@ -46,18 +48,34 @@ void Planner::commit_if_due(bool more_items, std::int64_t now_ns) noexcept {
   if (moves_.full() || events_full) return commit(hand_over_at() + 1, true);
   if (pending_since_ns_ == 0) pending_since_ns_ = now_ns;
   if (more_items) return;
-  if (now_ns - pending_since_ns_ >= kSteady && moves_.size() >= kHandOverLeast &&
-      seconds_pending(kWorthHandingOver) > kWorthHandingOver &&
-      seconds_ahead(kShortAhead) < kShortAhead)
+  const double short_ahead = kShortAhead + stop_s_;
+  if (now_ns - pending_since_ns_ >= kSteady && now_ns - last_item_ns_ < kSettle &&
+      moves_.size() >= kHandOverLeast && seconds_pending(kWorthHandingOver) > kWorthHandingOver &&
+      seconds_ahead(short_ahead) < short_ahead)
     return commit(hand_over_at() + 1, true);
   wake_ns_ = last_item_ns_ + kSettle;
   if (now_ns < wake_ns_) return;
-  if (seconds_ahead(kLeastAhead) > kLeastAhead) {
+  // What was handed over ends in the middle of a move, where nobody wants to brake.
+  const double least = kLeastAhead + (handed_over_ ? stop_s_ : 0.0);
+  if (seconds_ahead(least) > least) {
     wake_ns_ = now_ns + kSettle;
     return;
   }
   moves_.back().stop_at_end = true;
   commit(moves_.size(), false);
+}
+
+/// From the largest speed that is allowed, in the slowest axis.
+double Planner::stop_seconds() const noexcept {
+  double longest = 0;
+  for (std::size_t i = 0; i < path::kAxes; ++i) {
+    if (!(limits_.acc[i] > 0)) continue;
+    const double vel = std::min(limits_.vel[i], i < 3 ? limits_.path_vel : path::kNoLimit);
+    if (!(vel < path::kNoLimit)) continue;
+    const double ramp = limits_.jerk[i] > 0 ? limits_.acc[i] / limits_.jerk[i] : 0;
+    longest = std::max(longest, vel / limits_.acc[i] + ramp);
+  }
+  return std::min(longest, kLongestStop);
 }
 
 /// Of the pending moves at their feeds; counts no farther than `enough`.
