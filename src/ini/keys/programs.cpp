@@ -185,6 +185,10 @@ constexpr Key kKerfRows[] = {
         .otherwise("1000")
         .read_by(By::task)
         .own(),
+    boolean("PATH_CHECK", "every servo cycle checks that the path is within G64 P of the program")
+        .otherwise("0")
+        .read_by(By::task)
+        .own(),
     text("JOURNAL",
          "file of what was executed last, for `kerf resume` after a loss of power "
          "(docs/journal.md); "

@@ -93,7 +93,8 @@ struct MachineConfig {
   bool adaptive_only_slows{false};    ///< adaptive feed is bounded by 1, as older manuals say
   bool adaptive_reverses{true};       ///< below 0 it runs the path backwards
   bool lost_heartbeat_is_off{false};  ///< drives off at once, without the controlled stop before
-  bool reserved2[2]{};
+  bool path_check{false};             ///< [KERF]PATH_CHECK: Fault::limit_path is looked for
+  bool reserved2[1]{};
   OverrunPolicy overrun{OverrunPolicy::warn};
   std::int32_t reserved3{0};
   double overrun_periods{3};  ///< so long after the cycle before, `overrun` acts

@@ -39,6 +39,7 @@ inline constexpr Fault kFaults[] = {Fault::internal,
                                     Fault::limit_jerk,
                                     Fault::limit_continuity,
                                     Fault::indexer_locked,
+                                    Fault::limit_path,
                                     Fault::probe_no_contact,
                                     Fault::probe_already_tripped,
                                     Fault::probe_unexpected,
@@ -82,6 +83,7 @@ inline const char* fault_name(Fault fault) {
     case Fault::limit_jerk: return "limit-jerk";
     case Fault::limit_continuity: return "limit-continuity";
     case Fault::indexer_locked: return "indexer-locked";
+    case Fault::limit_path: return "limit-path";
     case Fault::probe_no_contact: return "probe-no-contact";
     case Fault::probe_already_tripped: return "probe-already-tripped";
     case Fault::probe_unexpected: return "probe-unexpected";
@@ -317,6 +319,12 @@ inline std::string fault_text(const FaultRecord& r, const MachineConfig& config)
     case Fault::limit_acceleration: return oracle_text(r, config, "acceleration");
     case Fault::limit_jerk: return oracle_text(r, config, "jerk");
     case Fault::limit_continuity: return oracle_text(r, config, "step (as velocity)");
+    case Fault::limit_path: {
+      const bool rotary = r.index >= 3;
+      return "Internal fault: the path" + line_of(r.tag) + " was " +
+             shown(r.value, rotary, config) + " from what is programmed, allowed are " +
+             shown(r.limit, rotary, config) + ". Please report it with the program";
+    }
     case Fault::probe_no_contact:
       return "Probe move" + line_of(r.tag) +
              " ended without contact. Check the probe and the start height";

@@ -39,6 +39,8 @@ enum class Fault : std::int32_t {
   limit_jerk = 32,
   limit_continuity = 33,
   indexer_locked = 34,  ///< index: joint; is-unlocked went false while it turned
+  limit_path =
+      35,  ///< farther from the programmed path than G64 P (mm, P; index 3-5: degrees of that axis)
   probe_no_contact = 40,
   probe_already_tripped = 41,
   probe_unexpected = 42,

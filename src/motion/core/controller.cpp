@@ -23,7 +23,8 @@ Controller::Controller(const Kinematics& kinematics, SpanRing& spans, const Plan
           static_cast<std::size_t>(std::clamp(joints, 0, static_cast<std::int32_t>(kMaxJoints)))),
       spindle_count_(static_cast<std::size_t>(
           std::clamp(spindles, 0, static_cast<std::int32_t>(kMaxSpindles)))),
-      executor_(spans, slots, spindles_, outputs_) {}
+      executor_(spans, slots, spindles_, outputs_),
+      programmed_(slots.programmed) {}
 
 void Controller::configure(const MachineConfig& config) noexcept {
   const bool first = !configured_;
@@ -367,6 +368,7 @@ void Controller::enable() noexcept {
   offsets_.reset();
   if (!settle()) mode_ = MotionMode::free;
   guard_.reset(joints_, joint_);
+  path_oracle_.reset();
 }
 
 void Controller::apply_safe_outputs() noexcept {

@@ -16,6 +16,7 @@
 #include "motion/core/io.hpp"
 #include "motion/core/joint.hpp"
 #include "motion/core/lost_cycles.hpp"
+#include "motion/core/path_oracle.hpp"
 #include "motion/core/spindles.hpp"
 
 namespace kerf::motion {
@@ -166,6 +167,8 @@ class Controller {
   Executor executor_;
   Homing homing_;
   Guard guard_;
+  PathOracle path_oracle_;
+  const ProgrammedMoves& programmed_;
   ExternalOffsets offsets_;
   Joint joint_[kMaxJoints];
   LostCycles lost_[kMaxJoints];

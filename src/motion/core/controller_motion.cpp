@@ -435,6 +435,11 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   std::uint32_t led = led_cycles_ > 0 ? ~0U : 0U;
   for (std::size_t j = 0; j < joints_; ++j) led |= is_posthome(j) ? 1U << j : 0U;
   guard_.check(joints_, joint_, config_, dt, led, status_.current, faults_);
+  const bool on_path = mode_ == MotionMode::coordinated && !away_ && executor_.moving_item() &&
+                       !executor_.retraces() && !executor_.follows_spindle();
+  if (config_.path_check && on_path)
+    path_oracle_.check(programmed_, executor_.pose(), executor_.current_seq(), status_.current,
+                       faults_);
   take_up_play(dt);
 }
 

@@ -82,6 +82,7 @@ class Executor {
   [[nodiscard]] bool follows_spindle() const noexcept;
   /// Drives what lies behind the newest move: backwards, or forwards again.
   [[nodiscard]] bool retraces() const noexcept { return track_.on; }
+  [[nodiscard]] std::uint64_t current_seq() const noexcept { return current_seq_; }
   [[nodiscard]] std::uint64_t executed_seq() const noexcept { return executed_seq_; }
   [[nodiscard]] std::uint32_t voided() const noexcept { return void_epoch_; }
   [[nodiscard]] std::uint64_t place_number() const noexcept { return place_number_; }

@@ -7,6 +7,8 @@
 #include "motion/api/kinematics.hpp"
 #include "motion/api/shared.hpp"
 #include "motion/core/path/piece.hpp"
+#include "motion/core/path/tolerance.hpp"
+#include "rtapi/sync/seq_cell.hpp"
 
 namespace kerf::motion {
 
@@ -92,6 +94,40 @@ using SpanRing = rtapi::SpscRing<Span, kSpans>;
 /// Planner -> servo: items that were refused. The servo numbers and publishes them.
 using FaultRing = rtapi::SpscRing<FaultRecord, 16>;
 
+/// A move as it was programmed, for PathOracle.
+struct ProgrammedMove {
+  path::Piece piece;
+  path::Tolerance tolerance;  ///< at most, of both of its corners
+};
+
+/// Planner -> servo: the last kSlots moves, numbered from 1. Older ones are overwritten, whoever still wants them.
+class ProgrammedMoves {
+ public:
+  static constexpr std::uint64_t kSlots = 4096;
+
+  /// Planner side.
+  void add(const ProgrammedMove& move, std::uint64_t seq) noexcept {
+    const std::uint64_t n = newest_.get() + 1;
+    slot_[n % kSlots].write(move);
+    seq_[n % kSlots].set(seq);
+    newest_.publish(n);
+  }
+  [[nodiscard]] std::uint64_t newest() const noexcept { return newest_.observe(); }
+  /// Of the item that the move was.
+  [[nodiscard]] std::uint64_t seq(std::uint64_t number) const noexcept {
+    return seq_[number % kSlots].get();
+  }
+  /// False: it is overwritten.
+  [[nodiscard]] bool read(std::uint64_t number, ProgrammedMove& out) const noexcept {
+    return slot_[number % kSlots].read(out, 2) && newest_.observe() < number + kSlots;
+  }
+
+ private:
+  rtapi::SeqCell<ProgrammedMove> slot_[kSlots];
+  rtapi::Word<std::uint64_t> seq_[kSlots];
+  rtapi::Word<std::uint64_t> newest_{0};
+};
+
 /// How fast a span may be at its end: written by the planner, also while the span waits in the ring, whenever more path has come.
 ///
 /// `hard` is the largest x from which everything behind, up to the stop that ends the path, can be driven within the limits of the axes. It
@@ -114,6 +150,7 @@ struct PlanSlots {
   /// 1 while the planner holds items that are in neither ring. Published before an item leaves the path ring, and taken back after
   /// its spans are in theirs; so who looks at path ring, this word and span ring in that order sees every item somewhere.
   rtapi::Word<std::uint32_t> pending{0};
+  ProgrammedMoves programmed;  ///< only with MachineConfig::path_check
 };
 
 /// What scales the programmed feeds.

@@ -23,6 +23,7 @@ bool ends_program(motion::Fault fault) noexcept {
     case Fault::limit_velocity:
     case Fault::limit_acceleration:
     case Fault::limit_jerk:
+    case Fault::limit_path:
     case Fault::overrun:
     case Fault::sync_behind: return false;
     default: return true;

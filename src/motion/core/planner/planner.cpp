@@ -462,6 +462,7 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
     return bad_item(item, 0);
   if (alone || indexer >= 0) stop_here();
   if (indexer >= 0) (void)event(item, IndexerSpan{indexer, true});
+  if (config_.path_check) note(move, item.seq);
   const bool may_merge = kind == MotionKind::feed && sync == nullptr && plain_ &&
                          curve.shape == Curve::Shape::line && merge_mm_ > 0 && !single_step_;
   end_ = curve.end;
@@ -483,6 +484,19 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   after_traverse_ = traverse;
   if (probe != nullptr) probing_ = true;
   return Take::done;
+}
+
+/// For PathOracle. The corner at its start is that of the move before.
+void Planner::note(const path::Move& move, std::uint64_t seq) noexcept {
+  const auto tolerance_of = [](const path::PathMode& mode) {
+    return mode.corners == path::PathMode::Corners::blend ? mode.tolerance : path::Tolerance{};
+  };
+  ProgrammedMove noted{move.piece, tolerance_of(move.mode)};
+  const path::Tolerance here = noted.tolerance;
+  noted.tolerance.mm = std::max(here.mm, noted_tolerance_.mm);
+  noted.tolerance.deg = std::max(here.deg, noted_tolerance_.deg);
+  noted_tolerance_ = here;
+  slots_.programmed.add(noted, seq);
 }
 
 bool Planner::merge_line(const Pose& end, const path::Piece& line, const Meta& meta) noexcept {

@@ -145,6 +145,7 @@ class Planner {
   [[nodiscard]] bool merge_line(const Pose& end, const path::Piece& line,
                                 const Meta& meta) noexcept;
   void share_tolerance() noexcept;
+  void note(const path::Move& move, std::uint64_t seq) noexcept;
   [[nodiscard]] path::PathMode mode_of(const PathControl& control) const noexcept;
 
   // sync_items.cpp: what follows a spindle
@@ -202,8 +203,9 @@ class Planner {
   bool placed_{false}, refusing_{false};
   bool probing_{false};  ///< moves behind a probe move wait until it has ended, wherever that is
   path::PathMode mode_;
-  double merge_mm_{0};  ///< G64 Q; 0: lines are not merged
-  Merge merge_;         ///< the last pending move, while more may be merged with it
+  double merge_mm_{0};               ///< G64 Q; 0: lines are not merged
+  path::Tolerance noted_tolerance_;  ///< of the move noted last
+  Merge merge_;                      ///< the last pending move, while more may be merged with it
   double speed_rpm_
       [kMaxSpindles]{};  ///< as the last item left it: unchanged S words never stop the path
   bool css_[kMaxSpindles]{};
