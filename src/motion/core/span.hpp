@@ -8,7 +8,6 @@
 #include "motion/api/shared.hpp"
 #include "motion/core/path/piece.hpp"
 #include "motion/core/path/tolerance.hpp"
-#include "rtapi/sync/seq_cell.hpp"
 
 namespace kerf::motion {
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -39,7 +38,7 @@ class OverwriteRing {
   OverwriteRing() = default;
   OverwriteRing(void* memory, std::size_t words) noexcept
       : memory_(static_cast<std::uint64_t*>(memory)),
-        words_(memory != nullptr && std::has_single_bit(words) ? words : 0) {}
+        words_(memory != nullptr && (words & (words - 1)) == 0 ? words : 0) {}
 
   [[nodiscard]] std::size_t words() const noexcept { return words_; }
   [[nodiscard]] std::size_t most_words() const noexcept {
