@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <regex>
 #include <vector>
 
 #include "harness/machine.hpp"
@@ -17,17 +18,18 @@ MachineOptions with_moveoff() {
   o.hal = {"loadrt moveoff names=mv personality=3", "addf mv.read-inputs servo-thread 1",
            // Behind the controller and before the motors.
            "addf mv.write-outputs servo-thread 4"};
-  const char* axes[] = {"x", "y", "z"};
-  for (int j = 0; j < 3; ++j) {
-    const std::string axis = axes[j], n = std::to_string(j);
-    for (const std::string& line :
-         {"unlinkp " + axis + "-motor.pos-cmd", "unlinkp joint." + n + ".motor-pos-fb",
-          "net " + axis + "-pos-cmd => mv.pos-" + n, "net " + axis + "-pos-fb => mv.fb-" + n,
-          "net " + axis + "-plus mv.pos-plusoffset-" + n + " => " + axis + "-motor.pos-cmd",
-          "net " + axis + "-minus mv.fb-minusoffset-" + n + " => joint." + n + ".motor-pos-fb",
-          "setp mv.offset-vel-" + n + " " + std::to_string(kVel),
-          "setp mv.offset-accel-" + n + " " + std::to_string(kAcc)})
-      o.hal.push_back(line);
+  struct Joint {
+    const char *axis, *n;
+  };
+  for (const auto& [axis, n] : {Joint{"x", "0"}, Joint{"y", "1"}, Joint{"z", "2"}}) {
+    for (std::string line :
+         {"unlinkp A-motor.pos-cmd", "unlinkp joint.N.motor-pos-fb", "net A-pos-cmd => mv.pos-N",
+          "net A-pos-fb => mv.fb-N", "net A-plus mv.pos-plusoffset-N => A-motor.pos-cmd",
+          "net A-minus mv.fb-minusoffset-N => joint.N.motor-pos-fb", "setp mv.offset-vel-N 20",
+          "setp mv.offset-accel-N 100"}) {
+      line = std::regex_replace(line, std::regex("\\bA\\b"), axis);
+      o.hal.push_back(std::regex_replace(line, std::regex("\\bN\\b"), n));
+    }
   }
   o.hal.emplace_back("net on motion.motion-enabled => mv.power-on");
   o.hal.emplace_back("setp mv.apply-offsets 1");
