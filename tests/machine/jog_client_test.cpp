@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <string>
 
 #include "harness/machine.hpp"
@@ -12,15 +13,20 @@
 namespace kerf::harness {
 namespace {
 
+/// Homed, with clients, in the mode that jogs an axis ("x") or a joint ("0").
+std::unique_ptr<Machine> ready_to_jog(const char* what) {
+  MachineOptions options;
+  options.clients = true;
+  auto m = Machine::start(options);
+  EXPECT_TRUE(m->ready() && m->power_on_and_home()) << m->errors();
+  EXPECT_TRUE(m->does({"teleop", what[0] == 'x' ? "on" : "off"}));
+  return m;
+}
+
 TEST(Jog, EndsWithTheClientThatHoldsIt) {
   double killed = 0;
   for (const char* what : {"x", "0"}) {
-    MachineOptions options;
-    options.clients = true;
-    auto m = Machine::start(options);
-    ASSERT_TRUE(m->ready()) << m->errors();
-    ASSERT_TRUE(m->power_on_and_home()) << m->errors();
-    ASSERT_TRUE(m->does({"teleop", what[0] == 'x' ? "on" : "off"}));
+    auto m = ready_to_jog(what);
     auto client = m->connect();
     auto other = m->connect();
     ASSERT_TRUE(client->send({"jog", what, "50"}).ok());
@@ -51,12 +57,7 @@ TEST(Jog, EndsWithTheSilenceOfAClientThatHoldsALease) {
   int stalls = 0;
   double farthest = 0;
   for (const char* what : {"x", "0"}) {
-    MachineOptions options;
-    options.clients = true;
-    auto m = Machine::start(options);
-    ASSERT_TRUE(m->ready()) << m->errors();
-    ASSERT_TRUE(m->power_on_and_home()) << m->errors();
-    ASSERT_TRUE(m->does({"teleop", what[0] == 'x' ? "on" : "off"}));
+    auto m = ready_to_jog(what);
     auto client = m->connect();
     EXPECT_EQ(m->command({"jog", what, "50", "3", "lease=1"}).state, task::CommandState::error);
     EXPECT_EQ(m->command({"jog", what, "50", "lease=0.01"}).state, task::CommandState::error);

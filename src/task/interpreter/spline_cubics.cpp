@@ -4,21 +4,17 @@
 #include <array>
 #include <cmath>
 
+#include "task/interpreter/spline_vec.hpp"
+
 namespace kerf::task {
 namespace {
 
-struct Vec {
-  double x{0}, y{0};
-};
-Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y}; }
-Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y}; }
-Vec operator*(double k, Vec a) { return {k * a.x, k * a.y}; }
-double norm(Vec a) { return std::hypot(a.x, a.y); }
+using spline::Vec;
 
-constexpr double kNothing_mm = 1e-6;  ///< shorter than this there is no direction to be had
-constexpr int kCells = 64;            ///< of the table of lengths, in each knot span
-constexpr int kMostPieces = 2048;     ///< in one run
-constexpr int kChecks = 6;            ///< places of each piece that are compared with the curve
+constexpr double kNothing = 1e-6;  ///< mm; shorter than this there is no direction to be had
+constexpr int kCells = 64;         ///< of the table of lengths, in each knot span
+constexpr int kMostPieces = 2048;  ///< in one run
+constexpr int kChecks = 6;         ///< places of each piece that are compared with the curve
 /// How far |q'| may be from 1: speeds are true within it.
 constexpr double kEven = 1e-3;
 
@@ -136,7 +132,7 @@ std::vector<CubicPiece> spline_cubics(const interp::NurbsCurve& curve, double to
   const int step = curve.order() >= 4 ? curve.spans() : 1;
   for (int first = 0; first < curve.spans(); first += step) {
     const Run run(curve, first, std::min(first + step, curve.spans()));
-    if (!(run.length() > kNothing_mm)) continue;
+    if (!(run.length() > kNothing)) continue;
     if (run.has_cusp()) return {};
     int n = 1;
     while (n <= kMostPieces && !fit(run, n, tolerance_mm, out)) n *= 2;

@@ -4,26 +4,20 @@
 #include <array>
 #include <cmath>
 
+#include "task/interpreter/spline_vec.hpp"
+
 namespace kerf::task {
 
 namespace {
 
-struct Vec {
-  double x{0}, y{0};
-};
-Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y}; }
-Vec operator-(Vec a, Vec b) { return {a.x - b.x, a.y - b.y}; }
-Vec operator*(double s, Vec a) { return {s * a.x, s * a.y}; }
-double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y; }
-double cross(Vec a, Vec b) { return a.x * b.y - a.y * b.x; }
-double norm(Vec a) { return std::hypot(a.x, a.y); }
+using spline::Vec;
 
 /// Halvings of one knot span, however odd its weights are.
 constexpr int kDeepest = 24;
 /// Below this a length says nothing about a direction.
-constexpr double kNothing_mm = 1e-9;
+constexpr double kNothing = 1e-9;  ///< mm
 /// A larger radius is a line: the centre would be too far away to be exact.
-constexpr double kLargestRadius_mm = 1e8;
+constexpr double kLargestRadius = 1e8;  ///< mm
 
 /// A circular piece from `from` along `tangent` to `to`.
 struct Piece {
@@ -36,7 +30,7 @@ struct Piece {
     const Vec chord = to - from;
     const double side = cross(tangent, chord);  // left of the tangent is positive
     const double length2 = dot(chord, chord);
-    if (length2 >= 2 * kLargestRadius_mm * std::fabs(side)) return p;
+    if (length2 >= 2 * kLargestRadius * std::fabs(side)) return p;
     const double signed_radius = length2 / (2 * side);
     p.centre = from + signed_radius * Vec{-tangent.y, tangent.x};
     p.radius = std::fabs(signed_radius);
@@ -77,7 +71,7 @@ class Fitter {
   [[nodiscard]] Vec tangent(double u, double other) const {
     const auto p = curve_.at(u, span_);
     const double speed = std::hypot(p.dx, p.dy);
-    if (speed > kNothing_mm) return {p.dx / speed, p.dy / speed};
+    if (speed > kNothing) return {p.dx / speed, p.dy / speed};
     const Vec near = point(u + (other - u) * 1e-3);
     const Vec d = other > u ? near - Vec{p.x, p.y} : Vec{p.x, p.y} - near;
     const double length = norm(d);
@@ -105,7 +99,7 @@ class Fitter {
     const Vec v = p1 - p0;
     const Vec t = t0 + t1;
     const double vv = dot(v, v), vt = dot(v, t), a = 2 * (1 - dot(t0, t1));
-    if (vv < kNothing_mm * kNothing_mm || dot(t0, v) <= 0 || dot(t1, v) <= 0) return false;
+    if (vv < kNothing * kNothing || dot(t0, v) <= 0 || dot(t1, v) <= 0) return false;
     // d solves a d^2 + 2 (v t) d - v v = 0, written so that a = 0 needs no case of its own.
     const double d = vv / (vt + std::sqrt(vt * vt + a * vv));
     const Vec middle = 0.5 * (p0 + p1 + d * (t0 - t1));
@@ -134,7 +128,7 @@ class Fitter {
   }
 
   void add(const Piece& p) {
-    if (norm(p.to - p.from) < kNothing_mm) return;
+    if (norm(p.to - p.from) < kNothing) return;
     pieces_.push_back({p.to.x, p.to.y, p.centre.x, p.centre.y, p.turn});
   }
 
