@@ -35,7 +35,7 @@ ALLOWED = {
     "gateway": ["rtapi", "ini", *HAL_CLIENT, "task/api", "motion/api"],
     "python": ["rtapi", "ini", *HAL_CLIENT, "hal/component.hpp", "hal/stream.hpp", "hal/shared_memory.hpp",
                "hal/core/port.hpp", "hal/core/value_text.hpp", "task/api", "motion/api", "clients/common", "interp"],
-    "components": ["hal/component.hpp", "hal/operator_line.hpp", "hal/stream.hpp", "hal/stream_channels.hpp", "hal/channels.hpp", "hal/core/types.hpp", "rtapi/base"],
+    "components": ["hal/component.hpp", "hal/operator_line.hpp", "hal/port_pins.hpp", "hal/stream.hpp", "hal/stream_channels.hpp", "hal/channels.hpp", "hal/core/types.hpp", "rtapi/base"],
     "components/tools": ["hal/component.hpp", "hal/stream.hpp", "hal/core/types.hpp", "rtapi/base", "motion/api"],
     "components/kinematics": ["hal/component.hpp", "hal/core/types.hpp", "rtapi/base", "rtapi/sync", "motion/api"],
     "components/drivers": ["hal/component.hpp", "hal/core/types.hpp", "rtapi/base", "io/devices"],

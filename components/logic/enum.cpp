@@ -54,7 +54,7 @@ struct Entry {
     else
       in.declare(b, name("-in"), "True asks for this number");
   }
-  hal::Param<std::uint32_t> value;
+  hal::In<std::uint32_t> value;
   hal::In<bool> in;
   hal::Out<bool> out;
 };
@@ -113,7 +113,7 @@ class Enum final : public hal::Component<Enum> {
           "enums= has a list for each: E makes a number of bits, D bits of a number; the names "
           "that "
           "follow stand for 0, 1, 2 and so on, and an empty one is left out, as in "
-          "\"D;OFF;SLOW;;FAST\". The numbers may be changed by the parameters. Of several inputs "
+          "\"D;OFF;SLOW;;FAST\". The pins -val may give them other numbers. Of several inputs "
           "of E that are true the last counts; none gives 0. names= gives other names than "
           "enum-decode.00 and enum-encode.01.",
       .singleton = true,

@@ -4,6 +4,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "hal/port_pins.hpp"
 #include "rtapi/base/suggest.hpp"
 
 namespace kerf::hal {
@@ -107,6 +108,10 @@ void TestBuilder::provide(std::string_view service, void* object) noexcept {
 }
 
 void* TestBuilder::find_service(std::string_view service) noexcept {
+  if (service == kPortsService) {
+    if (queues_ == nullptr) queues_ = zeroed(kQueueBytes, alignof(PortHeader));
+    return queues_.get();
+  }
   const auto it = services_.find(service);
   return it == services_.end() ? nullptr : it->second;
 }
@@ -185,6 +190,20 @@ void TestBuilder::link(const std::vector<std::string>& pins) {
     if (item.type != first.type) throw std::logic_error("'" + name + "' has another type");
     point(item.slot, *target);
   }
+}
+
+Port TestBuilder::make_queue(std::string_view pin, std::uint32_t bytes) {
+  const Item& item = find(pin);
+  if (item.type != Type::port) throw std::logic_error("'" + item.name + "' is no port");
+  constexpr std::size_t kAlign = alignof(PortHeader);
+  queues_used_ += kAlign;  // 0 is no queue
+  if (queues_used_ + Port::bytes(bytes) > kQueueBytes)
+    throw std::logic_error("more queues than TestBuilder has room for");
+  auto* header = new (queues_.get() + queues_used_) PortHeader();
+  header->size = bytes;
+  store(item, queues_used_);
+  queues_used_ += (Port::bytes(bytes) + kAlign - 1) / kAlign * kAlign;
+  return Port(header);
 }
 
 void TestBuilder::run(std::string_view function, std::int64_t period_ns, int cycles) {

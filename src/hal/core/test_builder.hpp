@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "hal/component.hpp"
+#include "hal/core/port.hpp"
 #include "rtapi/clock/clock.hpp"
 
 namespace kerf::hal {
@@ -87,6 +88,8 @@ class TestBuilder final : public Builder {
   /// Gives several pins of one type one common slot, as a signal does. It starts with the first
   /// pin's value.
   void link(const std::vector<std::string>& pins);
+  /// Gives a port pin a queue, as setp does; link() shares it. The test is at its other end.
+  Port make_queue(std::string_view pin, std::uint32_t bytes);
   /// Runs a function `cycles` times and moves the clock by the period before each.
   void run(std::string_view function, std::int64_t period_ns = kPeriodNs, int cycles = 1);
 
@@ -159,8 +162,11 @@ class TestBuilder final : public Builder {
   Memory zeroed(std::size_t bytes, std::size_t align);
 
   static constexpr std::size_t kSlots = 8192;
+  static constexpr std::size_t kQueueBytes = 262144;
   std::unique_ptr<Slot[]> slots_;
   std::size_t used_{0};
+  Memory queues_;  ///< of ports, whose values are places in it
+  std::size_t queues_used_{0};
   std::vector<Item> items_;
   std::map<std::string, std::size_t, std::less<>> by_name_;
   std::vector<FunctionItem> functions_;

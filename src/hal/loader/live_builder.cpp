@@ -7,6 +7,7 @@
 #include "hal/core/value_access.hpp"
 #include "hal/loader/c_modules.hpp"
 #include "hal/operator_line.hpp"
+#include "hal/port_pins.hpp"
 #include "hal/segment_service.hpp"
 #include "rtapi/base/suggest.hpp"
 #include "rtapi/log/log.hpp"
@@ -146,6 +147,7 @@ void* operator_line(Builder& b, rtapi::Segment& segment) noexcept {
 void* LiveBuilder::find_service(std::string_view service) noexcept {
   if (service == kOperatorLine) return operator_line(*this, host_.segment());
   if (service == kSegmentService) return &host_.segment();
+  if (service == kPortsService) return host_.segment().base();
   const auto it = host_.services_.find(service);
   if (it == host_.services_.end()) return nullptr;
   if (it->second.provider != &loaded_) loaded_.uses.insert(it->second.provider);

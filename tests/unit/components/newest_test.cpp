@@ -26,26 +26,50 @@ TEST(LedDim, FollowsTheCurveOfTheEye) {
 TEST(LimitAxis, KeepsTheRangeItIsIn) {
   hal::TestBuilder hal;
   ASSERT_TRUE(hal.create(module("limit-axis"), "c", 2)) << hal.error();
-  hal.set("c.min-00", 0.0);
-  hal.set("c.max-00", 10.0);
-  hal.set("c.min-01", 8.0);
-  hal.set("c.max-01", 20.0);
+  hal.run("c");
+  EXPECT_TRUE(hal.get<bool>("c.error-no-range")) << "none is enabled";
+  EXPECT_TRUE(hal.get<bool>("c.error-limit-01")) << "no limits given";
+  for (const auto& [name, value] : {std::pair{"c.min-range-00", 0.0},
+                                    {"c.max-range-00", 10.0},
+                                    {"c.min-range-01", 8.0},
+                                    {"c.max-range-01", 20.0},
+                                    {"c.min-limit-00", -1.0},
+                                    {"c.max-limit-00", 1.0},
+                                    {"c.min-limit-01", -5.0},
+                                    {"c.max-limit-01", 5.0}})
+    hal.set(name, value);
+  hal.set("c.enable-00", true);
+  hal.set("c.enable-01", true);
   struct Row {
     double fb;
+    bool sticky;
     std::uint32_t range;
-    bool none, overlap;
+    bool none;
     double max;
   };
   for (const Row& row :
-       {Row{5, 0, false, false, 10}, Row{9, 0, false, true, 10}, Row{11, 1, false, false, 20},
-        Row{9, 1, false, true, 20}, Row{25, 1, true, false, 20}, Row{1, 0, false, false, 10}}) {
+       {Row{5, false, 0, false, 1}, Row{9, false, 0, false, 1}, Row{10, false, 0, false, 1},
+        Row{11, false, 1, false, 5}, Row{9, true, 1, false, 5}, Row{9, false, 0, false, 1},
+        Row{11, true, 1, false, 5}, Row{8, true, 1, false, 5}, Row{7.9, true, 0, false, 1},
+        Row{25, true, 0, true, 1}, Row{9, true, 0, false, 1}}) {
+    hal.set("c.sticky-01", row.sticky);
     hal.set("c.fb", row.fb);
     hal.run("c");
     EXPECT_EQ(hal.get<std::uint32_t>("c.current-range"), row.range) << row.fb;
     EXPECT_EQ(hal.get<bool>("c.error-no-range"), row.none) << row.fb;
-    EXPECT_EQ(hal.get<bool>("c.error-range-overlap"), row.overlap) << row.fb;
+    EXPECT_EQ(hal.get<bool>("c.error-range-00"), row.none) << row.fb;
+    EXPECT_FALSE(hal.get<bool>("c.error-limit-00"));
     EXPECT_EQ(hal.get<double>("c.max-output"), row.max) << row.fb;
+    EXPECT_EQ(hal.get<double>("c.min-output"), -row.max) << row.fb;
   }
+  // Limits that contradict each other are never given to anybody.
+  hal.set("c.max-limit-00", -2.0);
+  hal.set("c.fb", 5.0);
+  hal.run("c");
+  EXPECT_TRUE(hal.get<bool>("c.error-limit-00"));
+  EXPECT_TRUE(hal.get<bool>("c.error-no-range"));
+  EXPECT_EQ(hal.get<double>("c.max-output"), 1.0);
+  hal.set("c.max-limit-00", 1.0);
   hal.set("c.enable-00", false);
   hal.run("c");
   EXPECT_TRUE(hal.get<bool>("c.error-no-range"));
