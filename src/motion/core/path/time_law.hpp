@@ -1,0 +1,93 @@
+// TimeLaw: the least time along a window of path under velocity, acceleration and jerk limits of every axis. Pure arithmetic.
+//
+// With x = (dsigma/dt)^2, u = x'/2 the acceleration along sigma and w = u': x is a quadratic on each interval and C1 over all of them, so that
+// acceleration never jumps. All limits are rows on Bernstein coefficients, true between nodes; a law is certified before it is given out.
+// Sources: Verscheure et al., Time-optimal path tracking (2009); Nocedal and Wright, Numerical Optimization, ch. 19.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "motion/core/path/buffer.hpp"
+#include "motion/core/path/limits.hpp"
+#include "motion/core/path/piece.hpp"
+#include "motion/core/path/time_law_newton.hpp"
+#include "motion/core/path/time_law_rows.hpp"
+
+namespace kerf::motion::path {
+
+/// One interval of a law, in closed form: O(1) to evaluate in the servo cycle.
+struct LawStep {
+  enum class Kind : std::int32_t {
+    spline, /**< d2s/dt2 = w s + u with s from the interval's start: exponentials or sines of sqrt|w| t */
+    start, /**< from rest: s = length (t / seconds)^3 */
+    stop   /**< to rest:   s = length (1 - (1 - t / seconds)^3) */
+  };
+  double length{0};   ///< sigma
+  double x{0}, u{0};  ///< at its start
+  double w{0};        ///< du/dsigma, constant (spline)
+  double seconds{0};
+  std::uint64_t span{0};  ///< as given to add()
+  double left{0};         ///< sigma from the end of this interval to the end of its span
+  Kind kind{Kind::spline};
+  std::int32_t reserved{0};
+};
+
+/// Place and speed within an interval `t` seconds after its start.
+struct LawState {
+  double s{0};      ///< sigma from the interval's start
+  double speed{0};  ///< dsigma/dt
+  double acc{0};    ///< d2sigma/dt2
+};
+[[nodiscard]] LawState at(const LawStep& step, double t) noexcept;
+
+class TimeLaw {
+ public:
+  struct Start {
+    double x{0}, u{0};  ///< both 0: at rest
+  };
+  enum class Result : std::int32_t { ok, failed, full /**< no room for the intervals */ };
+
+  /// Room for `intervals`. False: no memory.
+  [[nodiscard]] bool create(Memory& memory, std::size_t intervals) noexcept;
+
+  /// A window: add() its stretches in path order, then solve. Limits with jerk.
+  void begin(const AxisLimits& limits) noexcept;
+  /// [from, to] of a piece, a part of span `number` that ends at `span_end` (>= to) of the piece. `cap` bounds x everywhere
+  /// (axis velocities), `wish` bounds x softly (feed at the override in force; kNoLimit: none). `fineness` 1: few intervals (dense
+  /// streams, 1 on a cubic), 4: as fine as pays. The straight's grid is graded from both ends. False: full.
+  [[nodiscard]] bool add(std::uint64_t number, const Piece& piece, double from, double to,
+                         double span_end, double cap, double wish, int fineness) noexcept;
+  /// Roughly, before solve().
+  [[nodiscard]] std::size_t intervals() const noexcept { return rows_.expected(); }
+  /// Guess of x at the start of the next interval to be added (from an older law), taken instead of the solver's own first guess.
+  void guess(double x) noexcept { next_guess_ = x; }
+
+  /// From `start` at the first node to rest at the end of the last interval.
+  [[nodiscard]] Result solve(const Start& start) noexcept;
+  /// The soonest stop: to rest wherever within the window that is possible soonest. The window must be long enough (about 1.5 times the
+  /// stopping distance on a straight; the caller lengthens it when this fails). Ways: the nearest end for which solve() succeeds, growing by 1.1
+  /// from the straight's closed form; or one solve whose objective presses x down, cut at the first node at which a stop interval fits.
+  [[nodiscard]] Result solve_stop(const Start& start) noexcept;
+
+  /// The law of the last solve that was ok.
+  [[nodiscard]] const Buffer<LawStep>& law() const noexcept { return law_; }
+  /// Of it, from start to rest.
+  [[nodiscard]] double seconds() const noexcept { return seconds_; }
+  [[nodiscard]] int iterations() const noexcept { return iterations_; }
+
+ private:
+  [[nodiscard]] Result attempt(const Start& start) noexcept;
+  void guess_nodes(const Start& start, bool with_given) noexcept;
+  [[nodiscard]] bool certify(const Start& start) noexcept;
+  void write(const Start& start) noexcept;
+
+  LawRows rows_;
+  LawNewton newton_;
+  Buffer<LawStep> law_;
+  Buffer<double> x_;
+  double next_guess_{0}, seconds_{0};
+  int iterations_{0};
+};
+
+}  // namespace kerf::motion::path

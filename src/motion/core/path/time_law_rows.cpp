@@ -1,0 +1,387 @@
+#include "motion/core/path/time_law_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf::motion::path {
+namespace {
+
+constexpr std::size_t kRowsPerInterval = 30;
+constexpr double kArcStep = 0.05;  ///< rad
+/// Largest ratio of the steps of neighbouring cubics, and into how many steps one is divided at most.
+constexpr double kCubicRatio = 4;
+constexpr int kMostPerCubic = 16;
+/// Steps next to a stop: share of the way on which acceleration builds up, and of the window.
+constexpr double kRestShare = 0.1, kRestOfWindow = 1.0 / 60;
+/// A node nearer than this share of a step to the end of a stretch is left out.
+constexpr double kTooNear = 0.3;
+/// At the start from a moving state x may change by this share within the first step.
+constexpr double kFirstChange = 0.25;
+constexpr std::size_t kLeastIntervals = 8;
+
+/// By how much steps grow per length on straights and arcs, and how many there are at least.
+double growth_of(int fineness) noexcept {
+  return fineness >= 4 ? 0.28 : fineness >= 2 ? 0.35 : 0.5;
+}
+double least_steps(int fineness) noexcept { return fineness >= 4 ? 12 : fineness >= 2 ? 8 : 5; }
+
+bool is_even(const LawStretch& s) noexcept {
+  return s.piece.shape == Piece::Shape::cubic && !s.piece.straight();
+}
+
+struct Derivatives {
+  Vec p0, p1, p2, e0, e1, c0, c1, c2;
+};
+
+Derivatives derivatives(const Piece& piece, double s0, double s1) noexcept {
+  Derivatives d;
+  const double sm = (s0 + s1) / 2;
+  d.p0 = piece.first(s0);
+  d.p2 = piece.first(s1);
+  d.p1 = piece.first(sm) * 2.0 - (d.p0 + d.p2) * 0.5;
+  d.e0 = piece.second(s0);
+  d.e1 = piece.second(s1);
+  if (piece.shape == Piece::Shape::arc) {
+    d.c0 = piece.third(s0);
+    d.c2 = piece.third(s1);
+    d.c1 = piece.third(sm) * 2.0 - (d.c0 + d.c2) * 0.5;
+  } else {
+    d.c0 = d.c1 = d.c2 = piece.d;
+  }
+  return d;
+}
+
+/// Acceleration and jerk of sigma on a stretch as if it were straight.
+void as_straight(const Piece& piece, double s, const AxisLimits& limits, double& acc,
+                 double& jerk) noexcept {
+  acc = jerk = kNoLimit;
+  const Vec p = piece.first(s);
+  for (std::size_t j = 0; j < kAxes; ++j) {
+    const double steep = std::abs(p[j]);
+    if (steep <= 0) continue;
+    acc = std::min(acc, limits.acc[j] / steep);
+    jerk = std::min(jerk, limits.jerk[j] / steep);
+  }
+  const double xyz = norm3(p, 0);
+  if (xyz <= 0) return;
+  if (piece.straight()) acc = std::min(acc, limits.path_acc / xyz);
+  jerk = std::min(jerk, limits.path_jerk / xyz);
+}
+
+/// The way on which a start reaches the largest acceleration.
+double rise(double acc, double jerk) noexcept { return acc * acc * acc / (6 * jerk * jerk); }
+
+}  // namespace
+
+bool LawRows::create(Memory& memory, std::size_t intervals) noexcept {
+  const std::size_t rows = intervals * kRowsPerInterval;
+  return stretches_.create(memory, intervals) && intervals_.create(memory, intervals) &&
+         nodes_.create(memory, intervals) && a0.create(memory, rows) && a1.create(memory, rows) &&
+         a2.create(memory, rows);
+}
+
+void LawRows::begin(const AxisLimits& limits) noexcept {
+  limits_ = limits;
+  stretches_.clear();
+  intervals_.clear();
+  expected_ = 0;
+}
+
+bool LawRows::add(const LawStretch& stretch) noexcept {
+  LawStretch s = stretch;
+  const double whole = s.piece.length;
+  s.fineness = std::clamp(s.fineness, 1, kMostPerCubic);
+  double least = s.fineness;
+  if (is_even(s)) {
+    s.widest = whole / s.fineness;
+  } else {
+    s.widest = whole / least_steps(s.fineness);
+    if (s.piece.shape == Piece::Shape::arc && s.piece.rate != 0)
+      s.widest = std::min(s.widest, kArcStep / std::abs(s.piece.rate));
+    least = (s.to - s.from) / s.widest + least_steps(s.fineness);
+  }
+  const auto more = static_cast<std::size_t>(std::min(std::ceil(least), 1e6));
+  if (expected_ + more > intervals_.size() + intervals_.room() || stretches_.full()) return false;
+  expected_ += more;
+  return stretches_.push_back(s);
+}
+
+void LawRows::push(std::size_t k, double from, double to) noexcept {
+  const LawStretch& s = stretches_[k];
+  LawInterval in;
+  in.length = to - from;
+  in.cap = s.cap;
+  in.wish = s.wish < s.cap ? s.wish : kNoLimit;
+  in.from = from;
+  in.stretch = k;
+  if (from == s.from)
+    in.guess = s.guess;
+  else if (s.guess > 0 && k + 1 < stretches_.size() && stretches_[k + 1].guess > 0 && is_even(s))
+    in.guess = s.guess + (stretches_[k + 1].guess - s.guess) * (from - s.from) / (s.to - s.from);
+  room_ = intervals_.push_back(in) && room_;
+}
+
+bool LawRows::push_node(double at) noexcept {
+  room_ = nodes_.push_back(at) && room_;
+  return room_;
+}
+
+void LawRows::divide(std::size_t k) noexcept {
+  const LawStretch& s = stretches_[k];
+  // Backwards from the end, so that a later window gets the same nodes; then forwards up to where the backward steps have come.
+  const double g = growth_of(s.fineness);
+  nodes_.clear();
+  double back = s.to;
+  for (;;) {
+    const double h = std::min(s.step, s.last + g * (s.to - back));
+    const double ahead = std::min(s.step, s.first + g * (back - s.from));
+    if (back - h < s.from + kTooNear * h || (ahead < h && back < s.to)) break;
+    if (!push_node(back)) return;
+    back -= h;
+  }
+  if (nodes_.empty() && !push_node(s.to)) return;
+  back = nodes_.back();
+  const std::size_t behind = nodes_.size();
+  double at = s.from;
+  for (;;) {
+    const double h = std::min(s.step, s.first + g * (at - s.from));
+    if (at + (1 + kTooNear) * h > back) break;
+    at += h;
+    if (!push_node(at)) return;
+  }
+  at = s.from;
+  for (std::size_t i = behind; i < nodes_.size(); ++i) {
+    push(k, at, nodes_[i]);
+    at = nodes_[i];
+  }
+  for (std::size_t i = behind; i-- > 0;) {
+    push(k, at, nodes_[i]);
+    at = nodes_[i];
+  }
+}
+
+void LawRows::choose_steps(double x0, double u0) noexcept {
+  const std::size_t n = stretches_.size();
+  double way = 0, acc = 0, jerk = 0;
+  for (LawStretch& s : stretches_) {
+    way += s.to - s.from;
+    s.step = s.widest;
+  }
+  const auto beside = [&](std::size_t k, double otherwise) {
+    const double before = k > 0 ? stretches_[k - 1].widest : otherwise;
+    return std::min(before, k + 1 < n ? stretches_[k + 1].widest : otherwise);
+  };
+  for (std::size_t k = 0; k < n; ++k) {
+    LawStretch& s = stretches_[k];
+    if (is_even(s)) {
+      const double whole = s.piece.length, want = std::min(s.widest, kCubicRatio * beside(k, 1e99));
+      s.step = whole / std::clamp(std::ceil(whole / want - 1e-9), 1.0, double{kMostPerCubic});
+    }
+    s.first = s.last = s.step;
+  }
+  // Straights and arcs: at their joints as fine as their neighbours, or where the neighbour is of the same kind as a start from rest.
+  for (std::size_t k = 0; k < n; ++k) {
+    LawStretch& s = stretches_[k];
+    if (is_even(s)) continue;
+    as_straight(s.piece, s.from, limits_, acc, jerk);
+    const double fine = std::max(kRestShare * rise(acc, jerk), s.step / 8);
+    const auto joint = [&](const LawStretch& other) {
+      return std::min(s.step, is_even(other) ? other.step : std::min(fine, other.step));
+    };
+    if (k > 0) s.first = joint(stretches_[k - 1]);
+    if (k + 1 < n) s.last = joint(stretches_[k + 1]);
+  }
+  LawStretch &head = stretches_[0], &tail = stretches_[n - 1];
+  const auto at_rest = [&](const LawStretch& s, double at) {
+    as_straight(s.piece, at, limits_, acc, jerk);
+    return std::min({s.step, kRestShare * rise(acc, jerk), kRestOfWindow * way});
+  };
+  if (x0 <= 0)
+    head.first = at_rest(head, head.from);
+  else
+    head.first = std::min(head.step, kFirstChange * x0 / std::max(2 * std::abs(u0), 1e-99));
+  tail.last = at_rest(tail, tail.to);
+}
+
+bool LawRows::make(double x0, double u0) noexcept {
+  a0.clear();
+  a1.clear();
+  a2.clear();
+  room_ = true;
+  choose_steps(x0, u0);
+  for (;;) {
+    intervals_.clear();
+    for (std::size_t k = 0; k < stretches_.size(); ++k) divide(k);
+    if (!room_) return false;
+    if (intervals_.size() >= kLeastIntervals) break;
+    for (LawStretch& s : stretches_) s.step /= 2, s.first /= 2, s.last /= 2;
+  }
+  for (std::size_t i = 0; i < intervals_.size(); ++i)
+    if (!make_rows(i)) return false;
+  return true;
+}
+
+bool LawRows::make_rows(std::size_t i) noexcept {
+  LawInterval& in = intervals_[i];
+  const Piece& piece = stretches_[in.stretch].piece;
+  in.row = a0.size();
+  const double over = 1 / in.length;
+  bool fits = true;
+  const auto row = [&](double k0, double k1, double k2, double limit) {
+    a0.push_back(k0 / limit);
+    a1.push_back(k1 / limit);
+    fits = a2.push_back(k2 / limit) && fits;
+  };
+  if (piece.straight()) {
+    double acc = 0, jerk = 0;
+    as_straight(piece, in.from, limits_, acc, jerk);
+    row(-over, over, 0, acc);
+    row(0, -over, over, acc);
+    in.accs = 2;
+    in.jerks = jerk < kNoLimit ? 1 : 0;
+    for (int k = 0; k < 3 && in.jerks > 0; ++k)
+      row(over * over, -2 * over * over, over * over, jerk);
+    return fits;
+  }
+  const Derivatives d = derivatives(piece, in.from, in.from + in.length);
+  in.accs = in.jerks = 0;
+  for (std::size_t j = 0; j < kAxes; ++j) {
+    const double limit = limits_.acc[j];
+    const double p0 = d.p0[j] * over, p1 = d.p1[j] * over, p2 = d.p2[j] * over, e0 = d.e0[j],
+                 e1 = d.e1[j];
+    if ((p0 == 0 && p2 == 0 && e0 == 0 && e1 == 0) || limit >= kNoLimit) continue;
+    row(e0 - p0, p0, 0, limit);
+    row((e1 - 2 * p1) / 3, (2 * p1 - p0 + 2 * e0) / 3, p0 / 3, limit);
+    row(-p2 / 3, (p2 - 2 * p1 + 2 * e1) / 3, (2 * p1 + e0) / 3, limit);
+    row(0, -p2, p2 + e1, limit);
+    in.accs += 4;
+  }
+  const double ww = over * over;
+  for (int k = 0; k < 3; ++k) {
+    int count = 0;
+    for (std::size_t j = 0; j < kAxes; ++j) {
+      const double limit = limits_.jerk[j];
+      if (limit >= kNoLimit || (d.p0[j] == 0 && d.p2[j] == 0 && d.e0[j] == 0 && d.e1[j] == 0))
+        continue;
+      ++count;
+      const double e0 = d.e0[j] * over, e1 = d.e1[j] * over;
+      if (k == 0) {
+        const double w = d.p0[j] * ww;
+        row(w - 3 * e0 + d.c0[j], -2 * w + 3 * e0, w, limit);
+      } else if (k == 1) {
+        const double w = d.p1[j] * ww;
+        row(w - 1.5 * e1, -2 * w + 1.5 * (e1 - e0) + d.c1[j], w + 1.5 * e0, limit);
+      } else {
+        const double w = d.p2[j] * ww;
+        row(w, -2 * w - 3 * e1, w + 3 * e1 + d.c2[j], limit);
+      }
+    }
+    const double xyz = std::max({norm3(d.p0, 0), norm3(d.p1, 0), norm3(d.p2, 0)});
+    if (limits_.path_jerk < kNoLimit && xyz > 0) {
+      ++count;
+      row(xyz * ww, -2 * xyz * ww, xyz * ww, limits_.path_jerk);
+    }
+    in.jerks = count;
+  }
+  in.acc_rest = in.jerk_rest_u = in.jerk_rest_b = 0;
+  if (piece.shape == Piece::Shape::arc) {
+    const double turn = piece.rate * in.length, rest = turn * turn / 8;
+    for (std::size_t j = 0; j < kAxes; ++j) {
+      const double e = std::max(std::abs(d.e0[j]), std::abs(d.e1[j]));
+      in.acc_rest = std::max(in.acc_rest, rest * e / limits_.acc[j]);
+      in.jerk_rest_u = std::max(in.jerk_rest_u, 3 * rest * e / limits_.jerk[j]);
+      in.jerk_rest_b = std::max(in.jerk_rest_b, std::abs(d.c2[j] - d.c0[j]) / 3 / limits_.jerk[j]);
+    }
+  }
+  return fits;
+}
+
+double LawRows::rest_cap(std::size_t i, bool start) const noexcept {
+  // s = length r^3 from rest: with y = r^3 jerk is (c y^2 + 3 e y 2/(3 length) + p 2/(9 length^2)) x^(3/2), and acceleration at most
+  // (e y + p 2/(3 length)) x. A stop is the same backwards: p and c change their signs.
+  const LawInterval& in = intervals_[i];
+  const Derivatives d = derivatives(stretches_[in.stretch].piece, in.from, in.from + in.length);
+  const double way = in.length;
+  double cap = in.cap, acc = 0, jerk = 0;
+  for (std::size_t j = 0; j < kAxes; ++j) {
+    const double sign = start ? 1 : -1;
+    const double p0 = sign * (start ? d.p0[j] : d.p2[j]), p1 = sign * d.p1[j],
+                 p2 = sign * (start ? d.p2[j] : d.p0[j]);
+    const double e0 = start ? d.e0[j] : d.e1[j], e1 = start ? d.e1[j] : d.e0[j];
+    const double c = sign * (start ? d.c2[j] : d.c0[j]);
+    const double ka = 2 / (3 * way), kj = 2 / (9 * way * way);
+    const double a =
+        std::max({std::abs(p0 * ka), std::abs(p1 * ka + e0 / 2), std::abs(p2 * ka + e1)});
+    const double k = std::max(
+        {std::abs(p0 * kj), std::abs(p1 * kj + e0 / way), std::abs(p2 * kj + 2 * e1 / way + c)});
+    acc = std::max(acc, a / limits_.acc[j]);
+    jerk = std::max(jerk, k / limits_.jerk[j]);
+  }
+  const Piece& piece = stretches_[in.stretch].piece;
+  double acc_path = 0, jerk_path = 0;
+  as_straight(piece, in.from, limits_, acc_path, jerk_path);
+  if (piece.straight()) acc = std::max(acc, 2 / (3 * way) / acc_path);
+  if (limits_.path_jerk < kNoLimit) jerk = std::max(jerk, 2 / (9 * way * way) / jerk_path);
+  // What arcs leave out: see kArcStep.
+  const double reserve = piece.shape == Piece::Shape::arc ? 0.995 : 1.0;
+  if (acc > 0) cap = std::min(cap, reserve / acc);
+  if (jerk > 0) cap = std::min(cap, reserve / std::cbrt(jerk * jerk));
+  return cap;
+}
+
+double LawRows::start_cap() const noexcept { return rest_cap(0, true); }
+double LawRows::stop_cap() const noexcept { return rest_cap(intervals_.size() - 1, false); }
+
+double LawRows::even_cap(std::size_t i) const noexcept {
+  const LawInterval& in = intervals_[i];
+  const Piece& piece = stretches_[in.stretch].piece;
+  double x = in.cap;
+  if (piece.straight()) return x;
+  const Vec e0 = piece.second(in.from), e1 = piece.second(in.from + in.length),
+            c = piece.third(in.from + in.length / 2);
+  for (std::size_t j = 0; j < kAxes; ++j) {
+    const double e = std::max(std::abs(e0[j]), std::abs(e1[j])), third = std::abs(c[j]);
+    if (e > 0) x = std::min(x, 0.6 * limits_.acc[j] / e);
+    if (third > 0) {
+      const double v = std::cbrt(0.5 * limits_.jerk[j] / third);
+      x = std::min(x, v * v);
+    }
+  }
+  return x;
+}
+
+void LawRows::straightest(std::size_t i, double& acc, double& jerk) const noexcept {
+  const LawInterval& in = intervals_[i];
+  as_straight(stretches_[in.stretch].piece, in.from + in.length / 2, limits_, acc, jerk);
+}
+
+LawExcess LawRows::excess(std::size_t i, const double b[3], bool given) const noexcept {
+  const LawInterval& in = intervals_[i];
+  LawExcess out;
+  const double top = std::max({b[0], b[1], b[2]});
+  out.vel = std::sqrt((given ? std::max(b[1], b[2]) : top) / in.cap) - 1;
+  std::size_t r = in.row;
+  double acc = 0;
+  for (std::int32_t k = 0; k < in.accs; ++k, ++r)
+    if (!given || a2[r] != 0)
+      acc = std::max(acc, std::abs(a0[r] * b[0] + a1[r] * b[1] + a2[r] * b[2]));
+  out.acc = acc + in.acc_rest * top - 1;
+  if (in.jerks == 0) return out;
+  const double xm = (b[0] + 2 * b[1] + b[2]) / 4, v = std::sqrt(xm);
+  const double rest =
+      in.jerk_rest_u * std::max(std::abs(b[1] - b[0]), std::abs(b[2] - b[1])) / in.length +
+      in.jerk_rest_b * std::max(std::abs(b[1] - b[0]), std::abs(b[2] - b[1]));
+  double jerk = -1;
+  for (int k = 0; k < 3; ++k) {
+    const double right = (1.5 - b[k] / (2 * xm)) / v;
+    for (std::int32_t j = 0; j < in.jerks; ++j, ++r) {
+      const double left = std::abs(a0[r] * b[0] + a1[r] * b[1] + a2[r] * b[2]) + rest;
+      // Without anything left on the right no speed is slow enough.
+      jerk = std::max(jerk, right > 0 ? left / right - 1 : kNoLimit);
+    }
+  }
+  out.jerk = jerk;
+  return out;
+}
+
+}  // namespace kerf::motion::path

@@ -1,0 +1,97 @@
+// LawRows: the grid of a window and the limits on it, for TimeLaw. Pure arithmetic.
+//
+// On an interval of length D the square of speed x has the Bernstein coefficients b0, b1, b2; u0 = (b1 - b0)/D and u1 = (b2 - b1)/D are the
+// accelerations at its ends, w = (u1 - u0)/D. With the coefficients p of q', e of q'' and c of q''' of an axis
+//   acceleration  p0 u0 + e0 b0, (p0 u1 + 2 p1 u0 + 2 e0 b1 + e1 b0)/3, (2 p1 u1 + p2 u0 + e0 b2 + 2 e1 b1)/3, p2 u1 + e1 b2
+//   jerk          p0 w + 3 e0 u0 + c b0, p1 w + 3 (e0 u1 + e1 u0)/2 + c b1, p2 w + 3 e1 u1 + c b2, over the speed
+// are the Bernstein coefficients of what the axis does: a row each, linear in b and true on the whole interval. Arcs are divided until their
+// q'' is linear but for a remainder, which the certificate adds.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "motion/core/path/buffer.hpp"
+#include "motion/core/path/limits.hpp"
+#include "motion/core/path/piece.hpp"
+
+namespace kerf::motion::path {
+
+/// A part of a piece as it was given to TimeLaw::add().
+struct LawStretch {
+  Piece piece;
+  double from{0}, to{0}, span_end{0};
+  double cap{0}, wish{0};
+  double guess{0};  ///< of x at `from`; 0: none
+  std::uint64_t number{0};
+  int fineness{1};
+  double widest{0},
+      step{0};  ///< of its grid, away from its ends: as it would like, and beside its neighbours
+  double first{0}, last{0};  ///< steps at its ends
+};
+
+struct LawInterval {
+  double length{0};
+  double cap{0}, wish{0};
+  double guess{0};  ///< of x at its start
+  double from{0};   ///< on its piece
+  std::size_t stretch{0};
+  std::size_t row{0};  ///< its first row; accelerations first, then jerks by coefficient
+  std::int32_t accs{0};
+  std::int32_t jerks{0};  ///< of each of the three coefficients
+  /// Arcs: what the rows leave out, times the largest b; times the largest |u|; times the largest difference of neighbouring b.
+  double acc_rest{0}, jerk_rest_u{0}, jerk_rest_b{0};
+};
+
+/// Shares of the limits by which a law goes over them at most; 0: within.
+struct LawExcess {
+  double vel{0}, acc{0}, jerk{0};
+};
+
+class LawRows {
+ public:
+  [[nodiscard]] bool create(Memory& memory, std::size_t intervals) noexcept;
+  void begin(const AxisLimits& limits) noexcept;
+  [[nodiscard]] bool add(const LawStretch& stretch) noexcept;
+  /// At least as many as there will be.
+  [[nodiscard]] std::size_t expected() const noexcept { return expected_; }
+  [[nodiscard]] const Buffer<LawStretch>& stretches() const noexcept { return stretches_; }
+
+  /// Divides the stretches and makes the rows, for a window that begins with x0, u0 (both 0: at rest). False: no room.
+  [[nodiscard]] bool make(double x0, double u0) noexcept;
+
+  [[nodiscard]] std::size_t size() const noexcept { return intervals_.size(); }
+  [[nodiscard]] const LawInterval& operator[](std::size_t i) const noexcept {
+    return intervals_[i];
+  }
+  /// Largest x at the end of the first interval when it starts at rest, and at the start of the last one, with even jerk.
+  [[nodiscard]] double start_cap() const noexcept;
+  [[nodiscard]] double stop_cap() const noexcept;
+  /// The largest x at which a place can be passed evenly, roughly.
+  [[nodiscard]] double even_cap(std::size_t i) const noexcept;
+  /// What a straight along q' could do there: acceleration and jerk of sigma.
+  void straightest(std::size_t i, double& acc, double& jerk) const noexcept;
+
+  /// By how much the interval with these coefficients goes over the true limits. `given`: nothing is said about b[0] and its u, which nobody chose.
+  [[nodiscard]] LawExcess excess(std::size_t i, const double b[3], bool given) const noexcept;
+
+  /// Rows: left side over (b0, b1, b2), for a limit of 1.
+  Buffer<double> a0, a1, a2;
+
+ private:
+  void choose_steps(double x0, double u0) noexcept;
+  void divide(std::size_t k) noexcept;
+  bool push_node(double at) noexcept;
+  void push(std::size_t k, double from, double to) noexcept;
+  [[nodiscard]] bool make_rows(std::size_t i) noexcept;
+  [[nodiscard]] double rest_cap(std::size_t i, bool start) const noexcept;
+
+  AxisLimits limits_;
+  Buffer<LawStretch> stretches_;
+  Buffer<LawInterval> intervals_;
+  Buffer<double> nodes_;  ///< of one stretch
+  std::size_t expected_{0};
+  bool room_{true};
+};
+
+}  // namespace kerf::motion::path

@@ -1,0 +1,196 @@
+// Time laws on the curves of the benchmark's programs: within the limits by differences of positions, near the offline optimum, and
+// solvable again from any of their own states.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "bench/motion/families.hpp"
+#include "bench/motion/runs.hpp"
+#include "motion/core/path/time_law.hpp"
+#include "property/motion/random_program.hpp"
+
+namespace kerf {
+namespace {
+
+namespace path = motion::path;
+using path::LawStep;
+using path::TimeLaw;
+
+constexpr std::size_t kRoom = 3000;
+
+class Heap final : public path::Memory {
+ public:
+  void* allocate(std::size_t bytes, std::size_t) noexcept override {
+    blocks_.push_back(std::make_unique<std::byte[]>(bytes + 64));
+    return blocks_.back().get();
+  }
+
+ private:
+  std::vector<std::unique_ptr<std::byte[]>> blocks_;
+};
+
+double feed_of(const motion::PathSpan& span) { return span.speed.feed_cap; }
+
+/// Adds the path from `at` (sigma from the start of the first span) to the end.
+bool add(TimeLaw& law, const std::vector<motion::PathSpan>& spans, const path::AxisLimits& limits,
+         std::size_t first, double from, double scale, int fineness) {
+  law.begin(limits);
+  for (std::size_t k = first; k < spans.size(); ++k) {
+    const motion::PathSpan& s = spans[k];
+    const double begin = k == first ? from : 0, wish = feed_of(s) * scale * scale;
+    if (begin >= s.length * (1 - 1e-12)) continue;
+    if (!law.add(k, s.piece, s.from + begin, s.from + s.length, s.from + s.length,
+                 path::axis_cap(s.piece, s.from + begin, s.from + s.length, limits), wish,
+                 fineness))
+      return false;
+  }
+  return true;
+}
+
+struct Peaks {
+  double vel{0}, acc{0}, jerk{0}, gap{0};
+};
+
+/// Samples a law once a period and looks at differences of positions.
+Peaks sample(const path::Buffer<LawStep>& law, const std::vector<motion::PathSpan>& spans,
+             const path::AxisLimits& limits, double period) {
+  Peaks out;
+  path::Vec q[4];
+  std::size_t count = 0;
+  double at = 0;
+  for (std::size_t i = 0; i < law.size(); ++i) {
+    const LawStep& step = law[i];
+    const motion::PathSpan& span = spans[step.span];
+    const double start = span.from + span.length - step.left - step.length;
+    for (; at < step.seconds; at += period) {
+      const path::LawState state = path::at(step, at);
+      q[3] = q[2], q[2] = q[1], q[1] = q[0];
+      q[0] = span.piece.point(start + state.s);
+      ++count;
+      for (std::size_t j = 0; j < rtapi::kAxes; ++j) {
+        if (count > 1)
+          out.vel = std::max(out.vel, std::abs(q[0][j] - q[1][j]) / period / limits.vel[j]);
+        if (count > 2)
+          out.acc = std::max(out.acc, std::abs(q[0][j] - 2 * q[1][j] + q[2][j]) /
+                                          (period * period) / limits.acc[j]);
+        if (count > 3)
+          out.jerk = std::max(out.jerk, std::abs(q[0][j] - 3 * q[1][j] + 3 * q[2][j] - q[3][j]) /
+                                            (period * period * period) / limits.jerk[j]);
+      }
+    }
+    at -= step.seconds;
+    out.gap = std::max(out.gap, std::abs(path::at(step, step.seconds).s / step.length - 1));
+  }
+  return out;
+}
+
+struct Tally {
+  int laws{0}, ok{0}, first_try{0};
+  long iterations{0}, intervals{0};
+  double seconds{0}, solver_s{0};
+  Peaks peaks;
+};
+
+void note(Tally& tally, TimeLaw& law, TimeLaw::Result result, double solver_s,
+          const std::vector<motion::PathSpan>& spans, const path::AxisLimits& limits) {
+  ++tally.laws;
+  tally.iterations += law.iterations();
+  tally.intervals += static_cast<long>(law.intervals());
+  tally.solver_s += solver_s;
+  if (result != TimeLaw::Result::ok) return;
+  ++tally.ok;
+  tally.seconds += law.seconds();
+  const Peaks p = sample(law.law(), spans, limits, 1e-3);
+  tally.peaks.vel = std::max(tally.peaks.vel, p.vel);
+  tally.peaks.acc = std::max(tally.peaks.acc, p.acc);
+  tally.peaks.jerk = std::max(tally.peaks.jerk, p.jerk);
+  tally.peaks.gap = std::max(tally.peaks.gap, p.gap);
+}
+
+void print(const char* what, const std::string& name, const Tally& t) {
+  std::printf(
+      "%-22s %-26s laws %4d ok %4d iterations/law %5.1f intervals/law %6.1f us/interval/iteration "
+      "%.2f ms/law %.2f v %.4f a %.4f j %.4f\n",
+      what, name.c_str(), t.laws, t.ok, double(t.iterations) / t.laws, double(t.intervals) / t.laws,
+      1e6 * t.solver_s / double(t.iterations) / (double(t.intervals) / t.laws),
+      1e3 * t.solver_s / t.laws, t.peaks.vel, t.peaks.acc, t.peaks.jerk);
+}
+
+TimeLaw::Result timed(TimeLaw& law, const TimeLaw::Start& start, double& seconds) {
+  const auto t0 = std::chrono::steady_clock::now();
+  const TimeLaw::Result out = law.solve(start);
+  seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count();
+  return out;
+}
+
+std::vector<bench::Program> programs(std::uint64_t seed) {
+  std::vector<bench::Program> out;
+  out.push_back(bench::freeform(300, 0.01, 100, seed));
+  out.push_back(bench::relief(300, 0.01, 100, false, seed));
+  out.push_back(bench::arc_spiral(0.1, 80));
+  out.push_back(bench::arc_spiral(0.01, 80));
+  out.push_back(bench::helical_arcs(0.1, 80));
+  out.push_back(bench::arc_wave(0.01, 80, 0.3));
+  out.push_back(bench::zigzag(0.05, 100));
+  out.push_back(bench::fractal(4, 0.5, 0.05, 100));
+  out.push_back(bench::four_axis(60, 0.02, 100, false, seed));
+  out.push_back(bench::mixture(60, seed));
+  return out;
+}
+
+TEST(TimeLaw, DrivesTheBenchmarksCurvesFromStopToStop) {
+  Heap heap;
+  TimeLaw law;
+  ASSERT_TRUE(law.create(heap, kRoom));
+  const int most = motion::test::property_count(60);
+  for (const bench::Program& program : programs(1)) {
+    path::AxisLimits limits;
+    const std::vector<motion::PathSpan> curve = bench::curve_of(program, 50'000, limits);
+    limits.jerks = true;
+    Tally stops, moving;
+    std::mt19937_64 random(7);
+    std::size_t begin = 0;
+    for (std::size_t k = 0; k < curve.size(); ++k) {
+      const bool full = k - begin >= 250;
+      if (!curve[k].stop_at_end && k + 1 < curve.size() && !full) continue;
+      if (stops.laws >= most) break;
+      const std::vector<motion::PathSpan> spans(curve.begin() + long(begin),
+                                                curve.begin() + long(k) + 1);
+      begin = k + 1;
+      ASSERT_TRUE(add(law, spans, limits, 0, 0, 1, 4));
+      double seconds = 0;
+      TimeLaw::Result result = timed(law, {}, seconds);
+      note(stops, law, result, seconds, spans, limits);
+      if (result != TimeLaw::Result::ok) continue;
+      const std::vector<LawStep> old(law.law().begin(), law.law().end());
+      for (std::size_t i = 7; i + 1 < old.size() && moving.laws < most; i += 7) {
+        const LawStep& at = old[i];
+        const double scale =
+            std::exp(std::uniform_real_distribution<double>(std::log(0.3), std::log(1.4))(random));
+        ASSERT_TRUE(add(law, spans, limits, at.span, spans[at.span].length - at.left - at.length,
+                        scale, 4));
+        result = timed(law, {at.x, at.u}, seconds);
+        note(moving, law, result, seconds, spans, limits);
+      }
+    }
+    print("from rest", program.name, stops);
+    ASSERT_GT(stops.laws, 0);
+    if (moving.laws > 0) print("from moving states", program.name, moving);
+    EXPECT_EQ(stops.ok, stops.laws);
+    for (const Tally* t : {&stops, &moving}) {
+      EXPECT_LE(t->peaks.vel, 1.0001);
+      EXPECT_LE(t->peaks.acc, 1.0005);
+      EXPECT_LE(t->peaks.jerk, 1.005);
+      EXPECT_LE(t->peaks.gap, 1e-9);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kerf
