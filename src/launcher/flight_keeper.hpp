@@ -1,4 +1,5 @@
-// FlightKeeper: copies the flight record of a running machine into a file when a fault was raised or a process has died.
+// FlightKeeper: copies the flight record of a running machine into a file when a fault was raised,
+// an estop stopped a machine that did something, or a process has died.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "motion/api/shared.hpp"
+#include "rtapi/base/pose.hpp"
 #include "rtapi/base/result.hpp"
 #include "rtapi/shm/segment.hpp"
 
@@ -14,6 +16,10 @@ namespace kerf::motion {
 struct FlightRecord;
 struct FlightFile;
 }  // namespace kerf::motion
+
+namespace kerf::task {
+struct TaskShared;
+}
 
 namespace kerf::launcher {
 
@@ -38,9 +44,13 @@ class FlightKeeper {
   [[nodiscard]] std::vector<std::string> choose_pins();
   /// A fault that look() has seen and not written yet.
   [[nodiscard]] bool pending() const { return looks_left_ > 0; }
+  /// The disk has not taken the last one yet, or nobody was told of it.
+  [[nodiscard]] bool is_writing() const { return writing_.valid(); }
 
  private:
   bool attach();
+  /// An estop that stopped something since the last look; "" or what it was, for the file.
+  std::string new_estop();
   /// Copies the record, and writes it in a thread.
   std::future<rtapi::Result<std::string>> begin(const std::string& why, const std::string& text);
   /// All that a file says but for what stands in the rings.
@@ -54,6 +64,9 @@ class FlightKeeper {
   std::uint64_t seen_{0};
   int looks_left_{0};
   std::string why_, text_;
+  task::TaskShared* task_{nullptr};
+  bool was_on_{false}, was_busy_{false};
+  rtapi::Pose place_;                                ///< at the last look
   std::future<rtapi::Result<std::string>> writing_;  ///< its end is waited for
 };
 

@@ -8,6 +8,7 @@
 #include "hal/core/view.hpp"
 #include "hal/loader/host.hpp"
 #include "harness/machine.hpp"
+#include "launcher/flight_keeper.hpp"
 #include "motion/replay/replay.hpp"
 #include "rtapi/clock/local_scheduler.hpp"
 #include "rtapi/shm/segment.hpp"
@@ -245,6 +246,50 @@ TEST(FlightRecord, ADifferenceIsSeen) {
                   file.path.begin() + static_cast<std::ptrdiff_t>(cut + length));
   const auto result = replay_of(file);
   EXPECT_FALSE(result.same());
+}
+
+/// An estop that stops something leaves a record; one that switches an idle machine off in the evening leaves none.
+TEST(FlightRecord, AnEstopThatStopsSomethingIsKept) {
+  auto m = Machine::start();
+  ASSERT_TRUE(m->ready()) << m->errors();
+  launcher::FlightKeeper::Options options;
+  options.folder = m->folder() + "/flights";
+  launcher::FlightKeeper keeper(m->segment(), options);
+  /// What it has written half a minute later, at half a second a look.
+  const auto written = [&] {
+    std::string path;
+    for (int i = 0; i < 60; ++i) {
+      m->run_for(0.5);
+      if (const std::string now = keeper.look(); !now.empty()) path = now;
+    }
+    for (int ms = 0; ms < 20000 && path.empty() && keeper.is_writing(); ++ms) {
+      ::usleep(1000);  // for the disk
+      path = keeper.look();
+    }
+    return path;
+  };
+  ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+  EXPECT_EQ(written(), "");
+  ASSERT_TRUE(m->does({"state", "estop"}));
+  EXPECT_EQ(written(), "") << "nothing ran";
+  ASSERT_TRUE(m->power_on());
+  EXPECT_EQ(written(), "");
+  m->start_program(m->write_program("G1 X200 F300\nM2\n"));
+  m->run_for(0.3);  // less than a look ago
+  ASSERT_TRUE(m->does({"state", "estop"}));
+  const std::string path = written();
+  EXPECT_NE(path.find("/0001-estop.flight"), std::string::npos) << path;
+  std::FILE* in = std::fopen(path.c_str(), "r");
+  ASSERT_NE(in, nullptr);
+  motion::FlightFile file;
+  EXPECT_EQ(file.read(in), "");
+  std::fclose(in);
+  EXPECT_EQ(file.text("text"), "estop, asked for by a client");
+  // Its spindle alone.
+  ASSERT_TRUE(m->power_on() && m->mdi("M3 S500"));
+  EXPECT_EQ(written(), "");
+  ASSERT_TRUE(m->does({"state", "estop"}));
+  EXPECT_NE(written().find("/0002-estop.flight"), std::string::npos);
 }
 
 }  // namespace

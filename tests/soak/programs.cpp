@@ -10,6 +10,9 @@ namespace {
 
 /// Where the tool may go, in machine coordinates: within the soft limits, tools of up to 50 mm included.
 constexpr double kLowX = 5, kHighX = 295, kLowY = 5, kHighY = 195, kLowZ = -65, kHighZ = -5;
+/// Of mill.tbl.
+constexpr int kTools = 3;
+constexpr int kLength[kTools] = {40, 30, 50};
 
 [[gnu::format(printf, 1, 2)]] std::string line(const char* format, ...) {
   char text[200];
@@ -28,6 +31,12 @@ class Writer {
     // The place from which incremental words count; the rest of the state is of the program's own making.
     add("G21 G90 G94 G40 G49 G54 G17 G80 G64 P0.05\nG10 L2 P1 X0 Y0 Z0 R0\nG92.1\n");
     add(line("F%.0f", dice_.between(800, 6000)));
+    one_tool_ = dice_.one_in(4);
+    // Its places are those of the tip; Z of G54 takes the length back, so that they lie where those of other programs do.
+    if (one_tool_) {
+      const int t = dice_.below(kTools);
+      add(line("T%d M6\nG43 H%d\nG10 L2 P1 Z%d", t + 1, t + 1, -kLength[t]));
+    }
     go_to(true);
     const int blocks = 5 + dice_.below(40);
     for (int i = 0; i < blocks; ++i) block();
@@ -123,7 +132,8 @@ class Writer {
     go_to(dice_.one_in(2));
   }
   void tool() {
-    const int t = 1 + dice_.below(3);
+    if (one_tool_) return go_to(true);
+    const int t = 1 + dice_.below(kTools);
     add(line("T%d M6", t));
     if (dice_.one_in(2)) {
       // The lengths are subtracted again, so that all stays within the limits.
@@ -187,6 +197,7 @@ class Writer {
   Program out_;
   double x_{0}, y_{0}, z_{0};
   int labels_{0};
+  bool one_tool_{false};  ///< with its length in force from the top to the end
 };
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 
@@ -59,18 +60,21 @@ class Operator {
     tell("dies");
     client_.reset();
     sent_.clear();
+    watched_ = 0;
     m_.run_for(0.002);
     sit();
   }
-  void send(const std::vector<std::string>& words) {
+  std::uint64_t send(const std::vector<std::string>& words) {
     if (verbose_) {
       std::string text;
       for (const auto& w : words) text += " " + w;
       tell(text.c_str());
     }
     const auto id = client_->send(words);
-    ASSERT_TRUE(id.ok()) << id.error().message();
+    EXPECT_TRUE(id.ok()) << id.error().message();
+    if (!id.ok()) return 0;
     sent_.push_back(*id);
+    return *id;
   }
   /// Takes replies in; gives how many commands have no outcome yet.
   std::size_t poll() {
@@ -79,6 +83,7 @@ class Operator {
       const auto reply = client_->outcome(id);
       if (!reply || !task::is_terminal(reply->state)) return false;
       last_ = *reply;
+      if (id == watched_) watched_ends_(*reply);
       if (verbose_ && !reply->text.empty()) tell(reply->text.c_str());
       client_->forget(id);
       return true;
@@ -87,6 +92,11 @@ class Operator {
     return sent_.size();
   }
   [[nodiscard]] const task::Reply& last() const { return last_; }
+  /// As send(); `ends` takes the outcome, unless he dies before.
+  void send(const std::vector<std::string>& words, std::function<void(const task::Reply&)> ends) {
+    watched_ = send(words);
+    watched_ends_ = std::move(ends);
+  }
 
  private:
   void sit() { client_ = m_.connect(); }
@@ -101,6 +111,8 @@ class Operator {
   std::unique_ptr<task::Client> client_;
   std::vector<std::uint64_t> sent_;
   task::Reply last_;
+  std::uint64_t watched_{0};
+  std::function<void(const task::Reply&)> watched_ends_;
 };
 
 class Soak {
@@ -197,40 +209,40 @@ class Soak {
     switch (dice_.below(26)) {
       case 0:
       case 1:
-      case 2: count("overrides"); return who.send({"feed-override", scale});
-      case 3: count("overrides"); return who.send({"rapid-override", scale});
+      case 2: count("overrides"); return (void)who.send({"feed-override", scale});
+      case 3: count("overrides"); return (void)who.send({"rapid-override", scale});
       case 4:
         count("overrides");
-        return who.send({"spindle-override", std::to_string(dice_.between(0.5, 1.5))});
+        return (void)who.send({"spindle-override", std::to_string(dice_.between(0.5, 1.5))});
       case 5:
         count("overrides");
-        return who.send({"max-velocity", std::to_string(dice_.between(1, 200))});
+        return (void)who.send({"max-velocity", std::to_string(dice_.between(1, 200))});
       case 6:
       case 7:
-      case 8: count("holds"); return who.send({"pause"});
+      case 8: count("holds"); return (void)who.send({"pause"});
       case 9:
       case 10:
       case 11:
-      case 12: return who.send({"resume"});
-      case 13: count("steps"); return who.send({"step"});
-      case 14: count("aborts"); return who.send({"abort"});
+      case 12: return (void)who.send({"resume"});
+      case 13: count("steps"); return (void)who.send({"step"});
+      case 14: count("aborts"); return (void)who.send({"abort"});
       case 15:
         if (!dice_.one_in(3)) return;
         count("estops");
-        return who.send({"state", "estop"});
+        return (void)who.send({"state", "estop"});
       case 16:
         if (!dice_.one_in(3)) return;
         count("offs");
-        return who.send({"state", "off"});
-      case 17: count("modes"); return who.send({"mode", dice_.one_in(2) ? "manual" : "mdi"});
-      case 18: return who.send({"jog", "x", "20"});
-      case 19: return who.send({"mdi", random_mdi(dice_)});
-      case 20: return who.send({"optional-stop", dice_.one_in(2) ? "on" : "off"});
-      case 21: return who.send({"block-delete", dice_.one_in(2) ? "on" : "off"});
+        return (void)who.send({"state", "off"});
+      case 17: count("modes"); return (void)who.send({"mode", dice_.one_in(2) ? "manual" : "mdi"});
+      case 18: return (void)who.send({"jog", "x", "20"});
+      case 19: return (void)who.send({"mdi", random_mdi(dice_)});
+      case 20: return (void)who.send({"optional-stop", dice_.one_in(2) ? "on" : "off"});
+      case 21: return (void)who.send({"block-delete", dice_.one_in(2) ? "on" : "off"});
       case 22: count("deaths"); return who.die();
-      case 23: return who.send({"spindle", "off"});
+      case 23: return (void)who.send({"spindle", "off"});
       case 24: count("away"); return away(who);
-      default: return who.send({"feed-override", "1"});
+      default: return (void)who.send({"feed-override", "1"});
     }
   }
 
@@ -244,6 +256,12 @@ class Soak {
     else
       who.send({"jog-stop"});
     m_.run_for(0.3);
+    if (dice_.one_in(2)) {
+      who.send({"exchange-tool", std::to_string(1 + dice_.below(3))}, [this](const task::Reply& r) {
+        count(r.state == task::CommandState::done ? "tools exchanged" : "refused");
+      });
+      if (!dice_.one_in(4)) m_.run_for(dice_.between(0, 0.2));
+    }
     who.send({"return"});
     m_.run_for(dice_.between(0.1, 3));
     who.send({"resume"});

@@ -69,6 +69,14 @@ Json of(const ToolStat& t) {
           {"comment", t.comment}};
 }
 
+Json of(const task::WaitingFor& w) {
+  if (w.object.empty()) return nullptr;
+  return {{"text", task::wait_text(w)},
+          {"object", w.object.view()},
+          {"pin", w.pin.view()},
+          {"net", w.net.view()}};
+}
+
 template <class List>
 Json each(const List& list, std::size_t count) {
   Json out = Json::array();
@@ -194,6 +202,7 @@ constexpr Row kRows[] = {
     KERF_POSE(tool_offset),
     {"tool_table", [](const Stat& s) { return each(s.tool_table, s.tool_table.size()); }},
     KERF_ROW(velocity),
+    {"waiting_for", [](const Stat& s) { return of(s.waiting_for); }},
 };
 #undef KERF_ROW
 #undef KERF_POSE
@@ -266,6 +275,7 @@ std::string text(const Stat& stat, std::string_view name) {
   const Json value = row->value(stat);
   if (name == "gcodes") return codes(value, 'G', 10);
   if (name == "mcodes") return codes(value, 'M', 1);
+  if (name == "waiting_for") return value.is_null() ? "-" : value["text"].get<std::string>();
   if (row->words != nullptr)
     if (std::string word = nth_word(row->words, value.get<int>()); !word.empty()) return word;
   const bool pose = value.is_array() && value.size() == rtapi::kAxes && value[0].is_number_float();

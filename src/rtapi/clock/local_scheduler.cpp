@@ -47,8 +47,8 @@ bool LocalScheduler::settle() {
 bool LocalScheduler::wait_outside() {
   std::vector<pollfd> fds;
   std::vector<std::size_t> owner;
+  // All of them: while time stands, whoever is called from outside (by a client) still runs.
   for (std::size_t i = 0; i < entries_.size(); ++i) {
-    if (!entries_[i].spec.holds_time) continue;
     for (const int fd : entries_[i].spec.fds) {
       fds.push_back({fd, POLLIN, 0});
       owner.push_back(i);

@@ -337,7 +337,24 @@ bool homing_wait(WaitingFor& wait, std::size_t j, std::int32_t state) {
   return true;
 }
 
-void motion_wait(WaitingFor& wait, const motion::MotionStatus& status) {
+/// Everything that scales the feed and is 0: what the operator set, and the pin that he may look at.
+void override_wait(WaitingFor& wait, const motion::MotionStatus& status,
+                   const motion::Intent& want) {
+  std::string what;
+  const auto add = [&](bool is_zero, const char* name) {
+    if (is_zero) what += what.empty() ? name : std::string(", ") + name;
+  };
+  add(status.enables.feed && want.feed_override <= 0, "feed override");
+  add(want.rapid_override <= 0, "rapid override");
+  add(want.max_vel_mm_s <= 0, "maximum velocity");
+  // Its value is read in the servo cycle alone: with everything else above 0 it is this one.
+  const bool adaptive = status.enables.adaptive;
+  add(adaptive, "adaptive feed");
+  say_wait(wait, what.empty() ? "a feed override above 0" : what + " above 0",
+           adaptive ? "motion.adaptive-feed" : "");
+}
+
+void motion_wait(WaitingFor& wait, const motion::MotionStatus& status, const motion::Intent& want) {
   const std::string spindle = "spindle." + std::to_string(std::max(status.waiting_index, 0));
   if (status.away) return say_wait(wait, "return to the path, then resume", "");
   switch (status.waiting_for) {
@@ -352,7 +369,7 @@ void motion_wait(WaitingFor& wait, const motion::MotionStatus& status) {
       return say_wait(wait, "the end of feed hold", "motion.feed-hold");
     case motion::PathWait::feed_inhibit:
       return say_wait(wait, "the end of feed inhibit", "motion.feed-inhibit");
-    case motion::PathWait::zero_override: return say_wait(wait, "a feed override above 0", "");
+    case motion::PathWait::zero_override: return override_wait(wait, status, want);
     case motion::PathWait::spindle_index:
       return say_wait(wait, "the index of the spindle", spindle + ".index-enable");
     case motion::PathWait::spindle_turning:
@@ -375,7 +392,7 @@ void motion_wait(WaitingFor& wait, const motion::MotionStatus& status) {
 /// What motion waits for on its own, in words.
 void CommandParticipant::path_wait(WaitingFor& wait) {
   wait = {};
-  motion_wait(wait, status_);
+  motion_wait(wait, status_, want_);
   if (!(wait.object == last_wait_.object && wait.pin == last_wait_.pin)) {
     last_wait_ = wait;
     last_wait_.since_ns = now_;

@@ -8,6 +8,11 @@ namespace kerf::task {
 
 void InterpreterParticipant::fill_waiting(InterpreterView& view) const {
   view.waiting_for = waiting_for_;
+  // iov2: no order is begun before the changer has seen the abort behind the last one.
+  if (tool_order_ != 0 && p_.io.state().waiting_abort_ack) {
+    view.waiting_for.object = rtapi::FixedString<63>("the tool changer to acknowledge an abort");
+    view.waiting_for.pin = rtapi::FixedString<63>("iocontrol.0.emc-abort-ack");
+  }
   view.exec_state = ExecState::done;
   view.interp_state = InterpState::idle;
   if (run_.failed) view.exec_state = ExecState::error;
@@ -103,6 +108,8 @@ void InterpreterParticipant::show() {
   view.stopped = stopped_ || barrier_.pausing;
   view.failed = failed_;
   view.input_timeout = input_timeout_;
+  // Padding that differs costs one write more, no harm.
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): see above
   if (std::memcmp(&before, &view, sizeof view) != 0) p_.exchange.show(view);
 }
 

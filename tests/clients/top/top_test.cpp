@@ -48,6 +48,18 @@ TEST(Top, TextNamesStatesAndLetters) {
   EXPECT_NE(text(s, "joint").find("\n1: "), std::string::npos) << text(s, "joint");
   EXPECT_EQ(text(s, "motion_type"), "0") << "a number without a name";
   EXPECT_EQ(text(s, "nonsense"), "");
+  EXPECT_EQ(text(s, "waiting_for"), "-");
+}
+
+TEST(Top, SaysWhatItWaitsFor) {
+  Stat s = machine();
+  s.waiting_for.object = rtapi::FixedString<63>("the probe");
+  s.waiting_for.pin = rtapi::FixedString<63>("motion.probe-input");
+  s.waiting_for.net = rtapi::FixedString<63>("touched");
+  EXPECT_EQ(text(s, "waiting_for"), "the probe: motion.probe-input, net touched");
+  const auto all = nlohmann::json::parse(json(s, {}));
+  EXPECT_EQ(all["waiting_for"]["pin"], "motion.probe-input");
+  EXPECT_TRUE(nlohmann::json::parse(json(machine(), {}))["waiting_for"].is_null());
 }
 
 TEST(Top, JsonHasPythonsNumbersAndShapes) {
