@@ -2,6 +2,8 @@
 #include "machine/kerf_process.hpp"
 
 #include <cstdio>
+#include <cstdlib>
+#include <memory>
 #include <random>
 
 namespace kerf::launcher {
@@ -49,6 +51,48 @@ TEST(KerfOnce, TwoInstancesAtOnceDoNotMeet) {
   EXPECT_EQ(b.wait_exit(), 0) << b.output();
   EXPECT_TRUE(test::read_file(mill_a.path("j.log")) == test::read_file(mill_b.path("j.log")));
   EXPECT_EQ(a.leftovers() + b.leftovers(), "");
+}
+
+/// Eight machines at once, each with a program and outputs of its own: each does to the last bit what it does alone.
+TEST(KerfOnce, EightInstancesAtOnceDoNotMeet) {
+  constexpr int kMachines = 8;
+  std::vector<std::unique_ptr<Mill>> mills;
+  const auto log = [](int i, bool alone) {
+    return std::string(alone ? "alone" : "beside") + std::to_string(i) + ".log";
+  };
+  const auto start = [&](int i, bool alone) {
+    return std::make_unique<Kerf>(
+        *mills[static_cast<std::size_t>(i)], (alone ? "alone" : "beside") + std::to_string(i),
+        std::vector<std::string>{"--virtual", "--once", "--program",
+                                 mills[static_cast<std::size_t>(i)]->path("p.ngc"), "--log-joints",
+                                 mills[static_cast<std::size_t>(i)]->path(log(i, alone))});
+  };
+  for (int i = 0; i < kMachines; ++i) {
+    mills.push_back(std::make_unique<Mill>("eight" + std::to_string(i)));
+    const std::string n = std::to_string(i);
+    // Ends with an error when an output is not what this machine has written.
+    std::string text =
+        "G21 G90\nM68 E0 Q<n>\nG1 X<n>5 F3000\nM66 E0 L0\nG2 X<n>5 Y10 J5\n"
+        "o1 if [#5399 NE <n>]\n(abort,input #5399)\no1 endif\nG0 Z-<n>\nM2\n";
+    test::replace(text, "<n>", n);
+    mills.back()->write("p.ngc", text);
+    mills.back()->change("HALCMD = setp spindle-motor.acceleration 100",
+                         "HALCMD = setp spindle-motor.acceleration 100\n"
+                         "HALCMD = net loop motion.analog-out-00 motion.analog-in-00");
+  }
+  std::vector<std::unique_ptr<Kerf>> running;
+  running.reserve(kMachines);
+  for (int i = 0; i < kMachines; ++i) running.push_back(start(i, false));
+  for (auto& kerf : running) EXPECT_EQ(kerf->wait_exit(), 0) << kerf->output();
+  for (auto& kerf : running) EXPECT_EQ(kerf->leftovers(), "");
+  for (int i = 0; i < kMachines; i += 3) {
+    const auto kerf = start(i, true);
+    EXPECT_EQ(kerf->wait_exit(), 0) << kerf->output();
+    const Mill& mill = *mills[static_cast<std::size_t>(i)];
+    const std::string beside = test::read_file(mill.path(log(i, false)));
+    EXPECT_GT(beside.size(), 10'000U);
+    EXPECT_TRUE(beside == test::read_file(mill.path(log(i, true)))) << "machine " << i;
+  }
 }
 
 TEST(KerfOnce, RealTime) {
@@ -302,7 +346,16 @@ TEST(KerfKilled, NothingIsLeftAndTheNextStartWorks) {
   std::mt19937 random(20261121);
   std::uniform_int_distribution<int> delay_ms(0, 1500);
   const char* const victims[] = {"rtapi_app", "milltask", "kerf"};
-  for (int round = 0; round < 21; ++round) {
+  const char* const given = std::getenv("KERF_COUNT");
+  const int count = given != nullptr ? std::max(3, std::atoi(given)) : 21;
+  // Tests beside this one have machines, too: only those of this process count.
+  const auto left_in_memory = [] {
+    int n = 0;
+    for (const auto& entry : std::filesystem::directory_iterator("/dev/shm"))
+      if (contains(entry.path().filename().string(), std::to_string(getpid()))) ++n;
+    return n;
+  };
+  for (int round = 0; round < count; ++round) {
     const std::string victim = victims[round % 3];
     std::vector<std::string> arguments{"--once", "--program", kFirstPart};
     if (round % 2 == 0) arguments.insert(arguments.end(), {"--speed", "20"});
@@ -324,10 +377,15 @@ TEST(KerfKilled, NothingIsLeftAndTheNextStartWorks) {
                                               ") was killed by signal 9"));
     }
     EXPECT_EQ(kerf.leftovers(), "");
+    EXPECT_EQ(left_in_memory(), 0);
   }
   const std::string program = mill.write("p.ngc", "G21 G90\nG0 X5\nM2\n");
   Kerf kerf(mill, "killed", {"--virtual", "--once", "--program", program});
   EXPECT_EQ(kerf.wait_exit(), 0) << kerf.output();
+  EXPECT_EQ(kerf.leftovers(), "");
+  EXPECT_EQ(left_in_memory(), 0);
+  std::printf("[ figures ] kill -9 at random moments from the start on: %d times, then a start\n",
+              count);
 }
 
 }  // namespace
