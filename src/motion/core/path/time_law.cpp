@@ -10,7 +10,16 @@ constexpr double kMostVel = 1e-4, kMostAcc = 5e-4, kMostJerk = 5e-3;
 /// |w| t^2 below which the series of LawStep::Kind::spline is used.
 constexpr double kSeries = 1e-4;
 /// The first guess: shares of speed, and of acceleration and jerk of a straight.
-constexpr double kGuessSpeed = 0.8, kGuessAcc = 0.75, kGuessJerk = 0.15;
+constexpr double kGuessSpeed = 0.8, kGuessAcc = 0.75, kGuessJerk = 0.3;
+/// From rest the guess is made feasible from this attempt on.
+constexpr int kShrinkFrom = 1;
+/// First weight of the barrier, relative to the time: the middle of what is feasible first.
+constexpr double kFirstMu = 1;
+/// Of the time in which acceleration builds up.
+constexpr double kRounding = 0.4;
+constexpr int kRoundings = 2;
+/// From a moving state: shares of acceleration and jerk, what counts as reached, and what x keeps of itself over an interval.
+constexpr double kTrackAcc = 0.85, kTrackJerk = 0.6, kTracked = 0.03, kMostDrop = 0.4;
 
 double seconds_of(const LawStep& step, double x1) noexcept {
   const double sum = std::sqrt(step.x) + std::sqrt(x1);
@@ -53,7 +62,8 @@ LawState at(const LawStep& step, double t) noexcept {
 
 bool TimeLaw::create(Memory& memory, std::size_t intervals) noexcept {
   return rows_.create(memory, intervals) && newton_.create(memory, intervals) &&
-         law_.create(memory, intervals) && x_.create(memory, intervals + 1);
+         law_.create(memory, intervals) && x_.create(memory, intervals + 1) &&
+         sums_.create(memory, intervals + 1) && way_.create(memory, intervals + 1);
 }
 
 void TimeLaw::begin(const AxisLimits& limits) noexcept {
@@ -77,13 +87,14 @@ bool TimeLaw::add(std::uint64_t number, const Piece& piece, double from, double 
   return !(to > from) || rows_.add(s);
 }
 
-void TimeLaw::guess_nodes(const Start& start, bool with_given) noexcept {
+void TimeLaw::guess_nodes(const Start& start, bool with_given, bool patient) noexcept {
   const std::size_t n = rows_.size();
   const bool rests = start.x <= 0;
   x_.assign(n + 1, 0);
   x_[0] = start.x;
   const auto even = [&](std::size_t i) {
-    return kGuessSpeed * std::min(rows_.even_cap(i), rows_[i].wish);
+    return kGuessSpeed *
+           std::min(rows_.even_cap(i), patient ? std::max(rows_[i].wish, start.x) : rows_[i].wish);
   };
   for (std::size_t i = 1; i < n; ++i) {
     x_[i] = std::min(
@@ -101,22 +112,54 @@ void TimeLaw::guess_nodes(const Start& start, bool with_given) noexcept {
     x_[to] = std::min({x_[to], by_jerk, x_[from] + 2 * kGuessAcc * acc * d});
   };
   for (std::size_t i = n; i-- > 1;) grow(i + 1, i, i);
-  if (rests) {
+  if (rests)
     for (std::size_t i = 1; i < n; ++i) grow(i - 1, i, i - 1);
-    return;
+  for (int k = 0; k < kRoundings; ++k) round_off();
+  if (!rests && !with_given) track(start);
+}
+
+void TimeLaw::round_off() noexcept {
+  // Where acceleration would jump downwards x is cut to its mean around the place; sums_ holds the integral up to a node.
+  const std::size_t n = rows_.size();
+  sums_.assign(n + 1, 0);
+  way_.assign(n + 1, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    way_[i + 1] = way_[i] + rows_[i].length;
+    sums_[i + 1] = sums_[i] + (x_[i] + x_[i + 1]) / 2 * rows_[i].length;
   }
-  // From a moving state: between the hardest braking and the hardest driving.
-  double low = start.x, high = start.x, ul = start.u, uh = start.u;
+  double acc = 0, jerk = 0;
+  std::size_t low = 0, high = 0;
+  const auto integral = [&](std::size_t& k, double s) {
+    while (k + 1 < n && way_[k + 1] < s) ++k;
+    while (k > 0 && way_[k] > s) --k;
+    const double f = (s - way_[k]) / rows_[k].length;
+    return sums_[k] + f * (sums_[k + 1] - sums_[k]);
+  };
   for (std::size_t i = 1; i < n; ++i) {
+    rows_.straightest(i, acc, jerk);
+    const double wide = kRounding * acc / jerk * std::sqrt(x_[i]);
+    const double h = std::min({wide, way_[i] / 2, (way_[n] - way_[i]) / 2});
+    const double mean = (integral(high, way_[i] + h) - integral(low, way_[i] - h)) / (2 * h);
+    x_[i] = std::min(x_[i], mean);
+  }
+}
+
+void TimeLaw::track(const Start& start) noexcept {
+  // From the state towards the guess with a part of acceleration and jerk, until it is reached.
+  double x = start.x, a = start.u, acc = 0, jerk = 0;
+  for (std::size_t i = 1; i < rows_.size(); ++i) {
+    const double d = rows_[i - 1].length, v = std::sqrt(x), wanted = std::sqrt(x_[i]),
+                 off = wanted - v;
     rows_.straightest(i - 1, acc, jerk);
-    const double d = rows_[i - 1].length;
-    const double jl = jerk * d / std::sqrt(std::max(low, 1e-12)), jh = jerk * d / std::sqrt(high);
-    ul = std::max(ul - 0.7 * jl, -0.9 * acc);
-    uh = std::min(uh + 0.7 * jh, 0.9 * acc);
-    low = std::max(low + 2 * ul * d, 0.0);
-    high += 2 * uh * d;
-    if (!(with_given && rows_[i].guess > 0)) x_[i] = std::clamp(x_[i], low, std::max(low, high));
-    if (low <= 0 && high > 1e12) break;
+    acc *= kTrackAcc;
+    jerk = std::min(kTrackJerk * jerk, 1e12);
+    const double aim = std::copysign(std::min(acc, std::sqrt(2 * jerk * std::abs(off))), off);
+    const double reach = jerk * d / v;
+    if (std::abs(off) < kTracked * v && std::abs(a) < reach) return;
+    const double next = std::clamp(aim, a - reach, a + reach);
+    x = std::max(x + (a + next) * d, kMostDrop * x);
+    a = next;
+    x_[i] = x;
   }
 }
 
@@ -133,17 +176,19 @@ TimeLaw::Result TimeLaw::attempt(const Start& start) noexcept {
   for (std::size_t i = 0; i < rows_.size(); ++i) given = given || rows_[i].guess > 0;
   LawNewton::Aim aim;
   for (int round = 0; round < 4; ++round) {
-    newton_.begin(rows_, start.x, start.u);
-    guess_nodes(start, given && round < 2);
+    newton_.begin(rows_, start.x, start.u, round % 2 == 1);
+    const bool patient = round % 2 == 1;
+    guess_nodes(start, given && round < 2, patient);
     for (std::size_t i = 1; i < rows_.size(); ++i) newton_.guess(i, x_[i]);
     // From rest any profile that is slow enough is feasible.
     aim.share = round == 0 || rests ? 0.998 : 0.9998;
-    aim.mu = round < 2 ? 1e-2 : 1e-1;
-    newton_.start(rests && !(given && round < 2), aim.share);
+    aim.mu = kFirstMu;
+    newton_.start(rests && round >= kShrinkFrom, aim.share);
     const bool ok = newton_.run(aim);
     iterations_ += newton_.iterations();
     if (!ok || !certify(start)) continue;
     write(start);
+    round_ = round;
     return Result::ok;
   }
   return Result::failed;

@@ -78,16 +78,19 @@ class TimeLaw {
 
  private:
   [[nodiscard]] Result attempt(const Start& start) noexcept;
-  void guess_nodes(const Start& start, bool with_given) noexcept;
+  void guess_nodes(const Start& start, bool with_given, bool patient) noexcept;
+  void round_off() noexcept;
+  void track(const Start& start) noexcept;
   [[nodiscard]] bool certify(const Start& start) noexcept;
   void write(const Start& start) noexcept;
 
   LawRows rows_;
   LawNewton newton_;
   Buffer<LawStep> law_;
-  Buffer<double> x_;
+  Buffer<double> x_, sums_, way_;
   double next_guess_{0}, seconds_{0};
   int iterations_{0};
+  int round_{0};  ///< the attempt that succeeded
 };
 
 }  // namespace kerf::motion::path

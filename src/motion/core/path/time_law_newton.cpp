@@ -18,6 +18,8 @@ constexpr double kPrice = 6;
 constexpr double kFirstSlack = 0.05;
 constexpr double kLeastMultiplier = 1e-30;
 constexpr double kStalled = 1e-6;
+/// Weights of the barrier (relative to the time) down to which a law goes before it begins to brake for wishes, and with which it begins.
+constexpr double kRough = 0.1, kRecentre = 1;
 
 /// The right side of the jerk rows, x^-1/2 by its tangent at the middle of the interval, and its derivatives.
 struct JerkSide {
@@ -40,6 +42,12 @@ struct JerkSide {
 
 }  // namespace
 
+/// Of breaking a wish: as the time's own slope where x is, so that it outweighs it everywhere and drowns it nowhere.
+double LawNewton::price_of(const Bound& wish, double x) noexcept {
+  const double at = std::max(wish.top, x);
+  return kPrice * wish.length / (2 * at * std::sqrt(at));
+}
+
 bool LawNewton::create(Memory& memory, std::size_t intervals) noexcept {
   const std::size_t rows = intervals * kRowsPerInterval, n = intervals + 1;
   for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_, &d0_, &d1_, &d2_})
@@ -51,7 +59,7 @@ bool LawNewton::create(Memory& memory, std::size_t intervals) noexcept {
   return true;
 }
 
-void LawNewton::begin(const LawRows& rows, double x0, double u0) noexcept {
+void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) noexcept {
   rows_ = &rows;
   n_ = rows.size();
   first_ = 1;
@@ -80,13 +88,10 @@ void LawNewton::begin(const LawRows& rows, double x0, double u0) noexcept {
   }
   left_[n_ - 1] = 1 / (1 + 2 * rows[n_ - 2].length / (3 * rows[n_ - 1].length));
   right_[n_ - 1] = 0;
-  const auto price = [](double wish, double length) {
-    return kPrice * length / (2 * wish * std::sqrt(wish));
-  };
   for (std::size_t i = first_; i < last_; ++i) {
     at_middle_[i].top = rows[i].cap;
     wish_middle_[i].top = rows[i].wish < kNoLimit ? kUnderWish * rows[i].wish : kNoLimit;
-    wish_middle_[i].price = price(rows[i].wish, rows[i].length);
+    wish_middle_[i].length = rows[i].length;
   }
   for (std::size_t i = 1; i < n_; ++i) {
     const double cap = std::min(rows[i - 1].cap, rows[i].cap);
@@ -94,10 +99,19 @@ void LawNewton::begin(const LawRows& rows, double x0, double u0) noexcept {
     const double wish = std::min(rows[i - 1].wish, rows[i].wish);
     if (rows[i - 1].wish == rows[i].wish || wish >= cap) continue;
     wish_node_[i].top = kUnderWish * wish;
-    wish_node_[i].price = price(wish, (rows[i - 1].length + rows[i].length) / 2);
+    wish_node_[i].length = (rows[i - 1].length + rows[i].length) / 2;
   }
   if (rests_) at_node_[1].top = std::min(at_node_[1].top, rows.start_cap());
   at_node_[n_ - 1].top = std::min(at_node_[n_ - 1].top, rows.stop_cap());
+  // At first nothing is to brake for a wish.
+  waits_ = false;
+  for (Buffer<Bound>* all : {&wish_middle_, &wish_node_})
+    for (Bound& c : *all) {
+      c.wanted = c.top;
+      if (c.top >= x0 || !patient) continue;
+      c.top = x0;
+      waits_ = true;
+    }
 }
 
 void LawNewton::coefficients(std::size_t i, double b[3]) const noexcept {
@@ -163,6 +177,32 @@ void LawNewton::shrink_guess() noexcept {
   }
 }
 
+void LawNewton::start_wish(Bound& c, double x) noexcept {
+  c.price = price_of(c, x);
+  const double g = x - c.top, least = kFirstSlack * std::max(c.top, x);
+  c.t = g > 0 ? g + least : least;
+  c.s = c.t - g;
+  c.z = c.price * c.t / (c.s + c.t);
+  c.y = c.price - c.z;
+}
+
+void LawNewton::wish_truly(double mu) noexcept {
+  // Away from the bounds: what was worth being near to is no more.
+  for (std::size_t r = 0; r < sp_.size(); ++r) {
+    zp_[r] = std::max(zp_[r], mu / sp_[r]);
+    zm_[r] = std::max(zm_[r], mu / sm_[r]);
+  }
+  for (Buffer<Bound>* all : {&at_middle_, &at_node_})
+    for (Bound& c : *all) c.z = std::max(c.z, mu / c.s);
+  const auto bound = [&](Bound& c, double x) {
+    if (c.wanted >= c.top) return;
+    c.top = c.wanted;
+    start_wish(c, x);
+  };
+  for (std::size_t i = first_; i < last_; ++i) bound(wish_middle_[i], m_[i]);
+  for (std::size_t i = 1; i < n_; ++i) bound(wish_node_[i], node_[i]);
+}
+
 void LawNewton::start_slacks(double mu) noexcept {
   const LawRows& rows = *rows_;
   for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
@@ -183,12 +223,8 @@ void LawNewton::start_slacks(double mu) noexcept {
   }
   const auto bound = [&](Bound& c, double x) {
     if (!c.used()) return;
-    if (c.price > 0) {
-      const double g = x - c.top, least = kFirstSlack * c.top;
-      c.t = g > 0 ? g + least : least;
-      c.s = c.t - g;
-      c.z = c.price * c.t / (c.s + c.t);
-      c.y = c.price - c.z;
+    if (c.length > 0) {
+      start_wish(c, x);
     } else {
       c.s = std::max(c.top - x, kFirstSlack * c.top);
       c.z = mu / c.s;
@@ -229,6 +265,10 @@ void LawNewton::look() noexcept {
     if (!c.used()) return;
     c.at = x;
     if (c.price > 0) {
+      const double price = price_of(c, x), change = price / c.price;
+      c.price = price;
+      c.z *= change;
+      c.y *= change;
       sum_ += c.s * c.z + c.t * c.y;
       terms_ += 2;
       return;
@@ -512,10 +552,20 @@ bool LawNewton::run(const Aim& aim) noexcept {
     const double now = seconds(), step = std::min(primal_, dual_);
     const bool settled = std::abs(now - before) < 3e-3 * now;
     before = now;
-    if (sum_ < aim.gap * now && worst_ < aim.violation && settled && step > 0.3) return true;
+    if (!waits_ && sum_ < aim.gap * now && worst_ < aim.violation && settled && step > 0.3)
+      return true;
     if (!std::isfinite(now) || primal_ < kStalled) return false;
+    const double terms = static_cast<double>(terms_);
+    if (waits_ && worst_ < aim.violation && step > 0.3) {
+      waits_ = false;
+      mu = kRecentre * now / terms;
+      wish_truly(mu);
+      look();
+      continue;
+    }
     const double shrink = step > 0.9 ? 0.1 : step > 0.5 ? 0.3 : step > 0.2 ? 0.7 : 1.2;
-    mu = shrink * sum_ / static_cast<double>(terms_);
+    mu = shrink * sum_ / terms;
+    if (waits_) mu = std::max(mu, kRough * now / terms);
   }
   return false;
 }

@@ -24,8 +24,8 @@ class LawNewton {
   };
 
   [[nodiscard]] bool create(Memory& memory, std::size_t intervals) noexcept;
-  /// x at node 0 is x0 and the first interval begins with u0; x0 0: at rest.
-  void begin(const LawRows& rows, double x0, double u0) noexcept;
+  /// x at node 0 is x0 and the first interval begins with u0; x0 0: at rest. `patient`: does not brake for wishes before limits are kept.
+  void begin(const LawRows& rows, double x0, double u0, bool patient) noexcept;
   /// Guess of x at node i, 0 < i < intervals.
   void guess(std::size_t i, double x) noexcept { node_[i] = x; }
   /// Takes the guesses as they are, or shrinks them until the rows hold.
@@ -39,10 +39,10 @@ class LawNewton {
   [[nodiscard]] int iterations() const noexcept { return iterations_; }
 
  private:
-  /// x <= top, one-sided; with a price of its own: x - t <= top.
+  /// x <= top; with a length: x - t <= top, where t has a price.
   struct Bound {
     double top{0};
-    double price{0};  ///< 0: must hold
+    double length{0}, price{0}, wanted{kNoLimit};
     double s{1}, z{0};
     double t{0}, y{0};
     double at{0}, off{0};  ///< x, and how far the slack is from the true one
@@ -51,6 +51,9 @@ class LawNewton {
     [[nodiscard]] bool used() const noexcept { return top < kNoLimit; }
   };
 
+  [[nodiscard]] static double price_of(const Bound& wish, double x) noexcept;
+  static void start_wish(Bound& wish, double x) noexcept;
+  void wish_truly(double mu) noexcept;
   void set_nodes() noexcept;
   [[nodiscard]] double seconds() const noexcept;
   void start_slacks(double mu) noexcept;
@@ -66,6 +69,7 @@ class LawNewton {
   std::size_t first_{0}, last_{0};  ///< unknowns m[first_ .. last_)
   double x0_{0};
   bool rests_{false};
+  bool waits_{false};  ///< the wishes below the start's speed are still to come
   double share_{1};
   int iterations_{0};
   double sum_{0}, worst_{0};  ///< of products of slacks and multipliers; largest relative violation

@@ -11,8 +11,8 @@ constexpr double kArcStep = 0.05;  ///< rad
 /// Largest ratio of the steps of neighbouring cubics, and into how many steps one is divided at most.
 constexpr double kCubicRatio = 4;
 constexpr int kMostPerCubic = 16;
-/// Steps next to a stop: share of the way on which acceleration builds up, and of the window.
-constexpr double kRestShare = 0.1, kRestOfWindow = 1.0 / 60;
+/// Steps next to a stop: share of the way on which acceleration builds up, and of the piece: a later window is to have the same.
+constexpr double kRestShare = 0.1, kRestOfPiece = 1.0 / 40;
 /// A node nearer than this share of a step to the end of a stretch is left out.
 constexpr double kTooNear = 0.3;
 /// At the start from a moving state x may change by this share within the first step.
@@ -162,11 +162,8 @@ void LawRows::divide(std::size_t k) noexcept {
 
 void LawRows::choose_steps(double x0, double u0) noexcept {
   const std::size_t n = stretches_.size();
-  double way = 0, acc = 0, jerk = 0;
-  for (LawStretch& s : stretches_) {
-    way += s.to - s.from;
-    s.step = s.widest;
-  }
+  double acc = 0, jerk = 0;
+  for (LawStretch& s : stretches_) s.step = s.widest;
   const auto beside = [&](std::size_t k, double otherwise) {
     const double before = k > 0 ? stretches_[k - 1].widest : otherwise;
     return std::min(before, k + 1 < n ? stretches_[k + 1].widest : otherwise);
@@ -194,7 +191,7 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
   LawStretch &head = stretches_[0], &tail = stretches_[n - 1];
   const auto at_rest = [&](const LawStretch& s, double at) {
     as_straight(s.piece, at, limits_, acc, jerk);
-    return std::min({s.step, kRestShare * rise(acc, jerk), kRestOfWindow * way});
+    return std::min({s.step, kRestShare * rise(acc, jerk), kRestOfPiece * s.piece.length});
   };
   if (x0 <= 0)
     head.first = at_rest(head, head.from);
