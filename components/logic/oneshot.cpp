@@ -22,7 +22,8 @@ class Oneshot final : public hal::Component<Oneshot> {
   hal::Out<bool> out_{pin<hal::Out<bool>>("out", "True during the pulse")};
   hal::Out<bool> out_not_{pin<hal::Out<bool>>("out-not", "False during the pulse")};
   hal::In<double> width_s_{pin<hal::In<double>>("width", "Length of the pulse [s]", 0.0)};
-  hal::Out<double> left_s_{pin<hal::Out<double>>("time-left", "Rest of the running pulse [s]")};
+  hal::Out<double> left_s_{pin<hal::Out<double>>(
+      "time-left", "Rest of the running pulse; stands still during reset [s]")};
   hal::Param<bool> retriggerable_{param<hal::Param<bool>>(
       "retriggerable", "True: edges during the pulse make it longer", true)};
   hal::Param<bool> rising_{
@@ -36,13 +37,16 @@ class Oneshot final : public hal::Component<Oneshot> {
     const bool now = in_;
     const bool trigger = (rising_ && now && !before_) || (falling_ && !now && before_);
     before_ = now;
+    // An edge in the period in which the pulse ends comes within it.
+    const bool takes = retriggerable_ || left_ns_ == 0;
     if (left_ns_ > 0) left_ns_ = left_ns_ > period.nominal_ns ? left_ns_ - period.nominal_ns : 0;
-    if (trigger && (retriggerable_ || left_ns_ == 0)) left_ns_ = width_ns();
+    if (trigger && takes) left_ns_ = width_ns();
     if (reset_) {
       left_ns_ = 0;
       before_ = false;
+    } else {
+      left_s_ = static_cast<double>(left_ns_) * 1e-9;
     }
-    left_s_ = static_cast<double>(left_ns_) * 1e-9;
     out_ = left_ns_ > 0;
     out_not_ = left_ns_ == 0;
   }

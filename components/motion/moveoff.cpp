@@ -102,14 +102,15 @@ class Moveoff final : public hal::Component<Moveoff> {
       "waypoint-percent-used", "Room for waypoints that is used [percent]")};
   hal::In<bool> dbg_waypoint_limit_test_{
       pin<hal::In<bool>>("dbg-waypoint-limit-test", "True: room for ten waypoints only")};
-  hal::Out<std::int32_t> dbg_state_{
-      pin<hal::Out<std::int32_t>>("dbg-state", "0 idle, 1 applies, 2 goes back")};
+  hal::Out<std::int32_t> dbg_state_{pin<hal::Out<std::int32_t>>(
+      "dbg-state", "At the start of the cycle: 0 idle, 1 applies, 2 goes back")};
   hal::Array<Joint> joints_;
 
   void read_inputs(const hal::Period& period) noexcept {
     // What is measured now follows the offset of the last cycle.
     for (Joint& j : joints_) j.fb_out = j.fb - j.offset;
     const double dt = period.seconds();
+    dbg_state_ = static_cast<std::int32_t>(state_);
     const bool enable = power_on_ && move_enable_ && apply_offsets_;
     if (state_ == State::idle) {
       epsilon_now_ = std::max(epsilon_.get(), 1e-4);
@@ -149,7 +150,6 @@ class Moveoff final : public hal::Component<Moveoff> {
     waypoint_limit_ = full_;
     waypoint_ct_ = static_cast<std::int32_t>(waypoints_);
     waypoint_percent_used_ = static_cast<std::int32_t>(100 * waypoints_ / kWaypoints);
-    dbg_state_ = static_cast<std::int32_t>(state_);
   }
   hal::Function read_inputs_{
       function<&Moveoff::read_inputs>("read-inputs", "Computes the offsets")};

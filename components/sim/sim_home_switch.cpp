@@ -40,9 +40,9 @@ class SimHomeSwitch final : public hal::Component<SimHomeSwitch> {
   void update_switch() noexcept {
     // Mirrored, so that the switch closes upwards for either sign.
     const double sign = home_pos_ < 0.0 ? -1.0 : 1.0;
-    const double beyond = sign * (cur_pos_ - home_pos_);
-    if (beyond >= 0.0) home_sw_ = true;
-    if (beyond < -hysteresis_) home_sw_ = false;
+    const double at = sign * cur_pos_, home = sign * home_pos_;
+    if (at >= home) home_sw_ = true;
+    if (at < home && at <= home - hysteresis_) home_sw_ = false;
   }
 
   void update_index(std::int64_t period_ns) noexcept {

@@ -1,5 +1,7 @@
 // latencybins: histogram of the lateness of a thread.
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 
 #include "hal/component.hpp"
 
@@ -25,10 +27,10 @@ class Latencybins final : public hal::Component<Latencybins> {
       pin<hal::Out<std::int32_t>>("check", "The index that the bins belong to")};
   hal::Out<std::int32_t> latency_{
       pin<hal::Out<std::int32_t>>("latency", "Time since the last call minus the period [ns]")};
-  hal::Out<std::int32_t> latency_max_{
-      pin<hal::Out<std::int32_t>>("latency-max", "Highest latency [ns]")};
-  hal::Out<std::int32_t> latency_min_{
-      pin<hal::Out<std::int32_t>>("latency-min", "Lowest latency [ns]")};
+  hal::Out<std::int32_t> latency_max_{pin<hal::Out<std::int32_t>>(
+      "latency-max", "Highest latency since the start or the reset [ns]")};
+  hal::Out<std::int32_t> latency_min_{pin<hal::Out<std::int32_t>>(
+      "latency-min", "Lowest latency since the start or the reset [ns]")};
   hal::Out<std::int32_t> pbinvalue_{pin<hal::Out<std::int32_t>>(
       "pbinvalue", "Count of the bin on the late side, -1 for an index out of range")};
   hal::Out<std::int32_t> nbinvalue_{pin<hal::Out<std::int32_t>>(
@@ -37,8 +39,8 @@ class Latencybins final : public hal::Component<Latencybins> {
       pin<hal::Out<std::int32_t>>("pextra", "Count of calls later than the last bin")};
   hal::Out<std::int32_t> nextra_{
       pin<hal::Out<std::int32_t>>("nextra", "Count of calls earlier than the last bin")};
-  hal::Out<std::int32_t> variance_{
-      pin<hal::Out<std::int32_t>>("variance", "Variance of the latency [ns^2]")};
+  hal::Out<std::int32_t> variance_{pin<hal::Out<std::int32_t>>(
+      "variance", "Variance of the latency, at most 2147483647 [ns^2]")};
   hal::Out<std::int32_t> availablebins_{
       pin<hal::Out<std::int32_t>>("availablebins", "Bins that there are on each side", 1000)};
 
@@ -51,9 +53,9 @@ class Latencybins final : public hal::Component<Latencybins> {
     above_ = below_ = 0;
     samples_ = 0;
     mean_ = squares_ = 0.0;
-    latency_max_ = 0;
-    latency_min_ = 0;
-    variance_ = 0;
+    latency_ = 0;
+    latency_max_ = INT32_MIN;
+    latency_min_ = INT32_MAX;
   }
   std::int32_t early_[kBins + 1]{}, late_[kBins + 1]{};
   std::int32_t above_{0}, below_{0};
@@ -64,34 +66,39 @@ class Latencybins final : public hal::Component<Latencybins> {
   void update(const hal::Period& period) noexcept {
     const std::int32_t index = index_;
     check_ = index;
-    const std::int64_t late = period.actual_ns - period.nominal_ns;
     if (reset_ || first_) {
       first_ = false;
       start();
-      return;
+    } else {
+      count(period.actual_ns - period.nominal_ns);
     }
-    const std::int64_t last = std::clamp<std::int64_t>(maxbinnumber_, 0, kBins);
+    const bool in_range = index >= 0 && index <= last_bin();
+    pbinvalue_ = in_range ? late_[index] : -1;
+    nbinvalue_ = in_range ? early_[index] : -1;
+    pextra_ = above_;
+    nextra_ = below_;
+  }
+  [[nodiscard]] std::int64_t last_bin() const noexcept {
+    return std::clamp<std::int64_t>(maxbinnumber_, 0, kBins);
+  }
+  void count(std::int64_t late) noexcept {
     const std::int64_t width = std::max<std::int64_t>(nsbinsize_, 1);
     latency_ = bounded(late);
-    if (late > latency_max_.last()) latency_max_ = bounded(late);
-    if (late < latency_min_.last()) latency_min_ = bounded(late);
+    latency_max_ = std::max(latency_max_.last(), bounded(late));
+    latency_min_ = std::min(latency_min_.last(), bounded(late));
     const std::int64_t bin = (late < 0 ? -late : late) / width;
-    if (bin > last)
-      ++(late < 0 ? below_ : above_);
+    const bool early = late < 0 && bin > 0;  // the middle bin is one
+    if (bin > last_bin())
+      ++(early ? below_ : above_);
     else
-      ++(late < 0 ? early_ : late_)[bin];
+      ++(early ? early_ : late_)[bin];
     ++samples_;
     const auto value = static_cast<double>(late), before = mean_;
     mean_ += (value - before) / static_cast<double>(samples_);
     squares_ += (value - before) * (value - mean_);
     if (samples_ > 1)
-      variance_ = bounded(static_cast<std::int64_t>(
-          std::min(squares_ / static_cast<double>(samples_ - 1), 2147483647.0)));
-    const bool in_range = index >= 0 && index <= last;
-    pbinvalue_ = in_range ? late_[index] : -1;
-    nbinvalue_ = in_range ? early_[index] : -1;
-    pextra_ = above_;
-    nextra_ = below_;
+      variance_ = bounded(
+          std::llround(std::min(squares_ / static_cast<double>(samples_ - 1), 2147483647.0)));
   }
   hal::Function update_{function<&Latencybins::update>("", "Computes the outputs from the inputs")};
 };

@@ -23,7 +23,8 @@ class Timedelta final : public hal::Component<Timedelta> {
       pin<hal::Out<std::int32_t>>("min", "Shortest time between two calls [ns]", 0)};
   hal::Out<std::int32_t> max_ns_{
       pin<hal::Out<std::int32_t>>("max", "Longest time between two calls [ns]", 0)};
-  hal::In<bool> reset_{pin<hal::In<bool>>("reset", "While true the statistics start anew")};
+  hal::In<bool> reset_{pin<hal::In<bool>>(
+      "reset", "True clears jitter, max and out, and min at the next call; err and avg-err go on")};
   hal::Out<std::int32_t> out_{pin<hal::Out<std::int32_t>>("out", "Time since the last call [ns]")};
   hal::Out<std::int32_t> err_{pin<hal::Out<std::int32_t>>("err", "Sum of the differences [ns]", 0)};
   hal::Out<double> avg_err_{pin<hal::Out<double>>("avg-err", "Mean of the differences [ns]", 0.0)};
@@ -31,27 +32,34 @@ class Timedelta final : public hal::Component<Timedelta> {
   static std::int32_t bounded(std::int64_t ns) noexcept {
     return static_cast<std::int32_t>(std::clamp<std::int64_t>(ns, INT32_MIN, INT32_MAX));
   }
-  std::int64_t count_{0}, sum_{0}, most_{0}, shortest_{0}, longest_{0};
+  std::int64_t count_{1}, sum_{0}, most_{0}, shortest_{0}, longest_{0};
+  bool measures_{false};  ///< there was a call before, and no reset since
+  bool fresh_{true};      ///< no time yet since the start or the reset
 
   void update(const hal::Period& period) noexcept {
-    const std::int64_t elapsed = period.actual_ns, error = elapsed - period.nominal_ns;
-    const std::int64_t size = error < 0 ? -error : error;
-    const bool first = count_ == 0;
-    if (reset_) {
-      count_ = 0;
-      sum_ = most_ = 0;
-      shortest_ = longest_ = elapsed;
-    } else if (first) {
-      shortest_ = longest_ = elapsed;
-    }
+    if (measures_) measure(period.actual_ns, period.nominal_ns);
+    measures_ = !reset_;
+    if (!reset_) return;
+    most_ = shortest_ = longest_ = 0;
+    fresh_ = true;
+    jitter_ = 0;
+    max_ns_ = 0;
+    out_ = 0;
+  }
+  void measure(std::int64_t elapsed, std::int64_t nominal) noexcept {
+    const std::int64_t error = elapsed - nominal, size = error < 0 ? -error : error;
     ++count_;
     sum_ += error;
+    shortest_ = fresh_ ? elapsed : std::min(shortest_, elapsed);
+    longest_ = fresh_ ? elapsed : std::max(longest_, elapsed);
     most_ = std::max(most_, size);
-    shortest_ = std::min(shortest_, elapsed);
-    longest_ = std::max(longest_, elapsed);
-    jitter_ = bounded(most_);
-    current_jitter_ = bounded(size);
-    current_error_ = bounded(error);
+    // The first time after a start says nothing yet of the thread's regularity.
+    if (!fresh_) {
+      jitter_ = bounded(most_);
+      current_jitter_ = bounded(size);
+      current_error_ = bounded(error);
+    }
+    fresh_ = false;
     min_ns_ = bounded(shortest_);
     max_ns_ = bounded(longest_);
     out_ = bounded(elapsed);

@@ -207,12 +207,14 @@ Port TestBuilder::make_queue(std::string_view pin, std::uint32_t bytes) {
 }
 
 void TestBuilder::run(std::string_view function, std::int64_t period_ns, int cycles) {
+  for (int i = 0; i < cycles; ++i) run_once(function, {period_ns, period_ns});
+}
+
+void TestBuilder::run_once(std::string_view function, const Period& period) {
   for (const auto& f : functions_) {
     if (f.name != function) continue;
-    for (int i = 0; i < cycles; ++i) {
-      clock_.advance(period_ns);
-      f.thunk(f.object, Period{period_ns, period_ns});
-    }
+    clock_.advance(period.actual_ns);
+    f.thunk(f.object, period);
     return;
   }
   throw std::logic_error("no function '" + std::string(function) + "'" +

@@ -93,6 +93,9 @@ class TestBuilder final : public Builder {
   /// Runs a function `cycles` times and moves the clock by the period before each.
   void run(std::string_view function, std::int64_t period_ns = kPeriodNs, int cycles = 1);
 
+  /// Once, at any time since the last call.
+  void run_once(std::string_view function, const Period& period);
+
   [[nodiscard]] const std::string& error() const { return error_; }
   /// Forgets a latched error.
   void clear_error() { error_.clear(); }

@@ -125,9 +125,10 @@ TEST(Logic, OneshotResetEndsThePulse) {
   EXPECT_DOUBLE_EQ(hal.get<double>("c.time-left"), 0.002);
   hal.set("c.reset", true);
   EXPECT_EQ(trace(hal, "111"), "000");
-  EXPECT_EQ(hal.get<double>("c.time-left"), 0.0);
+  EXPECT_DOUBLE_EQ(hal.get<double>("c.time-left"), 0.002) << "as in LinuxCNC it stands";
   hal.set("c.reset", false);
   EXPECT_EQ(trace(hal, "11111"), "11100");
+  EXPECT_EQ(hal.get<double>("c.time-left"), 0.0);
 }
 
 TEST(Logic, TimedelayPassesOnWhatLasts) {

@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 
 struct Column {
   std::string pin;
-  bool pulse{false};  ///< sets the pin where the row has a 1, else leaves it alone
+  bool pulse{false};    ///< sets the pin where the row has a 1, else leaves it alone
+  bool elapsed{false};  ///< no pin: time since the last call [ns]
 };
 
 std::vector<std::string> split(const std::string& text, char at) {
@@ -113,8 +114,10 @@ TEST_P(PeerRows, AreOurs) {
       nets.push_back(split(rest, ' '));
     } else if (word == "addf") {
       functions.push_back(rest);
+    } else if (word == "elapsed") {
+      inputs.push_back({.pin = {}, .pulse = false, .elapsed = true});
     } else if (word == "in" || word == "pulse") {
-      inputs.push_back({rest, word == "pulse"});
+      inputs.push_back({.pin = rest, .pulse = word == "pulse", .elapsed = false});
     } else if (word == "out") {
       outputs.push_back(rest);
     } else {
@@ -125,12 +128,16 @@ TEST_P(PeerRows, AreOurs) {
   for (std::string line; std::getline(file, line); ++row) {
     const auto words = split(line, ' ');
     ASSERT_EQ(words.size(), inputs.size() + outputs.size());
+    hal::Period period{period_ns, period_ns};
     for (std::size_t i = 0; i < inputs.size(); ++i) {
       const double value = parse(words[i]);
-      if (!inputs[i].pulse || value != 0.0) set(hal, inputs[i].pin, value);
+      if (inputs[i].elapsed)
+        period.actual_ns = static_cast<std::int64_t>(value);
+      else if (!inputs[i].pulse || value != 0.0)
+        set(hal, inputs[i].pin, value);
     }
     for (const std::string& f : functions) {
-      hal.run(f, period_ns);
+      hal.run_once(f, period);
       connect();
     }
     for (std::size_t i = 0; i < outputs.size(); ++i) {
