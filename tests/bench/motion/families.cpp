@@ -132,15 +132,18 @@ Program freeform(int segments, double p_mm, double feed, std::uint64_t seed) {
   return w.done();
 }
 
-Program relief(int segments, double p_mm, double feed, bool merges, std::uint64_t seed) {
-  ProgramWriter w(titled(merges ? "relief" : "relief Q0", p_mm), p_mm, feed, merges);
+Program relief(int segments, double p_mm, double feed, bool merges, std::uint64_t seed,
+               double detail) {
+  char name[40];
+  std::snprintf(name, sizeof name, "relief of %g mm%s", detail, merges ? "" : " Q0");
+  ProgramWriter w(titled(name, p_mm), p_mm, feed, merges);
   Random r(seed);
   struct Wave {
     double kx, ky, phase, high;
   };
   std::vector<Wave> waves;
-  for (const double length : {25.0, 14.0, 8.0, 4.0}) {
-    const double k = 2 * kPi / length, along = r.between(0, kPi);
+  for (const double share : {6.25, 3.5, 2.0, 1.0}) {
+    const double k = 2 * kPi / (share * detail), along = r.between(0, kPi);
     waves.push_back({k * std::cos(along), k * std::sin(along), r.between(0, 2 * kPi), 0.25 / k});
   }
   const auto height = [&](double x, double y) {
@@ -180,6 +183,23 @@ Program arc_wave(double p_mm, double feed, double kink) {
   return w.done();
 }
 
+Program short_arcs(double p_mm, double feed) {
+  ProgramWriter w(titled("spiral of short R4 arcs", p_mm), p_mm, feed);
+  Random r(11);
+  double heading = 0, way = 0;
+  for (int i = 0; i < 300; ++i) {
+    const double radius = r.between(3.5, 4.5), side = i % 2 != 0 ? -1 : 1;
+    // Outwards: the way turns left by less and less.
+    const double turn = 0.25 / (1 + 0.004 * way), sweep = side * r.between(0.4, 0.9) + turn;
+    const double to_centre = heading + std::copysign(kPi / 2, sweep);
+    const Pose at = w.at();
+    w.arc(at.x + radius * std::cos(to_centre), at.y + radius * std::sin(to_centre), sweep);
+    way += radius * std::abs(sweep);
+    heading += sweep + r.between(-0.4, 0.4);
+  }
+  return w.done();
+}
+
 Program arc_spiral(double p_mm, double feed) {
   ProgramWriter w(titled("R4 arcs at angles", p_mm), p_mm, feed);
   Random r(7);
@@ -202,9 +222,26 @@ Program helical_arcs(double p_mm, double feed) {
   return w.done();
 }
 
-Program zigzag(double p_mm, double feed) {
-  ProgramWriter w(titled("zigzag", p_mm), p_mm, feed);
-  for (int i = 1; i <= 100; ++i) w.line(xyz(i * 5.0, i % 2 != 0 ? 12 : 0, 0));
+Program helix(double p_mm, double feed) {
+  ProgramWriter w(titled("helix of quarter arcs", p_mm), p_mm, feed);
+  Random r(5);
+  double heading = 0;
+  for (int i = 0; i < 150; ++i) {
+    const double radius = i % 2 != 0 ? 4.2 : 3.8, sweep = kPi / 2;
+    const Pose at = w.at();
+    w.arc(at.x + radius * std::cos(heading + kPi / 2), at.y + radius * std::sin(heading + kPi / 2),
+          sweep, 0.3);
+    heading += sweep + r.between(-0.15, 0.15);
+  }
+  return w.done();
+}
+
+Program zigzag(double p_mm, double feed, double leg) {
+  char name[40];
+  std::snprintf(name, sizeof name, "zigzag of %g mm", leg);
+  ProgramWriter w(titled(name, p_mm), p_mm, feed);
+  for (int i = 1; i <= 100; ++i)
+    w.line(xyz(rounded(i * leg * 5 / 13), i % 2 != 0 ? rounded(leg * 12 / 13) : 0, 0));
   return w.done();
 }
 

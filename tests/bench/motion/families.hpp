@@ -51,15 +51,19 @@ class ProgramWriter {
 void reference_machine(motion::MachineConfig& config);
 
 [[nodiscard]] Program freeform(int segments, double p_mm, double feed, std::uint64_t seed);
-/// Rows over a surface with details of 4 to 25 mm, in chords of 0.05 to 0.2 mm with three decimals: what CAM makes of a relief.
+/// Rows over a surface with waves of `detail` to 6 times as long, in chords of 0.05 to 0.2 mm with three decimals: what CAM makes of a relief.
 [[nodiscard]] Program relief(int segments, double p_mm, double feed, bool merges,
-                             std::uint64_t seed);
+                             std::uint64_t seed, double detail = 4);
+/// Short arcs to the left and to the right in turns along a spiral, meeting nearly in one direction.
+[[nodiscard]] Program short_arcs(double p_mm, double feed);
 /// Arcs that meet at any angle.
 [[nodiscard]] Program arc_spiral(double p_mm, double feed);
 /// Arcs that meet almost in one direction: kinks of at most `kink` rad.
 [[nodiscard]] Program arc_wave(double p_mm, double feed, double kink);
 [[nodiscard]] Program helical_arcs(double p_mm, double feed);
-[[nodiscard]] Program zigzag(double p_mm, double feed);
+/// Upwards in quarter turns that meet nearly in one direction.
+[[nodiscard]] Program helix(double p_mm, double feed);
+[[nodiscard]] Program zigzag(double p_mm, double feed, double leg = 13);
 [[nodiscard]] Program corner(double degrees, double leg, double p_mm, double feed);
 [[nodiscard]] Program fractal(int order, double step, double p_mm, double feed);
 [[nodiscard]] Program four_axis(int moves, double p_mm, double feed, bool reversing,

@@ -36,12 +36,16 @@ std::vector<Entry> families(bool quick, std::uint64_t seed) {
   const auto add = [&](bench::Program p) { out.push_back({std::move(p)}); };
   add(bench::freeform(quick ? 2000 : 20000, 0.01, 100, seed));
   if (!quick) add(bench::freeform(150000, 0.01, 100, seed + 1));
-  for (const bool merges : {true, false})
-    add(bench::relief(quick ? 2000 : 20000, 0.01, 100, merges, seed));
+  for (const double detail : {4.0, 0.6})
+    for (const bool merges : {true, false})
+      add(bench::relief(quick ? 2000 : 20000, 0.01, 100, merges, seed, detail));
   for (const double p : {0.01, 0.1, 1.0}) add(bench::arc_wave(p, 80, 0.3));
+  for (const double p : {0.01, 0.1, 1.0}) add(bench::short_arcs(p, 80));
   for (const double p : {0.01, 0.1, 1.0}) add(bench::arc_spiral(p, 80));
+  for (const double p : {0.01, 0.1}) add(bench::helix(p, 80));
   for (const double p : {0.01, 0.1}) add(bench::helical_arcs(p, 80));
-  for (const double p : {0.05, 0.0}) add(bench::zigzag(p, 100));
+  for (const double leg : {13.0, 6.5})
+    for (const double p : {0.05, 0.0}) add(bench::zigzag(p, 100, leg));
   add(bench::fractal(quick ? 4 : 6, 0.5, 0.05, 100));
   add(bench::four_axis(quick ? 100 : 1000, 0.02, 100, false, seed));
   add(bench::four_axis(quick ? 100 : 1000, 0.02, 100, true, seed));

@@ -55,7 +55,9 @@ TEST(Families, KeepTheLimitsUnderChangingOverrides) {
     run(bench::freeform(800, 0.01, 100, seed), seed);
     run(bench::arc_spiral(0.1, 80), seed);
     run(bench::four_axis(60, 0.02, 100, i % 2 == 0, seed), seed);
-    run(bench::relief(600, 0.01, 100, i % 2 == 0, seed), seed);
+    run(bench::relief(600, 0.01, 100, i % 2 == 0, seed, i % 3 == 0 ? 4 : 0.6), seed);
+    run(bench::short_arcs(0.01, 80), seed);
+    run(bench::fractal(4, 0.5, 0.05, 100), seed);
     run(bench::arc_wave(0.01, 80, 0.3), seed);
     run(bench::inverse_time(60, 0.02, seed), seed);
   }

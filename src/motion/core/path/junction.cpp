@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "motion/core/path/reach.hpp"
+
 namespace kerf::motion::path {
 namespace {
 
@@ -15,8 +17,17 @@ constexpr int kSamples = 6;  ///< of the deviation, in each of the four pieces
 constexpr double kAim = 0.98;
 constexpr double kOutside = 1.5;  ///< a share that only makes the blend smaller
 
+/// Shares of the largest swing to the outside that are tried.
+constexpr double kSwings[] = {0, 0.35, 0.7, 1};
+/// Kinks below this are left to the three spans.
+constexpr double kShallow = 1e-6;
+/// What is looked at of arcs beside a blend, and how finely blends and they are divided.
+constexpr std::size_t kPerPiece = 2, kPerSide = 4;
+
+using Blend = std::array<Piece, 4>;
+
 /// The pieces for half-width l, from u = -l to +l.
-std::array<Piece, 4> three_spans(const Piece& a, const Piece& b, double l) noexcept {
+Blend three_spans(const Piece& a, const Piece& b, double l) noexcept {
   const double sa = a.length - l;
   const Vec q0 = a.point(sa), t0 = a.first(sa), c0 = a.second(sa);
   const Vec q1 = b.point(l), t1 = b.first(l), c1 = b.second(l);
@@ -38,7 +49,7 @@ std::array<Piece, 4> three_spans(const Piece& a, const Piece& b, double l) noexc
     m1[i] = (area * mom2 - moment * area1) / det;
     m2[i] = (moment * area1 - area * mom1) / det;
   }
-  std::array<Piece, 4> out;
+  Blend out;
   const auto span = [](const Vec& q, const Vec& t, const Vec& c, const Vec& next, double length) {
     Piece p;
     p.length = length;
@@ -62,7 +73,7 @@ bool outside(const Vec& q, const JunctionSettings& settings) noexcept {
   return false;
 }
 
-double worst_share(const std::array<Piece, 4>& blend, const Piece& a, const Piece& b, double l,
+double worst_share(const Blend& blend, const Piece& a, const Piece& b, double l,
                    const JunctionSettings& settings) noexcept {
   double worst = 0, u = -l;
   for (const Piece& p : blend) {
@@ -78,26 +89,165 @@ double worst_share(const std::array<Piece, 4>& blend, const Piece& a, const Piec
   return worst;
 }
 
+/// D of the header: +k within a, -k from there to b, with a = e + 1/(2k) and b = 2e + 1/(2k). At the vertex it is 1/(8k) - k e^2, outside
+/// -k e^2 at most.
+struct Swing {
+  double k{0}, a{0}, b{0};
+
+  [[nodiscard]] double off(double u) const noexcept {
+    const double to_a = std::max(a - std::abs(u), 0.0), to_b = std::max(b - std::abs(u), 0.0);
+    return k * (to_a * to_a - to_b * to_b / 2);
+  }
+  [[nodiscard]] double slope(double u) const noexcept {
+    const double to_a = std::max(a - std::abs(u), 0.0), to_b = std::max(b - std::abs(u), 0.0);
+    return (u < 0 ? 1 : -1) * k * (2 * to_a - to_b);
+  }
+};
+
+/// Reaching `reach` at most and off by `most` at most, with a share of the largest swing.
+Swing swing_of(double reach, double most, double share) noexcept {
+  // With l = b: 1/(2k) = l - 2e; e = l/4 makes both sides alike, off by l/16.
+  const auto at_vertex = [](double l, double e) {
+    const double half = l - 2 * e;
+    return half / 4 - e * e / (2 * half);
+  };
+  double l = reach, e = 0;
+  if (at_vertex(l, 0) > most) {
+    // e = l s/4 for a share s; what is off then grows evenly with l.
+    l = std::min(l, most / at_vertex(1, share / 4));
+    double low = 0, high = l / 4;
+    for (int i = 0; i < 40; ++i) {
+      e = (low + high) / 2;
+      (at_vertex(l, e) > most ? low : high) = e;
+    }
+    e = high;
+  }
+  Swing out;
+  out.k = 0.5 / (l - 2 * e);
+  out.a = l - e;
+  out.b = l;
+  return out;
+}
+
+/// The programmed path plus the kink times D, as cubics between their ends.
+Blend swung(const Piece& a, const Piece& b, const Swing& swing) noexcept {
+  const Vec kink = b.first(0) - a.first(a.length);
+  const double inner = swing.b - swing.a > 0.05 * swing.b ? swing.a : swing.b / 2;
+  const double at[] = {-swing.b, -inner, 0, inner, swing.b};
+  Blend out;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const bool before = i < 2;
+    const auto point = [&](double u) {
+      Vec q = before ? a.point(a.length + u) : b.point(u);
+      q.add(swing.off(u), kink);
+      return q;
+    };
+    const auto first = [&](double u) {
+      Vec d = before ? a.first(a.length + u) : b.first(u);
+      // At the vertex the side counts.
+      d.add(u == 0 ? (before ? 0.5 : -0.5) : swing.slope(u), kink);
+      return d;
+    };
+    const double h = at[i + 1] - at[i];
+    const Vec q0 = point(at[i]), q1 = point(at[i + 1]), d0 = first(at[i]), d1 = first(at[i + 1]);
+    const Vec chord = (q1 - q0) * (1 / h);
+    Piece& p = out[i];
+    p.length = h;
+    p.a = q0;
+    p.b = d0;
+    p.c = (chord * 3.0 - d0 * 2.0 - d1) * (2 / h);
+    p.d = (d0 + d1 - chord * 2.0) * (6 / (h * h));
+  }
+  return out;
+}
+
+void set_feeds(Blend& blend, const Piece& a, const Piece& b) noexcept {
+  for (std::size_t i = 0; i < blend.size(); ++i) blend[i].feed = i < 2 ? a.feed : b.feed;
+}
+
+/// Seconds from `reach` before the vertex to `reach` behind it, coming and going as fast as may be.
+double passing_time(const Piece& a, const Piece& b, const Blend& blend, double l, double reach,
+                    const AxisLimits& limits) noexcept {
+  constexpr std::size_t kMost = 4 * kPerPiece + 2 * kPerSide;
+  struct Stretch {
+    const Piece* piece{nullptr};
+    double from{0}, to{0};
+  };
+  std::array<Stretch, kMost> at;
+  std::array<double, kMost + 1> x;
+  x.fill(kNoLimit);
+  std::size_t n = 0;
+  const auto add = [&](const Piece& p, double from, double to, std::size_t parts) {
+    if (!(to - from > 1e-9)) return;
+    const double step = (to - from) / static_cast<double>(parts);
+    for (std::size_t i = 0; i < parts; ++i, ++n) {
+      at[n].piece = &p;
+      at[n].from = from + step * static_cast<double>(i);
+      at[n].to = at[n].from + step;
+      const double cap =
+          std::min(axis_cap(p, at[n].from, at[n].to, limits), feed_cap(p, at[n].from, at[n].to));
+      x[n] = std::min(x[n], cap);
+      x[n + 1] = cap;
+    }
+  };
+  add(a, a.length - reach, a.length - l, kPerSide);
+  for (const Piece& p : blend) add(p, 0, p.length, kPerPiece);
+  add(b, l, reach, kPerSide);
+  Rows rows;
+  const auto rows_at = [&](std::size_t i) {
+    rows_of(*at[i].piece, at[i].from, at[i].to, limits, rows);
+    return rows.all();
+  };
+  for (std::size_t i = n; i-- > 0;) x[i] = std::min(x[i], largest_x0(rows_at(i), x[i + 1]));
+  double seconds = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    x[i + 1] = std::clamp(range_of_x1(rows_at(i), x[i]).high, 0.0, x[i + 1]);
+    seconds += 2 * (at[i].to - at[i].from) / (std::sqrt(x[i]) + std::sqrt(x[i + 1]) + 1e-9);
+  }
+  return seconds;
+}
+
+double three_span_blend(const Piece& a, const Piece& b, const JunctionSettings& settings,
+                        Blend& out) noexcept {
+  double l = std::min(settings.reach_a, settings.reach_b);
+  for (int round = 0; round < kMaxRounds && l > 1e-9; ++round, l *= kShrinkStep) {
+    out = three_spans(a, b, l);
+    const double share = worst_share(out, a, b, l, settings);
+    if (share <= kAim) {
+      set_feeds(out, a, b);
+      return l;
+    }
+    // The deviation grows with l to l^2: the root is never too far.
+    if (share > 2) l *= std::max(0.3, std::sqrt(1.0 / share)) / kShrinkStep;
+  }
+  return 0;
+}
+
 }  // namespace
 
 double blend_junction(const Piece& a, const Piece& b, const JunctionSettings& settings,
                       Buffer<Piece>& out) noexcept {
-  double l = std::min(settings.reach_a, settings.reach_b);
-  for (int round = 0; round < kMaxRounds && l > 1e-9; ++round, l *= kShrinkStep) {
-    auto blend = three_spans(a, b, l);
-    const double share = worst_share(blend, a, b, l, settings);
-    if (share > kAim) {
-      // The deviation grows with l to l^2: the root is never too far.
-      if (share > 2) l *= std::max(0.3, std::sqrt(1.0 / share)) / kShrinkStep;
-      continue;
+  Blend best;
+  double l = three_span_blend(a, b, settings, best);
+  const Vec kink = b.first(0) - a.first(a.length);
+  if (!settings.limits.jerks && max_abs(kink) > kShallow) {
+    const double reach = std::min(settings.reach_a, settings.reach_b);
+    double least = l > 0 ? passing_time(a, b, best, l, reach, settings.limits) : kNoLimit;
+    for (const double share : kSwings) {
+      const Swing swing = swing_of(reach, kAim * kAim / settings.tolerance.share(kink), share);
+      Blend blend = swung(a, b, swing);
+      if (worst_share(blend, a, b, swing.b, settings) > kAim) continue;
+      set_feeds(blend, a, b);
+      const double seconds = passing_time(a, b, blend, swing.b, reach, settings.limits);
+      if (seconds >= least) continue;
+      least = seconds;
+      best = blend;
+      l = swing.b;
     }
-    for (std::size_t i = 0; i < blend.size(); ++i) {
-      blend[i].feed = i < 2 ? a.feed : b.feed;
-      out.push_back(blend[i]);
-    }
-    return l;
   }
-  return 0;
+  if (l > 0)
+    for (const Piece& p : best) out.push_back(p);
+  return l;
 }
 
 }  // namespace kerf::motion::path

@@ -132,6 +132,7 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
       s.reach_b = std::min(moves[j + 1].piece.length / 2, settings_.widest_junction);
       s.low = settings_.low;
       s.high = settings_.high;
+      s.limits = settings_.limits;
       l = blend_junction(tail.piece, moves[j + 1].piece, s, blend_);
       const bool stops = settings_.limits.jerks && l > 0 &&
                          faster_to_stop(tail.piece, moves[j + 1].piece, l,
@@ -166,6 +167,8 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
       chain_.sigma.push_back(sigma);
       s.widest = settings_.widest;
       s.peaked = settings_.limits.jerks;
+      s.low = settings_.low;
+      s.high = settings_.high;
       const std::size_t before = out.size();
       if (smoother_.smooth(chain_, s, out) > 1.0) {
         // Has never been seen; the programmed corners with stops are always right.

@@ -12,6 +12,15 @@ constexpr double kShrinkStep = 0.9;  ///< and of its way back where the check fa
 constexpr double kKnotsApart =
     0.24;                        ///< of the width: a knot nearer to another one is not worth it
 constexpr int kMaxRounds = 120;  ///< 0.9^120 = 3e-6 of the first widths: always ends before
+/// Near to 1: the least acceleration for a sharp corner. Shallow ones are driven near to the feed and gain from width.
+constexpr double kSharpPlateau = 0.8, kShallowPlateau = 0.5;
+constexpr double kSharp = 0.9;
+/// The guide: widths are those of this many times the tolerance; no leg is moved that is longer than this many widths.
+constexpr double kWider = 1.5, kWiderPeaked = 2, kWiderLone = 2, kLongLeg = 8;
+/// It moves as far as brings the curve at its vertices to this share of the tolerance.
+constexpr double kGuideAim = 0.9;
+/// Rounds in which only the guide moves; then widths shrink too; at the end it goes back to the chain where it is still too far off.
+constexpr int kOnlyMove = 4, kMoveBack = 9, kGuideRounds = 16;
 /// A kink below this turns nothing: rounding of the input.
 constexpr double kNoKink = 1e-12;
 
@@ -21,8 +30,17 @@ double triangle_off(double s, double h) noexcept {
   return d <= 0 ? 0.0 : d * d * d / (6.0 * h * h);
 }
 
-/// The same at its vertex for the trapezoid with plateau of half-width h/2 (R(0) of docs/planner.md).
-constexpr double kTrapezoidAtVertex = 1.75 / 9.0, kTriangleAtVertex = 1.0 / 6.0;
+constexpr double kTriangleAtVertex = 1.0 / 6.0;
+
+/// Half-width of the plateau of a lone corner's trapezoid, as a share of the whole.
+double plateau_of(const Vec& kink) noexcept {
+  return max_abs(kink) > kSharp ? kSharpPlateau : kShallowPlateau;
+}
+
+/// The same at its vertex for the trapezoid (R(0) of docs/planner.md).
+double trapezoid_at_vertex(double plateau) noexcept {
+  return (1 + plateau + plateau * plateau) / (6 * (1 + plateau));
+}
 
 }  // namespace
 
@@ -30,38 +48,143 @@ bool Smoother::create(Memory& memory, std::size_t lines) noexcept {
   // Five knots a vertex at most, and some at the ends.
   const std::size_t knots = 5 * lines + 64;
   return kink_.create(memory, lines + 1) && width_.create(memory, lines + 1) &&
-         shrink_.create(memory, lines + 1) && order_.create(memory, lines + 1) &&
-         knot_.create(memory, knots) && centroid_.create(memory, knots) &&
-         area_.create(memory, knots) && bend_.create(memory, knots);
+         narrow_.create(memory, lines + 1) && shrink_.create(memory, lines + 1) &&
+         off_.create(memory, lines + 1) && guide_.create(memory, lines) &&
+         turn_.create(memory, lines + 1) && free_.create(memory, lines + 1) &&
+         order_.create(memory, lines + 1) && knot_.create(memory, knots) &&
+         centroid_.create(memory, knots) && area_.create(memory, knots) &&
+         bend_.create(memory, knots);
 }
 
 double Smoother::smooth(const Chain& chain, const SmoothingSettings& settings,
                         Buffer<Piece>& out) noexcept {
-  const std::size_t lines = chain.lines();
-  const std::size_t first_piece = out.size();
-  kink_.assign(lines + 1, Vec{});
-  for (std::size_t v = 1; v < lines; ++v) {
-    kink_[v] = chain.direction(v) - chain.direction(v - 1);
-    if (max_abs(kink_[v]) < kNoKink) kink_[v] = Vec{};
-  }
-  first_widths(chain, settings);
+  tolerance_ = settings.tolerance;
+  first_piece_ = out.size();
+  kinks_of(chain);
+  first_widths(chain, settings.tolerance, settings);
+  if (room_outside(chain, settings) && use_both_sides(chain, settings, out)) return 1.0;
+  return cut_corners(chain, settings, out);
+}
+
+double Smoother::cut_corners(const Chain& chain, const SmoothingSettings& settings,
+                             Buffer<Piece>& out) noexcept {
   double worst = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
-    slope_widths(chain);
-    request_knots(chain, settings.peaked);
-    distribute(chain);
-    out.truncate(first_piece);
-    integrate(chain, out);
-    shrink_.assign(lines + 1, 1.0);
-    tolerance_ = settings.tolerance;
-    worst = check(chain, out, first_piece);
+    worst = attempt(chain, chain, settings.peaked, out);
     if (worst <= 1.0) return worst;
-    for (std::size_t v = 1; v < lines; ++v) width_[v] *= shrink_[v];
+    for (std::size_t v = 1; v < chain.lines(); ++v) width_[v] *= shrink_[v];
   }
   return worst;
 }
 
-void Smoother::first_widths(const Chain& chain, const SmoothingSettings& settings) noexcept {
+bool Smoother::use_both_sides(const Chain& chain, const SmoothingSettings& settings,
+                              Buffer<Piece>& out) noexcept {
+  begin_guide(chain, settings);
+  const bool any = std::find(free_.begin(), free_.end(), true) != free_.end();
+  for (int round = 0; any && round < kGuideRounds; ++round) {
+    if (attempt(chain, guide_, settings.peaked, out) <= 1.0) return true;
+    move_guide(chain, round);
+    kinks_of(guide_);
+  }
+  kinks_of(chain);
+  width_.assign(chain.lines() + 1, 0.0);
+  for (std::size_t v = 0; v <= chain.lines(); ++v) width_[v] = narrow_[v];
+  return false;
+}
+
+/// One curve of the guide, with the widths as they are; its worst deviation from the chain.
+double Smoother::attempt(const Chain& chain, const Chain& guide, bool peaked,
+                         Buffer<Piece>& out) noexcept {
+  slope_widths(chain);
+  request_knots(chain, peaked);
+  distribute(chain);
+  out.truncate(first_piece_);
+  integrate(guide, out);
+  shrink_.assign(chain.lines() + 1, 1.0);
+  off_.assign(chain.lines() + 1, Vec{});
+  return check(chain, out);
+}
+
+void Smoother::kinks_of(const Chain& guide) noexcept {
+  const std::size_t lines = guide.lines();
+  kink_.assign(lines + 1, Vec{});
+  for (std::size_t v = 1; v < lines; ++v) {
+    kink_[v] = guide.direction(v) - guide.direction(v - 1);
+    if (max_abs(kink_[v]) < kNoKink) kink_[v] = Vec{};
+  }
+}
+
+/// Whether the curve may be outside the chain by the tolerance in each axis in which it bends.
+bool Smoother::room_outside(const Chain& chain, const SmoothingSettings& settings) const noexcept {
+  Vec bends;
+  for (const Vec& kink : kink_)
+    for (std::size_t i = 0; i < kAxes; ++i) bends[i] = std::max(bends[i], std::abs(kink[i]));
+  for (const Vec& at : chain.at)
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      const double room = i >= 3 && i < 6 ? tolerance_.deg : tolerance_.mm;
+      if (bends[i] > 0 && (at[i] + room > settings.high[i] || at[i] - room < settings.low[i]))
+        return false;
+    }
+  return true;
+}
+
+void Smoother::begin_guide(const Chain& chain, const SmoothingSettings& settings) noexcept {
+  const std::size_t lines = chain.lines();
+  guide_.clear();
+  narrow_.clear();
+  turn_.clear();
+  for (std::size_t v = 0; v <= lines; ++v) {
+    guide_.at.push_back(chain.at[v]);
+    guide_.sigma.push_back(chain.sigma[v]);
+    if (v < lines) guide_.feed.push_back(chain.feed[v]);
+    narrow_.push_back(width_[v]);
+    if (v == 0 || v == lines || width_[v] > 0) turn_.push_back(static_cast<std::uint32_t>(v));
+  }
+  Tolerance wider = settings.tolerance;
+  wider.mm *= settings.peaked ? kWiderPeaked : kWider;
+  wider.deg *= settings.peaked ? kWiderPeaked : kWider;
+  first_widths(chain, wider, settings);
+  free_.assign(turn_.size(), false);
+  for (std::size_t t = 1; t + 1 < turn_.size(); ++t) {
+    const std::size_t v = turn_[t];
+    const double before = chain.sigma[v] - chain.sigma[turn_[t - 1]],
+                 after = chain.sigma[turn_[t + 1]] - chain.sigma[v];
+    // The directions at both ends stay.
+    free_[t] = t > 1 && t + 2 < turn_.size() && std::max(before, after) <= kLongLeg * width_[v];
+    // A corner that was alone stays so: overlapping bends of sharp corners cost more than wide ones gain.
+    const double half = std::min(before, after) / 2;
+    if (!free_[t])
+      width_[v] = narrow_[v];
+    else if (narrow_[v] < half)
+      width_[v] = std::min(kWiderLone * narrow_[v], half);
+  }
+}
+
+void Smoother::move_guide(const Chain& chain, int round) noexcept {
+  for (std::size_t t = 1; t + 1 < turn_.size(); ++t) {
+    const std::size_t v = turn_[t];
+    if (round >= kMoveBack && shrink_[v] < 1) {
+      const bool moved = !(guide_.at[v] == chain.at[v]);
+      guide_.at[v] = chain.at[v];
+      width_[v] = moved ? std::min(width_[v], narrow_[v]) : width_[v] * shrink_[v];
+      continue;
+    }
+    const double share = tolerance_.share(off_[v]);
+    if (free_[t] && share > kGuideAim) guide_.at[v].add(kGuideAim / share - 1, off_[v]);
+    if (round >= kOnlyMove) width_[v] *= shrink_[v];
+  }
+  // What lies straight between two turns stays so.
+  for (std::size_t t = 0; t + 1 < turn_.size(); ++t) {
+    const std::size_t from = turn_[t], to = turn_[t + 1];
+    const Vec along =
+        (guide_.at[to] - guide_.at[from]) * (1 / (chain.sigma[to] - chain.sigma[from]));
+    for (std::size_t v = from + 1; v < to; ++v)
+      guide_.at[v] = guide_.at[from] + along * (chain.sigma[v] - chain.sigma[from]);
+  }
+}
+
+void Smoother::first_widths(const Chain& chain, const Tolerance& tolerance,
+                            const SmoothingSettings& settings) noexcept {
   const std::size_t lines = chain.lines();
   width_.assign(lines + 1, 0.0);
   const double begin = chain.sigma.front(), end = chain.sigma.back();
@@ -70,8 +193,9 @@ void Smoother::first_widths(const Chain& chain, const SmoothingSettings& setting
     const double at = chain.sigma[v];
     const double room = std::min({at - begin, end - at, settings.widest});
     const double near = std::min(at - chain.sigma[v - 1], chain.sigma[v + 1] - at);
-    const double alone = settings.tolerance.share(kink_[v]) *
-                         (settings.peaked ? kTriangleAtVertex : kTrapezoidAtVertex);
+    const double alone =
+        tolerance.share(kink_[v]) *
+        (settings.peaked ? kTriangleAtVertex : trapezoid_at_vertex(plateau_of(kink_[v])));
     double h = std::min(kAim / alone, room);
     if (h <= near) {
       width_[v] = h;
@@ -88,7 +212,7 @@ void Smoother::first_widths(const Chain& chain, const SmoothingSettings& setting
       }
       for (std::size_t j = v + 1; j < lines && chain.sigma[j] - at < next; ++j)
         off.add(triangle_off(chain.sigma[j] - at, next), kink_[j]);
-      if (settings.tolerance.share(off) > kAim) break;
+      if (tolerance.share(off) > kAim) break;
       best = next;
       if (next >= room) break;
     }
@@ -136,11 +260,13 @@ void Smoother::request_knots(const Chain& chain, bool peaked) noexcept {
       return width_[l] != width_[r] ? width_[l] < width_[r] : l < r;
     });
     for (const std::size_t v : order_) {
-      const double h = width_[v], at = chain.sigma[v], apart = kKnotsApart * h;
+      const double h = width_[v], at = chain.sigma[v];
       const bool lone = !peaked && at - chain.sigma[v - 1] >= h && chain.sigma[v + 1] - at >= h;
+      const double plateau = lone ? plateau_of(kink_[v]) : 0.5;
+      const double apart = (lone ? 0.9 * (1 - plateau) : kKnotsApart) * h;
       if (!lone) add_knot(at, apart);  // alone: a trapezoid
-      add_knot(at - h / 2, apart);
-      add_knot(at + h / 2, apart);
+      add_knot(at - plateau * h, apart);
+      add_knot(at + plateau * h, apart);
       add_knot(at - h, apart);
       add_knot(at + h, apart);
     }
@@ -256,19 +382,13 @@ void Smoother::integrate(const Chain& chain, Buffer<Piece>& out) const noexcept 
   }
 }
 
-double Smoother::check(const Chain& chain, const Buffer<Piece>& out,
-                       std::size_t first_piece) noexcept {
+double Smoother::check(const Chain& chain, const Buffer<Piece>& out) noexcept {
   double worst = 0, sigma = chain.sigma.front();
   std::size_t line = 0;
   std::size_t near = 1;  // first vertex that may reach here
-  for (std::size_t p = first_piece; p < out.size(); ++p) {
+  for (std::size_t p = first_piece_; p < out.size(); ++p) {
     const Piece& piece = out[p];
     const double end = sigma + piece.length;
-    if (piece.straight()) {
-      sigma = end;
-      while (line + 1 < chain.lines() && chain.sigma[line + 1] <= sigma) ++line;
-      continue;
-    }
     double from = sigma;
     while (from < end) {
       while (line + 1 < chain.lines() && chain.sigma[line + 1] <= from) ++line;
@@ -286,6 +406,7 @@ double Smoother::check(const Chain& chain, const Buffer<Piece>& out,
       const double share = std::max(
           {tolerance_.share(o0), tolerance_.share(o1), tolerance_.share(o2), tolerance_.share(o3)});
       worst = std::max(worst, share);
+      if (line + 1 < chain.lines() && to == chain.sigma[line + 1]) off_[line + 1] = o3;
       if (share > 1.0) {
         while (near < chain.lines() && chain.sigma[near] + width_[near] < from) ++near;
         // Much too far off: go back faster.

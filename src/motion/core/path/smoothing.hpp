@@ -4,6 +4,10 @@
 // curve leaves each kink exactly on the programmed line again. The result differs from the chain by at most the tolerance
 // at equal sigma, proven by Bernstein coefficients on every stretch, which bounds both distances: of the curve from the chain and of
 // each programmed point from the curve.
+//
+// Spread evenly, kinks are cut on their inside, so that one side of the tolerance stays unused. Where legs are short against the widths,
+// what is smoothed is not the chain but a guide: its vertices lie farther outside, by as much as brings the curve back to tolerance with
+// kinks spread about twice as wide. Legs that are long against the widths stay where they are programmed.
 #pragma once
 
 #include "motion/core/path/buffer.hpp"
@@ -40,6 +44,7 @@ struct SmoothingSettings {
   double widest{2};  ///< no kink is spread further than this to each side (sigma)
   bool peaked{
       false};  ///< lone kinks become triangles of q'', which ask for the least jerk; else trapezoids
+  Vec low, high;  ///< the curve stays in this box, which the chain keeps to itself
 };
 
 class Smoother {
@@ -50,18 +55,37 @@ class Smoother {
   double smooth(const Chain& chain, const SmoothingSettings& settings, Buffer<Piece>& out) noexcept;
 
  private:
-  void first_widths(const Chain& chain, const SmoothingSettings& settings) noexcept;
+  /// The curve of the chain itself: it cuts corners on their inside only.
+  double cut_corners(const Chain& chain, const SmoothingSettings& settings,
+                     Buffer<Piece>& out) noexcept;
+  /// The curve of the guide. False: none within tolerance was found.
+  bool use_both_sides(const Chain& chain, const SmoothingSettings& settings,
+                      Buffer<Piece>& out) noexcept;
+  [[nodiscard]] bool room_outside(const Chain& chain,
+                                  const SmoothingSettings& settings) const noexcept;
+  void begin_guide(const Chain& chain, const SmoothingSettings& settings) noexcept;
+  void move_guide(const Chain& chain, int round) noexcept;
+  double attempt(const Chain& chain, const Chain& guide, bool peaked, Buffer<Piece>& out) noexcept;
+  void kinks_of(const Chain& guide) noexcept;
+  void first_widths(const Chain& chain, const Tolerance& tolerance,
+                    const SmoothingSettings& settings) noexcept;
   void slope_widths(const Chain& chain) noexcept;
   void request_knots(const Chain& chain, bool peaked) noexcept;
   void add_knot(double at, double apart) noexcept;
   void distribute(const Chain& chain) noexcept;
   void integrate(const Chain& chain, Buffer<Piece>& out) const noexcept;
-  double check(const Chain& chain, const Buffer<Piece>& out, std::size_t first_piece) noexcept;
+  double check(const Chain& chain, const Buffer<Piece>& out) noexcept;
 
   Tolerance tolerance_;
+  std::size_t first_piece_{0};
   Buffer<Vec> kink_;       ///< per vertex; ends: zero
   Buffer<double> width_;   ///< half-width of each vertex
+  Buffer<double> narrow_;  ///< the same for the curve that cuts corners
   Buffer<double> shrink_;  ///< per vertex, after a check: factor for its width
+  Buffer<Vec> off_;        ///< per vertex, after a check: of the curve there from the chain
+  Chain guide_;
+  Buffer<std::uint32_t> turn_;  ///< vertices with a kink, between both ends
+  Buffer<bool> free_;           ///< of each of turn_: whether the guide may leave the chain there
   Buffer<double> knot_, centroid_, area_;
   Buffer<Vec> bend_;  ///< C of each hat
   Buffer<std::uint32_t> order_;

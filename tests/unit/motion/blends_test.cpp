@@ -1,0 +1,177 @@
+// Blends by themselves: how far they are from what is programmed, to which side, and how hard they bend.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "motion/core/path/junction.hpp"
+#include "motion/core/path/smoothing.hpp"
+#include "unit/motion/rig.hpp"
+
+namespace kerf::motion::path {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kP = 0.05;
+
+Vec xy(double x, double y) {
+  Vec v;
+  v[0] = x;
+  v[1] = y;
+  return v;
+}
+
+Vec everywhere(double value) {
+  Vec v;
+  for (double& x : v.at) x = value;
+  return v;
+}
+
+struct Smoothed {
+  double bend{0};      ///< largest |q''| of an axis in the middle of the chain
+  double off{0};       ///< largest distance from the chain at the same sigma
+  double outside{0};   ///< largest x - y beyond the chain
+  double high{-1e99};  ///< largest x
+};
+
+/// Steps of `leg` along x and y in turns.
+Smoothed staircase(double leg, double high, bool peaked = false) {
+  test::HeapMemory memory;
+  constexpr std::size_t kLines = 20;
+  Chain chain;
+  Smoother smoother;
+  Buffer<Piece> out;
+  EXPECT_TRUE(chain.create(memory, kLines) && smoother.create(memory, kLines) &&
+              out.create(memory, 40 * kLines));
+  Vec at;
+  for (std::size_t i = 0; i <= kLines; ++i) {
+    chain.at.push_back(at);
+    chain.sigma.push_back(leg * static_cast<double>(i));
+    if (i < kLines) chain.feed.push_back(Feed{});
+    at[i % 2] += leg;
+  }
+  SmoothingSettings settings;
+  settings.tolerance = {kP, kP};
+  settings.peaked = peaked;
+  settings.low = everywhere(-1e9);
+  settings.high = everywhere(high);
+  EXPECT_LE(smoother.smooth(chain, settings, out), 1.0);
+  Smoothed found;
+  double sigma = 0;
+  for (const Piece& p : out) {
+    constexpr int kSteps = 50;
+    for (int k = 0; k <= kSteps; ++k) {
+      const double s = p.length * k / kSteps;
+      const auto line = std::min(static_cast<std::size_t>((sigma + s) / leg), kLines - 1);
+      const Vec programmed =
+          chain.at[line] + chain.direction(line) * (sigma + s - chain.sigma[line]);
+      const Vec q = p.point(s);
+      // The ends have to keep their directions.
+      if (sigma + s > 5 * leg && sigma + s < 15 * leg)
+        found.bend = std::max(found.bend, max_abs(p.second(s)));
+      found.off = std::max(found.off, norm3(q - programmed, 0));
+      // The chain lies between x = y and x = y + leg.
+      found.outside = std::max({found.outside, q[0] - q[1] - leg, q[1] - q[0]});
+      found.high = std::max(found.high, q[0]);
+    }
+    sigma += p.length;
+  }
+  EXPECT_NEAR(sigma, leg * kLines, 1e-9);
+  EXPECT_LE(max_abs(out.back().point(out.back().length) - chain.at.back()), 1e-9);
+  return found;
+}
+
+TEST(Blends, ShortLegsUseBothSidesOfTheTolerance) {
+  for (const bool peaked : {false, true}) {
+    const double far = 1e9, end = 5;  // of the staircase in x
+    const Smoothed both = staircase(0.5, far, peaked), inside = staircase(0.5, end, peaked);
+    EXPECT_LE(both.off, kP + 1e-9);
+    EXPECT_LE(inside.off, kP + 1e-9);
+    EXPECT_LE(inside.high, end + 1e-9) << "left the box";
+    EXPECT_LE(both.bend, 0.9 * inside.bend) << (peaked ? "triangles" : "trapezoids");
+  }
+}
+
+TEST(Blends, LongLegsStayWhereTheyAreProgrammed) {
+  const Smoothed found = staircase(20, 1e9);
+  EXPECT_LE(found.off, kP + 1e-9);
+  EXPECT_GT(found.off, 0.9 * kP);
+  EXPECT_LE(found.outside, 1e-9);
+}
+
+Piece circle(double x, double y, double radius, double from, double sweep) {
+  Piece p;
+  p.shape = Piece::Shape::arc;
+  p.a = xy(x, y);
+  p.c = xy(1, 0);
+  p.d = xy(0, 1);
+  p.phi0 = from;
+  p.radius = radius;
+  p.length = std::abs(sweep) * radius;
+  p.rate = sweep / p.length;
+  p.feed.speed = 80;
+  return p;
+}
+
+struct Met {
+  double bend{0}, off{0}, reach{0}, gap{0};
+};
+
+/// Two arcs of radius 4 that meet at the origin with a kink.
+Met meeting(double kink, bool jerks, double tolerance = kP) {
+  const Piece a = circle(0, -4, 4, kPi / 2 + 1, -1);
+  Piece b = circle(4 * std::sin(-kink), -4 * std::cos(kink), 4, kPi / 2 + kink, -1);
+  JunctionSettings settings;
+  settings.tolerance = {tolerance, tolerance};
+  settings.reach_a = settings.reach_b = 2;
+  settings.low = everywhere(-1e9);
+  settings.high = everywhere(1e9);
+  settings.limits.vel = everywhere(200);
+  settings.limits.acc = everywhere(1750);
+  settings.limits.jerk = everywhere(jerks ? 50000 : kNoLimit);
+  settings.limits.jerks = jerks;
+  b.a += a.point(a.length) - b.point(0);
+  test::HeapMemory memory;
+  Buffer<Piece> out;
+  EXPECT_TRUE(out.create(memory, 8));
+  Met met;
+  met.reach = blend_junction(a, b, settings, out);
+  double u = -met.reach;
+  Vec end = a.point(a.length - met.reach), slope = a.first(a.length - met.reach);
+  for (const Piece& p : out) {
+    met.gap = std::max({met.gap, max_abs(p.point(0) - end), max_abs(p.first(0) - slope)});
+    for (int k = 0; k <= 100; ++k) {
+      const double s = p.length * k / 100;
+      const Vec programmed = u + s < 0 ? a.point(a.length + u + s) : b.point(u + s);
+      met.off = std::max(met.off, norm3(p.point(s) - programmed, 0));
+      met.bend = std::max(met.bend, max_abs(p.second(s)));
+    }
+    u += p.length;
+    end = p.point(p.length);
+    slope = p.first(p.length);
+  }
+  met.gap =
+      std::max({met.gap, max_abs(b.point(met.reach) - end), max_abs(b.first(met.reach) - slope)});
+  return met;
+}
+
+TEST(Blends, ArcsThatMeetAreWithinToleranceAndWithoutAGap) {
+  for (const bool jerks : {false, true})
+    for (const double kink : {-2.8, -1.6, -0.8, -0.3, -0.05, 0.001, 0.1, 0.4, 1.2, 2.2, 3.0}) {
+      SCOPED_TRACE("kink " + std::to_string(kink));
+      const Met met = meeting(kink, jerks);
+      EXPECT_GT(met.reach, 0);
+      EXPECT_LE(met.off, kP + 1e-9);
+      EXPECT_LE(met.gap, 1e-9);
+    }
+}
+
+TEST(Blends, AShallowKinkBetweenArcsSwingsOutToBendLess) {
+  const Met swung = meeting(0.3, false, 0.005), cut = meeting(0.3, true, 0.005);
+  EXPECT_LE(swung.bend, 0.75 * cut.bend);
+  EXPECT_GE(swung.reach, 1.5 * cut.reach);
+}
+
+}  // namespace
+}  // namespace kerf::motion::path
