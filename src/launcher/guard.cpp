@@ -71,6 +71,7 @@ rtapi::Status Guard::start(const std::string& instance, const std::string& run_i
     watch(pair[1], instance, run_id, safe_pins);
   }
   close(pair[1]);
+  if (fd_ >= 0) close(fd_);  // of one that has died
   pid_ = pid;
   fd_ = pair[0];
   return {};

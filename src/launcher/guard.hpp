@@ -22,7 +22,7 @@ class Guard {
 
   /// Forks; call it while the process has one thread. `close_fd`: a descriptor that must not live on in the guard.
   rtapi::Status start(const std::string& instance, const std::string& run_id, int close_fd,
-                      const std::vector<SafePin>& safe_pins = {});
+                      const std::vector<SafePin>& safe_pins);
   /// All is cleaned up: the guard has nothing to do any more. Waits for its end.
   void release();
   [[nodiscard]] pid_t pid() const { return pid_; }

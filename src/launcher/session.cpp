@@ -371,7 +371,7 @@ void Session::note_user_components() { user_components_ = hal_->user_components(
 
 void Session::tell_of_end(pid_t pid, const ExitState& state) {
   if (pid == guard_.pid()) {
-    const Status again = guard_.start(instance_, run_id_, supervisor_end_);
+    const Status again = guard_.start(instance_, run_id_, supervisor_end_, plan_.safe_pins);
     console_.say(
         "kerf's guard " + describe_exit(state) +
         (again.ok() ? "; there is a new one" : "; nobody cleans up should kerf be killed"));

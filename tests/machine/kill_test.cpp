@@ -210,5 +210,37 @@ TEST(KillMinusNine, LeavesATrueJournalWholeFilesAndTheSafeState) {
   EXPECT_EQ(next.wait_exit(), 0) << next.output();
 }
 
+/// The guard dies, too: there is a new one, and it knows the safe state.
+TEST(KillMinusNine, AGuardThatDiesIsReplacedByOneThatReachesTheSafeState) {
+  Mill mill("guard9");
+  mill.change("[AXIS_X]\n", "[SAFE_STATE]\nPIN = relay.in 1\n\n[AXIS_X]\n");
+  mill.change("HALCMD = setp spindle-motor.acceleration 100",
+              "HALCMD = loadrt not names=relay\nHALCMD = addf relay servo-thread");
+  Kerf kerf(mill, "guard9", {});
+  const Witness witness("guard9" + std::to_string(getpid()));
+  ASSERT_TRUE(witness.ready()) << kerf.output();
+  ASSERT_TRUE(kerf.wait_output("runs; end it with")) << kerf.output();
+  const auto guard = [&] {
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+      const int pid = std::atoi(entry.path().filename().c_str());
+      if (pid > 1 && rtapi::parent_of(pid) == kerf.pid() &&
+          rtapi::process_name(pid) == "kerf-guard")
+        return pid;
+    }
+    return -1;
+  };
+  const int first = guard();
+  ASSERT_GT(first, 1);
+  kill(first, SIGKILL);
+  ASSERT_TRUE(kerf.wait_output("there is a new one")) << kerf.output();
+  for (int i = 0; i < 4000 && guard() < 0; ++i) pause_ms(5);
+  EXPECT_NE(guard(), first);
+  witness.switch_relay_off();
+  kerf.signal(SIGKILL);
+  EXPECT_EQ(kerf.wait_exit(), 128 + SIGKILL);
+  EXPECT_EQ(kerf.leftovers(), "");
+  EXPECT_EQ(witness.relay(), 1U);
+}
+
 }  // namespace
 }  // namespace kerf::launcher

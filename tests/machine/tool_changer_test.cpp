@@ -76,6 +76,17 @@ TEST_F(ToolChanger, ACarouselBringsEachTool) {
   expect_no_handshake();
 }
 
+TEST_F(ToolChanger, AThousandChangesWithoutAStop) {
+  start({}, false);
+  const auto reply = m->run_text(
+      "o1 repeat [500]\nT1 M6\no2 if [#5400 NE 1]\n(abort,tool #5400)\no2 endif\nG43 H1\n"
+      "G91 G1 X0.01 F6000\nT2 M6\nG43\no3 if [#5400 NE 2]\n(abort,tool #5400)\no3 endif\n"
+      "o1 endrepeat\nM2\n");
+  EXPECT_EQ(reply.state, task::CommandState::done) << m->errors();
+  EXPECT_EQ(tool(), 2);
+  expect_no_handshake();
+}
+
 TEST_F(ToolChanger, AFaultAtAnyStepWaitsForTheOperatorAndLeavesASafeMachine) {
   start();
   EXPECT_TRUE(m->mdi("T1 M6"));
