@@ -1,4 +1,5 @@
 // dbounce: filters the bounce out of a switch.
+#include "bounce_filter.hpp"
 #include "hal/component.hpp"
 
 namespace kerf::components {
@@ -19,21 +20,9 @@ class Dbounce final : public hal::Component<Dbounce> {
   hal::Out<bool> out_{pin<hal::Out<bool>>("out", "Input without bounces")};
   hal::In<std::uint32_t> delay_{pin<hal::In<std::uint32_t>>(
       "delay", "Calls for which in must have a new value, and one more, before out takes it", 5)};
-  std::uint32_t count_{0};
+  BounceFilter filter_;
 
-  void update(const hal::Period&) noexcept {
-    if (in_) {
-      if (count_ < delay_)
-        ++count_;
-      else
-        out_ = true;
-    } else {
-      if (count_ > 0)
-        --count_;
-      else
-        out_ = false;
-    }
-  }
+  void update(const hal::Period&) noexcept { filter_.update(in_, out_, delay_); }
   hal::Function update_{function<&Dbounce::update>("", "Computes the outputs from the inputs")};
 };
 

@@ -1,4 +1,5 @@
 // debounce: filters the bounce out of groups of switches.
+#include "bounce_filter.hpp"
 #include "hal/channels.hpp"
 
 namespace kerf::components {
@@ -15,24 +16,12 @@ class Filter {
     in_.declare(b, in, "Input that bounces");
     out_.declare(b, out, "Input without bounces");
   }
-  void update(std::int32_t delay) noexcept {
-    if (in_) {
-      if (count_ < delay)
-        ++count_;
-      else
-        out_ = true;
-    } else {
-      if (count_ > 0)
-        --count_;
-      else
-        out_ = false;
-    }
-  }
+  void update(std::int32_t delay) noexcept { filter_.update(in_, out_, delay); }
 
  private:
   hal::In<bool> in_;
   hal::Out<bool> out_;
-  std::int32_t count_{0};
+  BounceFilter filter_;
 };
 
 struct Groups : hal::ChannelList {
