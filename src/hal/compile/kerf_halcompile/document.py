@@ -114,7 +114,9 @@ def span(item):
         return ""
     run = re.search("#+", item.name).group()
     width = len(run) if len(run) > 1 else 0
-    last = f"{item.used} - 1" if item.used else f"{item.size - 1:0{width}d}"
+    last = f"{item.size - 1:0{width}d}"
+    if item.used:
+        last = f"{item.used} - 1" if re.fullmatch(r"\w+|\([^()]*\)", item.used) else f"({item.used}) - 1"
     return f" ({'M' * len(run)}={0:0{width}d}..{last})"
 
 
@@ -158,7 +160,8 @@ def sections(comp):
 
 
 def item_term(comp, item):
-    term = f"\2{item_name(comp, item)}\3 {item.type} {item.dir}{span(item)}"
+    kind = {"signed": "s32", "unsigned": "u32"}.get(item.type, item.type)  # old words for what HAL shows as these
+    term = f"\2{item_name(comp, item)}\3 {kind} {item.dir}{span(item)}"
     if item.condition:
         term += f" [if {item.condition}]"
     if item.start is not None:
