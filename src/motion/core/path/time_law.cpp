@@ -11,6 +11,14 @@ constexpr double kMostVel = 1e-4, kMostAcc = 5e-4, kMostJerk = 5e-3;
 constexpr double kSeries = 1e-4;
 /// The first guess: shares of speed, and of acceleration and jerk of a straight.
 constexpr double kGuessSpeed = 0.8, kGuessAcc = 0.75, kGuessJerk = 0.3;
+constexpr std::size_t kLeastIntervals = 8;
+/// Of accelerations: relative.
+constexpr double kSameAcc = 1e-6;
+/// Shares of the limits that are used up from a moving state when less did not do.
+constexpr double kEdgeAcc = 1.0001, kEdgeJerk = 1.002;
+constexpr int kRounds = 4;
+/// A wish below this share of the start's x is far.
+constexpr double kFarBelow = 0.5;
 /// From rest the guess is made feasible from this attempt on.
 constexpr int kShrinkFrom = 1;
 /// First weight of the barrier, relative to the time: the middle of what is feasible first.
@@ -157,7 +165,10 @@ void TimeLaw::track(const Start& start) noexcept {
     const double reach = jerk * d / v;
     if (std::abs(off) < kTracked * v && std::abs(a) < reach) return;
     const double next = std::clamp(aim, a - reach, a + reach);
-    x = std::max(x + (a + next) * d, kMostDrop * x);
+    const double then = std::max(x + (a + next) * d, kMostDrop * x);
+    // There, or past it within one interval.
+    if ((then - x_[i]) * off > 0) return;
+    x = then;
     a = next;
     x_[i] = x;
   }
@@ -166,24 +177,48 @@ void TimeLaw::track(const Start& start) noexcept {
 TimeLaw::Result TimeLaw::solve(const Start& start) noexcept {
   iterations_ = 0;
   if (rows_.stretches().empty()) return Result::failed;
-  if (!rows_.make(start.x, start.u)) return Result::full;
-  return attempt(start);
+  // Near its end a law may have few intervals left, which a new one had better keep.
+  const bool rests = start.x <= 0;
+  if (!rests) {
+    if (!rows_.make(start.x, start.u, 1)) return Result::full;
+    if (is_last_stop(start)) {
+      write(start);
+      return Result::ok;
+    }
+    if (rows_.size() > 1 && attempt(start) == Result::ok) return Result::ok;
+    if (rows_.size() >= kLeastIntervals) return Result::failed;
+  }
+  return rows_.make(start.x, start.u, kLeastIntervals) ? attempt(start) : Result::full;
+}
+
+/// Whether what is left is just the interval of even jerk at the end of an older law.
+bool TimeLaw::is_last_stop(const Start& start) const noexcept {
+  if (rows_.size() > 1) return false;
+  const double u = -2 * start.x / (3 * rows_[0].length);
+  return std::abs(start.u - u) <= kSameAcc * std::abs(u) &&
+         start.x <= rows_.stop_cap() * (1 + kMostVel);
 }
 
 TimeLaw::Result TimeLaw::attempt(const Start& start) noexcept {
   const bool rests = start.x <= 0;
-  bool given = false;
-  for (std::size_t i = 0; i < rows_.size(); ++i) given = given || rows_[i].guess > 0;
+  bool given = false, waits = false;
+  double lowest = kNoLimit;
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    given = given || rows_[i].guess > 0;
+    lowest = std::min(lowest, rows_[i].wish);
+  }
+  // Far above a wish: first something that keeps the limits, then braking.
+  waits = lowest < kFarBelow * start.x;
   LawNewton::Aim aim;
-  for (int round = 0; round < 4; ++round) {
-    newton_.begin(rows_, start.x, start.u, round % 2 == 1);
-    const bool patient = round % 2 == 1;
+  for (int round = 0; round < kRounds; ++round) {
+    const bool patient = waits == (round % 2 == 0);
+    newton_.begin(rows_, start.x, start.u, patient);
     guess_nodes(start, given && round < 2, patient);
     for (std::size_t i = 1; i < rows_.size(); ++i) newton_.guess(i, x_[i]);
-    // From rest any profile that is slow enough is feasible.
-    aim.share = round == 0 || rests ? 0.998 : 0.9998;
+    // A state on the edge of what is possible, and the certificate allows for it.
+    if (!rests && round > 0) aim.acc = kEdgeAcc, aim.jerk = kEdgeJerk;
     aim.mu = kFirstMu;
-    newton_.start(rests && round >= kShrinkFrom, aim.share);
+    newton_.start(rests && round >= kShrinkFrom, aim);
     const bool ok = newton_.run(aim);
     iterations_ += newton_.iterations();
     if (!ok || !certify(start)) continue;

@@ -77,6 +77,7 @@ class TimeLaw {
   [[nodiscard]] int iterations() const noexcept { return iterations_; }
 
  private:
+  [[nodiscard]] bool is_last_stop(const Start& start) const noexcept;
   [[nodiscard]] Result attempt(const Start& start) noexcept;
   void guess_nodes(const Start& start, bool with_given, bool patient) noexcept;
   void round_off() noexcept;

@@ -13,10 +13,12 @@ constexpr double kMostFall = 0.7;
 /// What is aimed at, so that x does not end up above the wish while the barrier still gives way.
 constexpr double kUnderWish = 0.999;
 /// A wish costs this many times what breaking it is worth.
-constexpr double kPrice = 6;
+constexpr double kPrice = 2;
 /// First slack of a limit that does not hold, relative to the limit.
 constexpr double kFirstSlack = 0.05;
 constexpr double kLeastMultiplier = 1e-30;
+/// A wish that is far below is neared by this factor in one iteration.
+constexpr double kSink = 0.5;
 constexpr double kStalled = 1e-6;
 /// Weights of the barrier (relative to the time) down to which a law goes before it begins to brake for wishes, and with which it begins.
 constexpr double kRough = 0.1, kRecentre = 1;
@@ -104,7 +106,7 @@ void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) n
   if (rests_) at_node_[1].top = std::min(at_node_[1].top, rows.start_cap());
   at_node_[n_ - 1].top = std::min(at_node_[n_ - 1].top, rows.stop_cap());
   // At first nothing is to brake for a wish.
-  waits_ = false;
+  waits_ = sinks_ = false;
   for (Buffer<Bound>* all : {&wish_middle_, &wish_node_})
     for (Bound& c : *all) {
       c.wanted = c.top;
@@ -136,8 +138,9 @@ double LawNewton::seconds() const noexcept {
   return t + 3 * (*rows_)[n_ - 1].length / std::sqrt(node_[n_ - 1]);
 }
 
-void LawNewton::start(bool shrink, double share) noexcept {
-  share_ = share;
+void LawNewton::start(bool shrink, const Aim& aim) noexcept {
+  acc_ = aim.acc;
+  jerk_ = aim.jerk;
   // Between the guesses at the nodes.
   for (std::size_t i = first_; i < last_; ++i) {
     const double x0 = i == 1 && rests_ ? node_[1] / right_[1] : (i == 0 ? x0_ : node_[i]);
@@ -157,14 +160,14 @@ void LawNewton::shrink_guess() noexcept {
     for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
       double b[3];
       coefficients(i, b);
-      const JerkSide side(b, 0.9 * share_);
+      const JerkSide side(b, 0.9 * jerk_);
       std::size_t r = rows[i].row;
       bool holds = node_[i + 1] <= 0.95 * at_node_[i + 1].top &&
                    m_[i] <= 0.95 * at_middle_[i].top &&
                    (i == 0 || node_[i] <= 0.95 * at_node_[i].top);
       const std::int32_t accs = rows[i].accs, all = accs + 3 * rows[i].jerks;
       for (std::int32_t k = 0; k < all && holds; ++k, ++r) {
-        const double right = k < accs ? 0.9 * share_ : side.right[(k - accs) / rows[i].jerks];
+        const double right = k < accs ? 0.9 * acc_ : side.right[(k - accs) / rows[i].jerks];
         holds = std::abs(rows.a0[r] * b[0] + rows.a1[r] * b[1] + rows.a2[r] * b[2]) <= right;
       }
       if (holds) continue;
@@ -195,8 +198,8 @@ void LawNewton::wish_truly(double mu) noexcept {
   for (Buffer<Bound>* all : {&at_middle_, &at_node_})
     for (Bound& c : *all) c.z = std::max(c.z, mu / c.s);
   const auto bound = [&](Bound& c, double x) {
-    if (c.wanted >= c.top) return;
-    c.top = c.wanted;
+    if (c.wanted >= c.top || !c.used()) return;
+    c.top = std::max(c.wanted, kSink * x);
     start_wish(c, x);
   };
   for (std::size_t i = first_; i < last_; ++i) bound(wish_middle_[i], m_[i]);
@@ -208,12 +211,12 @@ void LawNewton::start_slacks(double mu) noexcept {
   for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
     double b[3];
     coefficients(i, b);
-    const JerkSide side(b, share_);
+    const JerkSide side(b, jerk_);
     const std::int32_t accs = rows[i].accs, all = accs + 3 * rows[i].jerks;
     std::size_t r = rows[i].row;
     for (std::int32_t k = 0; k < all; ++k, ++r) {
       const double right =
-          k < accs ? share_ : std::max(side.right[(k - accs) / rows[i].jerks], 0.1 * side.right[0]);
+          k < accs ? acc_ : std::max(side.right[(k - accs) / rows[i].jerks], 0.1 * side.right[0]);
       const double v = rows.a0[r] * b[0] + rows.a1[r] * b[1] + rows.a2[r] * b[2];
       sp_[r] = std::max(right - v, kFirstSlack * right);
       sm_[r] = std::max(right + v, kFirstSlack * right);
@@ -242,7 +245,7 @@ void LawNewton::look() noexcept {
   for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
     double b[3];
     coefficients(i, b);
-    const JerkSide side(b, share_);
+    const JerkSide side(b, jerk_);
     const std::int32_t accs = rows[i].accs, jerks = rows[i].jerks;
     std::size_t r = rows[i].row;
     const auto look_at = [&](double right, double relative) {
@@ -256,7 +259,7 @@ void LawNewton::look() noexcept {
     };
     // What the start state alone decides is no row.
     for (std::int32_t k = 0; k < accs; ++k, ++r)
-      if (i > 0 || rows.a2[r] != 0) look_at(share_, 1);
+      if (i > 0 || rows.a2[r] != 0) look_at(acc_, 1);
     for (int k = 0; k < 3; ++k)
       for (std::int32_t j = 0; j < jerks; ++j, ++r) look_at(side.right[k], 1 / side.right[0]);
     terms_ += static_cast<std::size_t>(2 * accs + 6 * jerks);
@@ -265,6 +268,7 @@ void LawNewton::look() noexcept {
     if (!c.used()) return;
     c.at = x;
     if (c.price > 0) {
+      if (sinks_) c.top = std::min(c.top, std::max(c.wanted, kSink * x));
       const double price = price_of(c, x), change = price / c.price;
       c.price = price;
       c.z *= change;
@@ -317,7 +321,7 @@ void LawNewton::build(double mu) noexcept {
       const double v = v_[r], ip = 1 / sp_[r], im = 1 / sm_[r];
       const double wp = zp_[r] * ip, wm = zm_[r] * im, w = wp + wm;
       const double pull =
-          (mu * ip + wp * (v - share_ + sp_[r])) - (mu * im + wm * (sm_[r] - v - share_));
+          (mu * ip + wp * (v - acc_ + sp_[r])) - (mu * im + wm * (sm_[r] - v - acc_));
       g0 -= c0 * pull;
       g1 -= c1 * pull;
       g2 -= c2 * pull;
@@ -330,7 +334,7 @@ void LawNewton::build(double mu) noexcept {
       h22 += w * c2 * c2;
     }
     if (in.jerks > 0) {
-      const JerkSide side(b, share_);
+      const JerkSide side(b, jerk_);
       for (int k = 0; k < 3; ++k) {
         const double right = side.right[k];
         double weights = 0, pulls = 0, x0 = 0, x1 = 0, x2 = 0;
@@ -477,9 +481,9 @@ void LawNewton::step_sizes(double mu) noexcept {
       dual = std::max({dual, -dzp / zp_[r], -dzm / zm_[r]});
     };
     for (std::int32_t k = 0; k < in.accs; ++k, ++r)
-      if (i > 0 || rows.a2[r] != 0) step(share_, 0);
+      if (i > 0 || rows.a2[r] != 0) step(acc_, 0);
     if (in.jerks == 0) continue;
-    const JerkSide side(b, share_);
+    const JerkSide side(b, jerk_);
     for (int k = 0; k < 3; ++k) {
       const double dright =
           side.slope[k][0] * db0 + side.slope[k][1] * db1 + side.slope[k][2] * db2;
@@ -537,7 +541,8 @@ void LawNewton::move() noexcept {
 
 bool LawNewton::run(const Aim& aim) noexcept {
   iterations_ = 0;
-  share_ = aim.share;
+  acc_ = aim.acc;
+  jerk_ = aim.jerk;
   const std::size_t rows = sp_.size() * 2 + 4 * n_;
   double before = seconds();
   double mu = aim.mu * before / static_cast<double>(rows);
@@ -558,6 +563,7 @@ bool LawNewton::run(const Aim& aim) noexcept {
     const double terms = static_cast<double>(terms_);
     if (waits_ && worst_ < aim.violation && step > 0.3) {
       waits_ = false;
+      sinks_ = true;
       mu = kRecentre * now / terms;
       wish_truly(mu);
       look();

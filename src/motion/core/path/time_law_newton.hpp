@@ -16,8 +16,8 @@ namespace kerf::motion::path {
 class LawNewton {
  public:
   struct Aim {
-    double share{0.998};  ///< of acceleration and jerk limits
-    double gap{5e-3};     ///< how near to the least time, relative
+    double acc{0.998}, jerk{0.998};  ///< shares of the limits
+    double gap{5e-3};                ///< how near to the least time, relative
     double violation{1e-3};
     double mu{1e-2};  ///< first weight of the barrier, relative to the time
     int iterations{60};
@@ -29,7 +29,7 @@ class LawNewton {
   /// Guess of x at node i, 0 < i < intervals.
   void guess(std::size_t i, double x) noexcept { node_[i] = x; }
   /// Takes the guesses as they are, or shrinks them until the rows hold.
-  void start(bool shrink, double share) noexcept;
+  void start(bool shrink, const Aim& aim) noexcept;
   /// False: no result within the tolerances.
   [[nodiscard]] bool run(const Aim& aim) noexcept;
   /// b0, b1, b2 of an interval that is not next to rest.
@@ -70,7 +70,8 @@ class LawNewton {
   double x0_{0};
   bool rests_{false};
   bool waits_{false};  ///< the wishes below the start's speed are still to come
-  double share_{1};
+  bool sinks_{false};  ///< they come step by step
+  double acc_{1}, jerk_{1};
   int iterations_{0};
   double sum_{0}, worst_{0};  ///< of products of slacks and multipliers; largest relative violation
   double primal_{0}, dual_{0};

@@ -17,7 +17,6 @@ constexpr double kRestShare = 0.1, kRestOfPiece = 1.0 / 40;
 constexpr double kTooNear = 0.3;
 /// At the start from a moving state x may change by this share within the first step.
 constexpr double kFirstChange = 0.25;
-constexpr std::size_t kLeastIntervals = 8;
 
 /// By how much steps grow per length on straights and arcs, and how many there are at least.
 double growth_of(int fineness) noexcept {
@@ -200,7 +199,7 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
   tail.last = at_rest(tail, tail.to);
 }
 
-bool LawRows::make(double x0, double u0) noexcept {
+bool LawRows::make(double x0, double u0, std::size_t least) noexcept {
   a0.clear();
   a1.clear();
   a2.clear();
@@ -210,7 +209,7 @@ bool LawRows::make(double x0, double u0) noexcept {
     intervals_.clear();
     for (std::size_t k = 0; k < stretches_.size(); ++k) divide(k);
     if (!room_) return false;
-    if (intervals_.size() >= kLeastIntervals) break;
+    if (intervals_.size() >= least) break;
     for (LawStretch& s : stretches_) s.step /= 2, s.first /= 2, s.last /= 2;
   }
   for (std::size_t i = 0; i < intervals_.size(); ++i)

@@ -57,8 +57,9 @@ class LawRows {
   [[nodiscard]] std::size_t expected() const noexcept { return expected_; }
   [[nodiscard]] const Buffer<LawStretch>& stretches() const noexcept { return stretches_; }
 
-  /// Divides the stretches and makes the rows, for a window that begins with x0, u0 (both 0: at rest). False: no room.
-  [[nodiscard]] bool make(double x0, double u0) noexcept;
+  /// Divides the stretches into `least` intervals or more and makes the rows, for a window that begins with x0, u0 (both 0: at rest).
+  /// False: no room.
+  [[nodiscard]] bool make(double x0, double u0, std::size_t least) noexcept;
 
   [[nodiscard]] std::size_t size() const noexcept { return intervals_.size(); }
   [[nodiscard]] const LawInterval& operator[](std::size_t i) const noexcept {
