@@ -121,6 +121,28 @@ TEST(Step, AfterAPauseItGoesOnBlockByBlockAndNoneIsLost) {
   }
 }
 
+/// Lines that G64 Q had joined before the pause are one step, to the end of the last of them, and none is left out or driven twice.
+TEST(Step, LinesThatWereJoinedBeforeThePauseAreOneStep) {
+  auto m = machine();
+  std::string text = "G21 G90 G64 P0.5 Q0.1 F1200\n";
+  for (int x = 1; x <= 60; ++x) text.append("G1 X").append(std::to_string(x)).append("\n");
+  const auto run = m->start_program(m->write_program(text + "M2\n"));
+  ASSERT_TRUE(m->run_until([&] { return m->joint(0) > 10; }, 30));
+  ASSERT_TRUE(m->does({"pause"}) && m->run_until([&] { return m->motion().held; }, 5));
+  double last = m->joint(0);
+  while (!task::is_terminal(m->outcome(run).state)) {
+    ASSERT_TRUE(m->does({"step"})) << m->errors();
+    m->run_for(0.05);
+    ASSERT_TRUE(m->run_until(
+        [&] { return stands_stepped(*m) || task::is_terminal(m->outcome(run).state); }, 30));
+    EXPECT_NEAR(m->joint(0), std::round(m->joint(0)), 1e-6) << "at the end of a block";
+    EXPECT_GE(m->joint(0), last);
+    last = m->joint(0);
+  }
+  EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
+  EXPECT_NEAR(m->joint(0), 60, 1e-9);
+}
+
 /// Steps and resumes in turn end where a full run ends, with each output once.
 TEST(Step, ResumeBetweenStepsRunsOn) {
   auto m = machine();
