@@ -77,6 +77,48 @@ TEST(LimitAxis, KeepsTheRangeItIsIn) {
   EXPECT_FALSE(wrong.create(module("limit-axis"), "c", 11));
 }
 
+TEST(Bitmerge, GivesEachBitItsWeight) {
+  hal::TestBuilder hal;
+  ASSERT_TRUE(hal.create(module("bitmerge"), "c", 32)) << hal.error();
+  for (int bit = 0; bit < 32; ++bit) {
+    const std::string pin = std::string("c.in-") + (bit < 10 ? "0" : "") + std::to_string(bit);
+    hal.set(pin, true);
+    hal.run("c");
+    EXPECT_EQ(hal.get<std::uint32_t>("c.out"), std::uint32_t{1} << bit);
+    hal.set(pin, false);
+  }
+  hal.set("c.in-00", true);
+  hal.set("c.in-31", true);
+  hal.run("c");
+  EXPECT_EQ(hal.get<std::uint32_t>("c.out"), 0x80000001U);
+  hal::TestBuilder usual, wrong;
+  ASSERT_TRUE(usual.create(module("bitmerge"), "c"));
+  EXPECT_TRUE(usual.has("c.in-15"));
+  EXPECT_FALSE(usual.has("c.in-16"));
+  EXPECT_FALSE(wrong.create(module("bitmerge"), "c", 33));
+}
+
+TEST(Momentary2nist, AsksUntilTheDeviceFollows) {
+  hal::TestBuilder hal;
+  ASSERT_TRUE(hal.create(module("momentary2nist"), "c"));
+  struct Row {
+    bool in, is_on, on, off;
+  };
+  for (const Row& row :
+       {Row{false, false, false, false}, Row{true, false, true, false},
+        Row{true, false, true, false}, Row{true, true, false, false},
+        Row{true, false, false, false},  // went off by itself: nobody asked anew
+        Row{false, false, false, false}, Row{true, true, false, false},
+        Row{false, true, false, true}, Row{false, true, false, true}, Row{true, true, false, false},
+        Row{false, true, false, true}, Row{false, false, false, false}}) {
+    hal.set("c.in", row.in);
+    hal.set("c.is-on", row.is_on);
+    hal.run("c");
+    EXPECT_EQ(hal.get<bool>("c.on"), row.on);
+    EXPECT_EQ(hal.get<bool>("c.off"), row.off);
+  }
+}
+
 TEST(SafetyLatch, TakesAnErrorThatLastsAndLetsGoWhenItIsGone) {
   hal::TestBuilder hal;
   ASSERT_TRUE(hal.create(module("safety-latch"), "c"));
