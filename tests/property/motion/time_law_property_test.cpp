@@ -193,5 +193,73 @@ TEST(TimeLaw, DrivesTheBenchmarksCurvesFromStopToStop) {
   }
 }
 
+/// Least time to stand on a straight from speed v and acceleration a: jerk down, even braking, jerk up.
+double least_stop(double v, double a, double acc, double jerk) {
+  double t = 0;
+  if (a > 0) {
+    t = a / jerk;
+    v += a * t / 2;
+    a = 0;
+  }
+  const double peak = std::max(std::min(acc, std::sqrt(jerk * v + a * a / 2)), -a);
+  const double ramp = (peak + a) / jerk;
+  const double even = v + a * ramp - jerk * ramp * ramp / 2 - peak * peak / (2 * jerk);
+  return t + ramp + std::max(even / peak, 0.0) + peak / jerk;
+}
+
+TEST(TimeLaw, StopsSoon) {
+  Heap heap;
+  TimeLaw law;
+  ASSERT_TRUE(law.create(heap, kRoom));
+  const int most = motion::test::property_count(25);
+  Tally all;
+  for (const bench::Program& program : programs(2)) {
+    path::AxisLimits limits;
+    const std::vector<motion::PathSpan> curve = bench::curve_of(program, 50'000, limits);
+    limits.jerks = true;
+    Tally stops;
+    double worst = 0;
+    for (std::size_t k = 0, begin = 0; k < curve.size() && stops.laws < most; ++k) {
+      if (!curve[k].stop_at_end && k + 1 < curve.size() && k - begin < 250) continue;
+      const std::vector<motion::PathSpan> spans(curve.begin() + long(begin),
+                                                curve.begin() + long(k) + 1);
+      begin = k + 1;
+      ASSERT_TRUE(add(law, spans, limits, 0, 0, 1, 4));
+      ASSERT_EQ(law.solve({}), TimeLaw::Result::ok);
+      const std::vector<LawStep> old(law.law().begin(), law.law().end());
+      for (std::size_t i = 5; i + 1 < old.size() && stops.laws < most; i += 9) {
+        const LawStep& at = old[i];
+        const motion::PathSpan& span = spans[at.span];
+        ASSERT_TRUE(add(law, spans, limits, at.span, span.length - at.left - at.length, 1, 4));
+        const auto t0 = std::chrono::steady_clock::now();
+        const TimeLaw::Result result = law.solve_stop({at.x, at.u});
+        note(stops, law, result,
+             std::chrono::duration<double>(std::chrono::steady_clock::now() - t0).count(), spans,
+             limits);
+        if (result != TimeLaw::Result::ok) continue;
+        EXPECT_EQ(law.law().back().kind, LawStep::Kind::stop);
+        double acc = 0, jerk = 0;
+        path::straight_limits(span.piece, span.from, limits, acc, jerk);
+        // A straight that is all that is left.
+        if (spans.size() == 1 && span.piece.straight())
+          worst = std::max(worst, law.seconds() / least_stop(std::sqrt(at.x), at.u, acc, jerk));
+      }
+    }
+    print("stops", program.name, stops);
+    if (worst > 0)
+      std::printf("%-22s %-26s at most %.3f of the least time on straights\n", "",
+                  program.name.c_str(), worst);
+    // Where a law ends anyway nothing but the law itself may be left.
+    all.laws += stops.laws;
+    all.ok += stops.ok;
+    EXPECT_LE(worst, 1.1);
+    EXPECT_LE(stops.peaks.vel, 1.0001);
+    EXPECT_LE(stops.peaks.acc, 1.0005);
+    EXPECT_LE(stops.peaks.jerk, 1.005);
+    EXPECT_LE(stops.peaks.gap, 1e-9);
+  }
+  EXPECT_GE(all.ok, 0.95 * all.laws);
+}
+
 }  // namespace
 }  // namespace kerf

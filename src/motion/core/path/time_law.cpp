@@ -17,6 +17,11 @@ constexpr double kSameAcc = 1e-6;
 /// Shares of the limits that are used up from a moving state when less did not do.
 constexpr double kEdgeAcc = 1.0001, kEdgeJerk = 1.002;
 constexpr int kRounds = 4;
+/// A stop is looked for within this many times the way of a stop on a straight, as a way down to these shares of x.
+constexpr double kStopWays = 2.5;
+constexpr double kCrawls[] = {1e-3, 1e-2};
+/// Steps of that way; where the crawl begins, and how much farther than an even jerk from there would stop.
+constexpr double kStopSteps = 24, kNearlyStill = 0.05, kStopRoom = 1.2, kStopMore = 1.1;
 /// A wish below this share of the start's x is far.
 constexpr double kFarBelow = 0.5;
 /// From rest the guess is made feasible from this attempt on.
@@ -38,6 +43,9 @@ double seconds_of(const LawStep& step, double x1) noexcept {
   }
   return 2 / k * (step.w > 0 ? std::atanh(std::min(arg, 1 - 1e-15)) : std::atan(arg));
 }
+
+/// With even jerk from the start of a step.
+double way_to_rest(const LawStep& s) noexcept { return -2 * s.x / (3 * s.u); }
 
 }  // namespace
 
@@ -70,8 +78,9 @@ LawState at(const LawStep& step, double t) noexcept {
 
 bool TimeLaw::create(Memory& memory, std::size_t intervals) noexcept {
   return rows_.create(memory, intervals) && newton_.create(memory, intervals) &&
-         law_.create(memory, intervals) && x_.create(memory, intervals + 1) &&
-         sums_.create(memory, intervals + 1) && way_.create(memory, intervals + 1);
+         law_.create(memory, intervals) && kept_.create(memory, intervals) &&
+         x_.create(memory, intervals + 1) && sums_.create(memory, intervals + 1) &&
+         way_.create(memory, intervals + 1);
 }
 
 void TimeLaw::begin(const AxisLimits& limits) noexcept {
@@ -275,6 +284,85 @@ void TimeLaw::write(const Start& start) noexcept {
   }
 }
 
-TimeLaw::Result TimeLaw::solve_stop(const Start& start) noexcept { return solve(start); }
+TimeLaw::Result TimeLaw::solve_stop(const Start& start) noexcept {
+  iterations_ = 0;
+  if (rows_.stretches().empty() || !(start.x > 0)) return Result::failed;
+  // Down to a crawl as soon as limits allow; this, or the law that ends where the crawl begins, whichever stands first.
+  const double straight = stop_way(start);
+  int used = 0;
+  const auto within = [&](double way, double crawl) {
+    rows_.shorten(way, straight / kStopSteps);
+    if (!rows_.make(start.x, start.u, kLeastIntervals)) return false;
+    if (crawl > 0) rows_.wish(crawl * start.x);
+    const bool ok = attempt(start) == Result::ok;
+    used += iterations_;
+    iterations_ = 0;
+    return ok;
+  };
+  bool found = false;
+  for (const double way : {kStopWays * straight, kNoLimit})
+    for (const double crawl : kCrawls) found = found || within(way, crawl);
+  if (found) {
+    double end = 0;
+    for (std::size_t i = 0; i < law_.size(); ++i) {
+      if (law_[i].u < 0 && law_[i].x < kNearlyStill * start.x) {
+        end += kStopRoom * way_to_rest(law_[i]);
+        break;
+      }
+      end += law_[i].length;
+    }
+    cut();
+    kept_.clear();
+    for (const LawStep& s : law_) kept_.push_back(s);
+    const double least = seconds_;
+    for (const double more : {1.0, kStopMore})
+      if (within(more * end, 0)) break;
+    if (seconds_ > least) {
+      law_.clear();
+      for (const LawStep& s : kept_) law_.push_back(s);
+      seconds_ = least;
+    }
+  }
+  rows_.shorten(kNoLimit, kNoLimit);
+  const Result result = found ? Result::ok : solve(start);
+  iterations_ += used;
+  return result;
+}
+
+double TimeLaw::stop_way(const Start& start) const noexcept {
+  // As on a straight like the first place of the window; speeding up ends first.
+  const LawStretch& first = rows_.stretches().front();
+  double acc = 0, jerk = 0;
+  straight_limits(first.piece, first.from, rows_.limits(), acc, jerk);
+  const double v = std::sqrt(start.x), rise = std::max(start.u, 0.0) / jerk;
+  const double top = v + start.u * rise / 2;
+  return v * rise + top * top / (2 * acc) + top * acc / (2 * jerk);
+}
+
+void TimeLaw::cut() noexcept {
+  double t = 0, best = seconds_;
+  std::size_t at = law_.size();
+  for (std::size_t i = 0; i + 1 < law_.size(); ++i) {
+    const LawStep& s = law_[i];
+    if (s.u < 0) {
+      const double way = way_to_rest(s), total = t + 3 * way / std::sqrt(s.x);
+      if (total < best && s.x <= rows_.stop_cap(i, way)) {
+        best = total;
+        at = i;
+      }
+    }
+    t += s.seconds;
+  }
+  if (at == law_.size()) return;
+  LawStep& s = law_[at];
+  const double way = way_to_rest(s);
+  s.left += s.length - way;
+  s.length = way;
+  s.seconds = 3 * way / std::sqrt(s.x);
+  s.w = 0;
+  s.kind = LawStep::Kind::stop;
+  law_.truncate(at + 1);
+  seconds_ = best;
+}
 
 }  // namespace kerf::motion::path

@@ -82,12 +82,14 @@ class TimeLaw {
   void guess_nodes(const Start& start, bool with_given, bool patient) noexcept;
   void round_off() noexcept;
   void track(const Start& start) noexcept;
+  [[nodiscard]] double stop_way(const Start& start) const noexcept;
+  void cut() noexcept;
   [[nodiscard]] bool certify(const Start& start) noexcept;
   void write(const Start& start) noexcept;
 
   LawRows rows_;
   LawNewton newton_;
-  Buffer<LawStep> law_;
+  Buffer<LawStep> law_, kept_;
   Buffer<double> x_, sums_, way_;
   double next_guess_{0}, seconds_{0};
   int iterations_{0};

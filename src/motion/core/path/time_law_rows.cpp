@@ -50,9 +50,13 @@ Derivatives derivatives(const Piece& piece, double s0, double s1) noexcept {
   return d;
 }
 
-/// Acceleration and jerk of sigma on a stretch as if it were straight.
-void as_straight(const Piece& piece, double s, const AxisLimits& limits, double& acc,
-                 double& jerk) noexcept {
+/// The way on which a start reaches the largest acceleration.
+double rise(double acc, double jerk) noexcept { return acc * acc * acc / (6 * jerk * jerk); }
+
+}  // namespace
+
+void straight_limits(const Piece& piece, double s, const AxisLimits& limits, double& acc,
+                     double& jerk) noexcept {
   acc = jerk = kNoLimit;
   const Vec p = piece.first(s);
   for (std::size_t j = 0; j < kAxes; ++j) {
@@ -67,11 +71,6 @@ void as_straight(const Piece& piece, double s, const AxisLimits& limits, double&
   jerk = std::min(jerk, limits.path_jerk / xyz);
 }
 
-/// The way on which a start reaches the largest acceleration.
-double rise(double acc, double jerk) noexcept { return acc * acc * acc / (6 * jerk * jerk); }
-
-}  // namespace
-
 bool LawRows::create(Memory& memory, std::size_t intervals) noexcept {
   const std::size_t rows = intervals * kRowsPerInterval;
   return stretches_.create(memory, intervals) && intervals_.create(memory, intervals) &&
@@ -84,11 +83,13 @@ void LawRows::begin(const AxisLimits& limits) noexcept {
   stretches_.clear();
   intervals_.clear();
   expected_ = 0;
+  way_ = widest_ = kNoLimit;
 }
 
 bool LawRows::add(const LawStretch& stretch) noexcept {
   LawStretch s = stretch;
   const double whole = s.piece.length;
+  s.end = s.to;
   s.fineness = std::clamp(s.fineness, 1, kMostPerCubic);
   double least = s.fineness;
   if (is_even(s)) {
@@ -160,9 +161,9 @@ void LawRows::divide(std::size_t k) noexcept {
 }
 
 void LawRows::choose_steps(double x0, double u0) noexcept {
-  const std::size_t n = stretches_.size();
+  const std::size_t n = used_;
   double acc = 0, jerk = 0;
-  for (LawStretch& s : stretches_) s.step = s.widest;
+  for (LawStretch& s : stretches_) s.step = std::min(s.widest, is_even(s) ? kNoLimit : widest_);
   const auto beside = [&](std::size_t k, double otherwise) {
     const double before = k > 0 ? stretches_[k - 1].widest : otherwise;
     return std::min(before, k + 1 < n ? stretches_[k + 1].widest : otherwise);
@@ -179,7 +180,7 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
   for (std::size_t k = 0; k < n; ++k) {
     LawStretch& s = stretches_[k];
     if (is_even(s)) continue;
-    as_straight(s.piece, s.from, limits_, acc, jerk);
+    straight_limits(s.piece, s.from, limits_, acc, jerk);
     const double fine = std::max(kRestShare * rise(acc, jerk), s.step / 8);
     const auto joint = [&](const LawStretch& other) {
       return std::min(s.step, is_even(other) ? other.step : std::min(fine, other.step));
@@ -189,7 +190,7 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
   }
   LawStretch &head = stretches_[0], &tail = stretches_[n - 1];
   const auto at_rest = [&](const LawStretch& s, double at) {
-    as_straight(s.piece, at, limits_, acc, jerk);
+    straight_limits(s.piece, at, limits_, acc, jerk);
     return std::min({s.step, kRestShare * rise(acc, jerk), kRestOfPiece * s.piece.length});
   };
   if (x0 <= 0)
@@ -204,10 +205,19 @@ bool LawRows::make(double x0, double u0, std::size_t least) noexcept {
   a1.clear();
   a2.clear();
   room_ = true;
+  double before = 0;
+  used_ = 0;
+  for (LawStretch& s : stretches_) {
+    const double way = s.end - s.from;
+    s.to = std::min(s.end, s.from + (way_ - before));
+    before += way;
+    ++used_;
+    if (before >= way_) break;
+  }
   choose_steps(x0, u0);
   for (;;) {
     intervals_.clear();
-    for (std::size_t k = 0; k < stretches_.size(); ++k) divide(k);
+    for (std::size_t k = 0; k < used_; ++k) divide(k);
     if (!room_) return false;
     if (intervals_.size() >= least) break;
     for (LawStretch& s : stretches_) s.step /= 2, s.first /= 2, s.last /= 2;
@@ -230,7 +240,7 @@ bool LawRows::make_rows(std::size_t i) noexcept {
   };
   if (piece.straight()) {
     double acc = 0, jerk = 0;
-    as_straight(piece, in.from, limits_, acc, jerk);
+    straight_limits(piece, in.from, limits_, acc, jerk);
     row(-over, over, 0, acc);
     row(0, -over, over, acc);
     in.accs = 2;
@@ -292,12 +302,11 @@ bool LawRows::make_rows(std::size_t i) noexcept {
   return fits;
 }
 
-double LawRows::rest_cap(std::size_t i, bool start) const noexcept {
+double LawRows::rest_cap(std::size_t i, double way, bool start) const noexcept {
   // s = length r^3 from rest: with y = r^3 jerk is (c y^2 + 3 e y 2/(3 length) + p 2/(9 length^2)) x^(3/2), and acceleration at most
   // (e y + p 2/(3 length)) x. A stop is the same backwards: p and c change their signs.
   const LawInterval& in = intervals_[i];
-  const Derivatives d = derivatives(stretches_[in.stretch].piece, in.from, in.from + in.length);
-  const double way = in.length;
+  const Derivatives d = derivatives(stretches_[in.stretch].piece, in.from, in.from + way);
   double cap = in.cap, acc = 0, jerk = 0;
   for (std::size_t j = 0; j < kAxes; ++j) {
     const double sign = start ? 1 : -1;
@@ -315,7 +324,7 @@ double LawRows::rest_cap(std::size_t i, bool start) const noexcept {
   }
   const Piece& piece = stretches_[in.stretch].piece;
   double acc_path = 0, jerk_path = 0;
-  as_straight(piece, in.from, limits_, acc_path, jerk_path);
+  straight_limits(piece, in.from, limits_, acc_path, jerk_path);
   if (piece.straight()) acc = std::max(acc, 2 / (3 * way) / acc_path);
   if (limits_.path_jerk < kNoLimit) jerk = std::max(jerk, 2 / (9 * way * way) / jerk_path);
   // What arcs leave out: see kArcStep.
@@ -325,8 +334,18 @@ double LawRows::rest_cap(std::size_t i, bool start) const noexcept {
   return cap;
 }
 
-double LawRows::start_cap() const noexcept { return rest_cap(0, true); }
-double LawRows::stop_cap() const noexcept { return rest_cap(intervals_.size() - 1, false); }
+double LawRows::start_cap() const noexcept { return rest_cap(0, intervals_[0].length, true); }
+double LawRows::stop_cap() const noexcept {
+  return rest_cap(intervals_.size() - 1, intervals_.back().length, false);
+}
+
+double LawRows::stop_cap(std::size_t i, double way) const noexcept {
+  const LawStretch& s = stretches_[intervals_[i].stretch];
+  if (intervals_[i].from + way > s.to) return 0;
+  // The rows of an arc hold for short parts of it.
+  if (s.piece.shape == Piece::Shape::arc && std::abs(s.piece.rate) * way > kArcStep) return 0;
+  return rest_cap(i, way, false);
+}
 
 double LawRows::even_cap(std::size_t i) const noexcept {
   const LawInterval& in = intervals_[i];
@@ -348,7 +367,7 @@ double LawRows::even_cap(std::size_t i) const noexcept {
 
 void LawRows::straightest(std::size_t i, double& acc, double& jerk) const noexcept {
   const LawInterval& in = intervals_[i];
-  as_straight(stretches_[in.stretch].piece, in.from + in.length / 2, limits_, acc, jerk);
+  straight_limits(stretches_[in.stretch].piece, in.from + in.length / 2, limits_, acc, jerk);
 }
 
 LawExcess LawRows::excess(std::size_t i, const double b[3], bool given) const noexcept {

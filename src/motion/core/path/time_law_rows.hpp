@@ -8,6 +8,7 @@
 // q'' is linear but for a remainder, which the certificate adds.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -20,7 +21,7 @@ namespace kerf::motion::path {
 /// A part of a piece as it was given to TimeLaw::add().
 struct LawStretch {
   Piece piece;
-  double from{0}, to{0}, span_end{0};
+  double from{0}, to{0}, end{0}, span_end{0};  ///< to: in a shortened window, else end
   double cap{0}, wish{0};
   double guess{0};  ///< of x at `from`; 0: none
   std::uint64_t number{0};
@@ -48,6 +49,10 @@ struct LawExcess {
   double vel{0}, acc{0}, jerk{0};
 };
 
+/// Acceleration and jerk of sigma at a place as if the path went on straight there.
+void straight_limits(const Piece& piece, double s, const AxisLimits& limits, double& acc,
+                     double& jerk) noexcept;
+
 class LawRows {
  public:
   [[nodiscard]] bool create(Memory& memory, std::size_t intervals) noexcept;
@@ -55,11 +60,21 @@ class LawRows {
   [[nodiscard]] bool add(const LawStretch& stretch) noexcept;
   /// At least as many as there will be.
   [[nodiscard]] std::size_t expected() const noexcept { return expected_; }
+  [[nodiscard]] const AxisLimits& limits() const noexcept { return limits_; }
   [[nodiscard]] const Buffer<LawStretch>& stretches() const noexcept { return stretches_; }
 
   /// Divides the stretches into `least` intervals or more and makes the rows, for a window that begins with x0, u0 (both 0: at rest).
   /// False: no room.
   [[nodiscard]] bool make(double x0, double u0, std::size_t least) noexcept;
+  /// As if the window ended after this way, with no wider steps; kNoLimit: as it is. For the next make().
+  void shorten(double way, double widest) noexcept {
+    way_ = way;
+    widest_ = widest;
+  }
+  /// No interval is to be driven at more than x, if it can be helped.
+  void wish(double x) noexcept {
+    for (LawInterval& in : intervals_) in.wish = x < in.cap ? std::min(in.wish, x) : in.wish;
+  }
 
   [[nodiscard]] std::size_t size() const noexcept { return intervals_.size(); }
   [[nodiscard]] const LawInterval& operator[](std::size_t i) const noexcept {
@@ -68,6 +83,8 @@ class LawRows {
   /// Largest x at the end of the first interval when it starts at rest, and at the start of the last one, with even jerk.
   [[nodiscard]] double start_cap() const noexcept;
   [[nodiscard]] double stop_cap() const noexcept;
+  /// The same for a stop on `way` from the start of an interval; 0: it would leave the stretch.
+  [[nodiscard]] double stop_cap(std::size_t i, double way) const noexcept;
   /// The largest x at which a place can be passed evenly, roughly.
   [[nodiscard]] double even_cap(std::size_t i) const noexcept;
   /// What a straight along q' could do there: acceleration and jerk of sigma.
@@ -85,13 +102,15 @@ class LawRows {
   bool push_node(double at) noexcept;
   void push(std::size_t k, double from, double to) noexcept;
   [[nodiscard]] bool make_rows(std::size_t i) noexcept;
-  [[nodiscard]] double rest_cap(std::size_t i, bool start) const noexcept;
+  [[nodiscard]] double rest_cap(std::size_t i, double way, bool start) const noexcept;
 
   AxisLimits limits_;
   Buffer<LawStretch> stretches_;
   Buffer<LawInterval> intervals_;
   Buffer<double> nodes_;  ///< of one stretch
   std::size_t expected_{0};
+  std::size_t used_{0};  ///< stretches of the window
+  double way_{kNoLimit}, widest_{kNoLimit};
   bool room_{true};
 };
 
