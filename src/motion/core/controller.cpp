@@ -477,6 +477,8 @@ ServoView Controller::view() const noexcept {
   std::copy(std::begin(skew_), std::end(skew_), v.skew);
   for (std::size_t j = 0; j < joints_; ++j) v.joint[j] = joint_[j].pos_cmd - skew_[j];
   v.scale = executor_.scale();
+  v.law = executor_.law_place();
+  v.cycle = status_.cycle;
   v.single_step = single_step_;
   v.takes_moves = enabled_ && mode_ == MotionMode::coordinated;
   return v;

@@ -47,6 +47,8 @@ void Executor::place(const Pose& pose) noexcept {
   pose_ = pose;
   sigma_speed_ = sigma_acc_ = speed_ = left_ = half_way_ = 0;
   distance_ = 0;
+  laws_.leave();
+  law_lost_ = false;
   started_ = ending_ = failing_ = arriving_ = false;
   kind_ = MotionKind::none;
   forget_track();
@@ -130,6 +132,7 @@ void Executor::finish(const Span& span, std::uint64_t done_seq) noexcept {
 void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept {
   waiting_ = PathWait::none;
   waiting_index_ = -1;
+  law_stands_ = false;
   if (in.spindle != nullptr) sync_.observe(in.spindle, dt);
   set_scale(in);
   locking_ &= in.unlocked;
@@ -559,9 +562,11 @@ double Executor::stop_within(const PathSpan& move, double low, double distance,
 /// One step along the stretch; gives the time used.
 double Executor::drive(const PathSpan& move, const Ends& ends, double x_wanted,
                        double dt) noexcept {
-  const double used = move.even_jerk > 0  ? run_ramps(move, x_wanted, dt)
-                      : move.even_acc > 0 ? run_even(move, ends, x_wanted, dt)
-                                          : run_curved(move, ends, x_wanted, dt);
+  const bool by_law = move.by_law && !track_.on && law_drives(move, x_wanted);
+  const double used = by_law               ? run_law(move, x_wanted, dt)
+                      : move.even_jerk > 0 ? run_ramps(move, x_wanted, dt)
+                      : move.even_acc > 0  ? run_even(move, ends, x_wanted, dt)
+                                           : run_curved(move, ends, x_wanted, dt);
   const double at = move.from + move.length - left_;
   const path::Vec slope = move.piece.first(at);
   pose_ = left_ <= 0 && move.at_end_exactly ? move.end : to_pose(move.piece.point(at));
@@ -580,7 +585,10 @@ double Executor::run_move(const Span& span, const PathSpan& move, const PathInpu
                                          : wanted_under_way(move, in, scale_);
   const double used = drive(move, ends_of(move), x, dt);
   distance_ = left_ + move.to_move_end;
-  if (left_ <= 0) {
+  if (law_lost_) {
+    raise(faults, Fault::path_starved_internal, -1, 0, 0, span.tag);
+    failing_ = true;
+  } else if (left_ <= 0) {
     end_span(span, move, faults);
     return used;
   }

@@ -4,6 +4,8 @@
 // act at once: x at the end of the span is what is wanted, but not less than the hardest braking on the path and not more
 // than the hardest speeding up (path/reach.hpp).
 //
+// With jerk limits the planner makes time laws ahead (laws.hpp), and the servo follows them; where there is none it looks ahead itself.
+//
 // A negative adaptive feed runs the path backwards (retrace.cpp): the machine comes to rest, and then the stretch it stands on and those
 // of path::PathHistory are driven like any other, each turned round. Back to the last dwell, spindle change, probe move or wait of the
 // program at most. Forwards again, nothing of what the program did there is done twice.
@@ -42,7 +44,12 @@ class Executor {
  public:
   Executor(SpanRing& spans, const PlanSlots& slots, Spindles& spindles,
            OutputBank& outputs) noexcept
-      : spans_(spans), slots_(slots), spindles_(spindles), outputs_(outputs), sync_(spindles) {}
+      : spans_(spans),
+        slots_(slots),
+        spindles_(spindles),
+        outputs_(outputs),
+        sync_(spindles),
+        laws_(slots.laws) {}
 
   /// Overrides are bounded by max_feed_override ([DISPLAY]MAX_FEED_OVERRIDE, never below 1); limits as the planner's.
   /// Adaptive feed is bounded by it too, or by 1 when it may only slow; below 0 it counts when it may reverse.
@@ -68,7 +75,7 @@ class Executor {
 
   [[nodiscard]] const Pose& pose() const noexcept { return pose_; }
   [[nodiscard]] double speed() const noexcept { return speed_; }
-  [[nodiscard]] bool at_rest() const noexcept { return sigma_speed_ == 0; }
+  [[nodiscard]] bool at_rest() const noexcept { return sigma_speed_ == 0 && !laws_.on(); }
   /// Nothing in execution and nothing that waits.
   [[nodiscard]] bool idle() const noexcept {
     return slots_.pending.observe() == 0 && !started_ && spans_.empty();
@@ -96,6 +103,8 @@ class Executor {
   [[nodiscard]] const PathSpan* move() const noexcept;
   /// What scales feeds now; the planner goes by it too.
   [[nodiscard]] const FeedScale& scale() const noexcept { return scale_; }
+  /// For the planner.
+  [[nodiscard]] LawPlace law_place() const noexcept;
   /// Signed and unsigned feed in force, for the feed pins: programmed speed times overrides; 0 while held.
   [[nodiscard]] double commanded_feed() const noexcept { return commanded_feed_; }
 
@@ -163,6 +172,8 @@ class Executor {
   double drive(const PathSpan& move, const Ends& ends, double x_wanted, double dt) noexcept;
   // executor_jerk.cpp: with jerk limits
   [[nodiscard]] double run_ramps(const PathSpan& move, double x_wanted, double dt) noexcept;
+  [[nodiscard]] bool law_drives(const PathSpan& move, double x_wanted) noexcept;
+  [[nodiscard]] double run_law(const PathSpan& move, double x_wanted, double dt) noexcept;
   [[nodiscard]] bool keeps_leg(RampState state, double x_wanted, double cap) const noexcept;
   [[nodiscard]] bool begin_leg(const PathSpan& move, RampState state, double x_wanted, double cap,
                                double dt) noexcept;
@@ -224,6 +235,9 @@ class Executor {
     bool last{false};  ///< of the ramp: it ends at the target with acceleration 0
   };
   Leg leg_;
+  LawRunner laws_;
+  bool law_stands_{false};  ///< the path has to stand in this cycle
+  bool law_lost_{false};
 
   Pose pose_;
   double sigma_speed_{0};  ///< dsigma/dt, never negative; kept from span to span

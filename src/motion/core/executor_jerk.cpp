@@ -44,6 +44,41 @@ void shorten(Ramp& ramp, double t) noexcept {
 
 }  // namespace
 
+LawPlace Executor::law_place() const noexcept {
+  LawPlace out;
+  laws_.place(out);
+  out.stands = law_stands_;
+  out.moving = sigma_speed_ > 0 && !laws_.on();
+  const PathSpan* m = move();
+  if (m != nullptr && m->by_law && at_rest() && !track_.on) {
+    out.rest_span = m->number;
+    out.rest_left = left_;
+  }
+  return out;
+}
+
+/// From rest to rest it is either a law or looking ahead here.
+bool Executor::law_drives(const PathSpan& move, double x_wanted) noexcept {
+  law_stands_ = x_wanted <= 0;
+  if (laws_.on()) return true;
+  if (sigma_speed_ != 0 || sigma_acc_ != 0) return false;
+  return !(x_wanted > 0) || laws_.start(move.number, left_) != LawRunner::Way::boxes;
+}
+
+double Executor::run_law(const PathSpan& move, double x_wanted, double dt) noexcept {
+  if (!laws_.on()) return dt;
+  const LawRunner::Moved moved = laws_.run(move.number, x_wanted <= 0, dt);
+  if (moved.lost) {
+    law_lost_ = true;
+    sigma_speed_ = sigma_acc_ = 0;
+    return dt;
+  }
+  left_ = moved.span_ended ? 0.0 : moved.left;
+  sigma_speed_ = moved.rests ? 0.0 : moved.state.speed;
+  sigma_acc_ = moved.rests ? 0.0 : moved.state.acc;
+  return moved.used;
+}
+
 bool Executor::keeps_leg(RampState state, double x_wanted, double cap) const noexcept {
   const Leg& leg = leg_;
   if (!leg.on || track_.on || !(leg.keep > kLeastPhase) || !(leg.seconds > kLeastPhase) ||

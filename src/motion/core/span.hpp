@@ -6,6 +6,7 @@
 
 #include "motion/api/kinematics.hpp"
 #include "motion/api/shared.hpp"
+#include "motion/core/laws.hpp"
 #include "motion/core/path/piece.hpp"
 #include "motion/core/path/tolerance.hpp"
 
@@ -54,8 +55,9 @@ struct PathSpan {
   bool stop_at_end{false};     ///< the machine stands there
   bool at_end_exactly{false};  ///< it ends at `end` itself
   bool probe{false}, probe_until_open{false}, probe_fail_is_error{false};
-  bool point{false};  ///< nothing moves
-  bool reserved[6]{};
+  bool point{false};   ///< nothing moves
+  bool by_law{false};  ///< driven by a time law (laws.hpp)
+  bool reserved[5]{};
 };
 
 /// G33.1. Positions along it are in mm from where it begins; the spindle takes it beyond both ends.
@@ -150,6 +152,7 @@ struct PlanSlots {
   /// its spans are in theirs; so who looks at path ring, this word and span ring in that order sees every item somewhere.
   rtapi::Word<std::uint32_t> pending{0};
   ProgrammedMoves programmed;  ///< only with MachineConfig::path_check
+  Laws laws;
 };
 
 /// What scales the programmed feeds.
@@ -181,6 +184,8 @@ struct ServoView {
       joint{};  ///< where the joints stand, without that: which of several solutions the kinematics are in
   Pose shift;  ///< of the machine from the path's coordinates, which `pose` and all moves are in
   FeedScale scale;
+  LawPlace law;
+  std::uint64_t cycle{0};
   bool takes_moves{false};  ///< enabled, in coordinated mode
   bool single_step{false};
   bool reserved[6]{};

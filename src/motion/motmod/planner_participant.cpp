@@ -34,6 +34,7 @@ void PlannerParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
       planner_.run(shared_.path, view, shared_.intent.abort_epoch.get(), now);
   if (waits == Planner::Waits::turn) next.wake_at(now);
   if (waits == Planner::Waits::time) next.wake_at(planner_.wake_ns());
+  if (planner_.makes_laws()) next.wake_at(now + Planner::kLawTurn);
   link_.seen.set(view.executed_seq);
   link_.waits.set(static_cast<std::uint32_t>(waits));
 }
@@ -45,7 +46,8 @@ void tell_planner(PlannerLink& link, const ServoView& view, ServoView& last) noe
   bool wake = view.acked_epoch != last.acked_epoch || view.void_epoch != last.void_epoch ||
               view.place != last.place || view.takes_moves != last.takes_moves ||
               view.config_version != last.config_version || view.config_wish != last.config_wish ||
-              !(view.scale == last.scale) || view.single_step != last.single_step;
+              !(view.scale == last.scale) || view.law.number != last.law.number ||
+              view.law.rest_span != last.law.rest_span || view.law.stands != last.law.stands || view.single_step != last.single_step;
   // Until the planner has answered: it may not have been able to read the wish.
   wake = wake || (view.config_wish != 0 && link.parked.observe() != view.config_wish);
   if (waits == Planner::Waits::room) wake = wake || link.spans.size() <= SpanRing::capacity() / 2;

@@ -71,7 +71,7 @@ bool Planner::create(path::Memory& memory) noexcept {
   return moves_.create(memory, kMoves) && meta_.create(memory, kMoves) &&
          events_.create(memory, kEvents) && pieces_.create(memory, kPieces) &&
          boxes_.create(memory, kPieces) && sent_.create(memory, kSpans) &&
-         program_path_.create(memory, kMoves);
+         program_path_.create(memory, kMoves) && laws_.create(memory);
 }
 
 void Planner::configure(const MachineConfig& config) noexcept {
@@ -80,6 +80,7 @@ void Planner::configure(const MachineConfig& config) noexcept {
   limits_ = limits.axes;
   stop_s_ = stop_seconds();
   plain_ = limits.plain;
+  laws_.configure(limits_, config.time_laws && plain_ && limits_.jerks, stop_s_);
   mixed_ = !plain_ && !limits_.jerks && kinematics_.answers_at_once();
   if (mixed_) joint_bounds_.configure(config, limits_);
   path::PathSettings settings;
@@ -91,6 +92,16 @@ void Planner::configure(const MachineConfig& config) noexcept {
 
 Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
                             std::int64_t now_ns) noexcept {
+  const Waits waits = take_items(in, view, abort_epoch, now_ns);
+  if (waits == Waits::turn || !laws_.on()) return waits;
+  while (first_ahead_ < next_number_ && sent_[first_ahead_ % kSpans].place < spans_.popped())
+    ++first_ahead_;
+  laws_.run(view, scale_, single_step_, first_ahead_, next_number_);
+  return waits;
+}
+
+Planner::Waits Planner::take_items(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
+                                   std::int64_t now_ns) noexcept {
   if (tap_ != nullptr) tap_->turn(now_ns);
   if (view.acked_epoch != epoch_ || (placed_ && view.place != place_ && !probing_)) {
     if (view.acked_epoch != epoch_) per_rev_ = FeedPerRev{};
@@ -171,6 +182,7 @@ void Planner::forget() noexcept {
   merge_.end();
   pieces_.clear();
   sending_ = events_sending_ = events_sent_ = 0;
+  laws_.forget();
   slots_.pending.publish(0);
   due_ = false;
   pending_since_ns_ = 0;

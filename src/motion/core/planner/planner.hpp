@@ -15,6 +15,7 @@
 #include "motion/core/path/program_path.hpp"
 #include "motion/core/path/reach.hpp"
 #include "motion/core/planner/joint_bounds.hpp"
+#include "motion/core/planner/law_maker.hpp"
 #include "motion/core/planner/merge.hpp"
 #include "motion/core/span.hpp"
 
@@ -37,7 +38,8 @@ class Planner {
         spans_(spans),
         slots_(slots),
         faults_(faults),
-        joint_bounds_(kinematics) {}
+        joint_bounds_(kinematics),
+        laws_(slots.laws) {}
   /// Before anything else. False: no memory.
   [[nodiscard]] bool create(path::Memory& memory) noexcept;
 
@@ -56,6 +58,9 @@ class Planner {
   /// are dropped. Moves are taken only while `view.takes_moves`. `now_ns` is the instance's time.
   Waits run(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
             std::int64_t now_ns) noexcept;
+  /// The servo follows time laws: the next turn has to come within kLawTurn.
+  [[nodiscard]] bool makes_laws() const noexcept { return laws_.busy(); }
+  static constexpr std::int64_t kLawTurn = 4'000'000;  ///< ns
   [[nodiscard]] std::int64_t wake_ns() const noexcept { return wake_ns_; }
 
   /// What earlier items have set for those behind them; all that matters of the past while nothing is pending.
@@ -116,6 +121,8 @@ class Planner {
   };
 
   // planner.cpp: items
+  Waits take_items(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
+                   std::int64_t now_ns) noexcept;
   Take take(const PathItem& item, const ServoView& view) noexcept;
   /// What follows from a move's kind, before it is taken into the path.
   struct Order {
@@ -240,6 +247,8 @@ class Planner {
   // sent
   path::Buffer<Sent> sent_;
   std::uint64_t next_number_{0}, first_new_{0};
+  LawMaker laws_;
+  std::uint64_t first_ahead_{0};  ///< the servo has not driven it to its end
   FeedScale scale_;
   bool single_step_{false};
   Tap* tap_{nullptr};

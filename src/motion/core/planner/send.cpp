@@ -291,6 +291,7 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   speed.rps = piece.feed.rps;
   bound_sync(body, meta, begin);
   speed.feed_cap = path::feed_cap(piece, from, to);
+  double axis_cap = 0;
   if (meta.even_acc > 0) {
     speed.cap = meta.cap;
     body.even_acc = meta.even_acc;
@@ -299,7 +300,7 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
     speed.cap = box_.cap;
     body.even_acc = box_.acc;
   } else {
-    speed.cap = path::axis_cap(piece, from, to, limits_);
+    speed.cap = axis_cap = path::axis_cap(piece, from, to, limits_);
     if (limits_.jerks && !piece.feed.sync) {
       const path::Box& box = boxes_[piece_];
       body.even_acc = box.acc;
@@ -315,6 +316,11 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   body.requested = piece.feed.speed < path::kNoLimit
                        ? piece.feed.speed
                        : std::sqrt(speed.cap) * path::slope_of(piece, from, to);
+  body.by_law = laws_.on() && axis_cap > 0 && body.even_jerk > 0 && !meta.probe &&
+                meta.kind != MotionKind::index_rotary;
+  if (laws_.on())
+    laws_.add(next_number_, {piece, from, body.length, axis_cap, speed, body.even_acc,
+                             body.even_jerk, body.by_law, body.stop_at_end, sent.block_end});
   sent.speed = speed;
   sent.even_acc = body.even_acc;
   sent.even_jerk = body.even_jerk;

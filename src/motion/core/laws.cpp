@@ -1,0 +1,101 @@
+#include "motion/core/laws.hpp"
+
+#include <algorithm>
+
+namespace kerf::motion {
+namespace {
+/// Intervals passed in one cycle. The rest of the cycle is lost beyond that, not the path.
+constexpr int kStepsPerCycle = 64;
+}  // namespace
+
+LawRunner::Way LawRunner::start(std::uint64_t span, double left) noexcept {
+  for (const Law& law : laws_.law) {
+    // Acquire: who sees the number sees the law.
+    const std::uint64_t number = law.number.observe();
+    if (number == 0 || law.key.span != span || law.key.left != left) continue;
+    if (law.key.kind == LawKey::Kind::boxes) return Way::boxes;
+    if (law.key.kind != LawKey::Kind::rest) continue;
+    law_ = &law;
+    number_ = number;
+    index_ = 0;
+    seconds_ = 0;
+    return Way::law;
+  }
+  return Way::none;
+}
+
+/// The law to change over to within the interval in execution, at the latest `until` seconds into it, which becomes the moment.
+const Law* LawRunner::child(bool stand, double& until) const noexcept {
+  const Law* found = nullptr;
+  for (const Law& law : laws_.law) {
+    if (law.number.observe() == 0) continue;
+    const LawKey& key = law.key;
+    if (key.parent != number_ || key.index != index_) continue;
+    const bool takes = key.kind == LawKey::Kind::go || (key.kind == LawKey::Kind::stop && stand);
+    if (!takes || key.seconds < seconds_ || key.seconds > until) continue;
+    // Where both begin at once, standing counts.
+    const bool stops = found != nullptr && found->key.kind == LawKey::Kind::stop;
+    if (stops && key.seconds == until) continue;
+    found = &law;
+    until = key.seconds;
+  }
+  return found;
+}
+
+LawRunner::Moved LawRunner::run(std::uint64_t span, bool stand, double dt) noexcept {
+  Moved out;
+  for (int n = 0; n < kStepsPerCycle; ++n) {
+    const path::LawStep& step = law_->step[index_];
+    if (step.span != span) {
+      out.lost = true;
+      leave();
+      return out;
+    }
+    double until = step.seconds;
+    const Law* next = child(stand, until);
+    const double ahead = std::max(0.0, until - seconds_);
+    if (dt - out.used < ahead) {
+      seconds_ += dt - out.used;
+      out.used = dt;
+      break;
+    }
+    out.used += ahead;
+    seconds_ = until;
+    if (next != nullptr) {
+      const std::uint64_t number = next->number.observe();
+      if (number == 0) continue;  // taken back in this very moment
+      law_ = next;
+      number_ = number;
+      index_ = 0;
+      seconds_ = 0;
+      continue;
+    }
+    if (index_ + 1 >= law_->count) {
+      out.left = step.left;
+      out.rests = true;
+      out.span_ended = step.left <= 0;
+      leave();
+      return out;
+    }
+    ++index_;
+    seconds_ = 0;
+    const path::LawStep& following = law_->step[index_];
+    if (following.span != span) {
+      out.span_ended = true;
+      out.state = path::at(following, 0);
+      return out;
+    }
+  }
+  const path::LawStep& step = law_->step[index_];
+  out.state = path::at(step, seconds_);
+  out.left = step.left + (step.length - out.state.s);
+  return out;
+}
+
+void LawRunner::place(LawPlace& out) const noexcept {
+  out.number = law_ != nullptr ? number_ : 0;
+  out.index = index_;
+  out.seconds = seconds_;
+}
+
+}  // namespace kerf::motion

@@ -1,0 +1,311 @@
+#include "motion/core/planner/law_maker.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf::motion {
+namespace {
+
+constexpr std::size_t kNone = Laws::kSlots;
+/// A child begins so long after where the servo is: a law takes milliseconds to make.
+constexpr double kLead = 0.015;
+/// Moments from which a stop is ready.
+constexpr double kStopLead = 0.006, kStopEvery = 0.010;
+/// Intervals of a window that may go on beyond what it has to reach, and at most.
+constexpr double kWindowTime = 0.3;
+constexpr std::size_t kWindow = 400, kMost = Law::kSteps - 8;
+/// A law is made longer when that share of it is driven, or so many stopping times are left of it.
+constexpr double kShare = 0.4, kStopTimes = 2;
+/// What follows a stop is made ready so long before.
+constexpr double kRestAhead = 0.25;
+/// After a law that was not found.
+constexpr double kRetry = 0.010;
+/// Of the estimated way to stop.
+constexpr double kStopReserve = 1.5;
+/// Stretches that take so long are divided into 1, 2 or 4 intervals a cubic.
+constexpr double kDense = 0.0015, kMiddling = 0.004;
+
+}  // namespace
+
+bool LawMaker::create(path::Memory& memory) noexcept {
+  return stretch_.create(memory, kSpans) && solver_.create(memory, Law::kSteps);
+}
+
+void LawMaker::configure(const path::AxisLimits& limits, bool on, double longest_stop_s) noexcept {
+  limits_ = limits;
+  on_ = on;
+  stop_s_ = longest_stop_s;
+  if (stretch_.size() < kSpans) stretch_.assign(kSpans, Stretch{});
+}
+
+void LawMaker::add(std::uint64_t number, const Stretch& stretch) noexcept {
+  stretch_[number % kSpans] = stretch;
+}
+
+void LawMaker::forget() noexcept {
+  for (std::size_t i = 0; i < Laws::kSlots; ++i) take_back(i);
+}
+
+/// Taken back at first; written anew when no cycle can have it any more. The servo may take a law in the cycle in which it is taken back. The view
+/// read in the next turn is of that cycle's predecessor or later, so the one after the next cycle finds it gone or shows that it runs.
+void LawMaker::take_back(std::size_t slot) noexcept {
+  Info& info = info_[slot];
+  if (info.state != State::there) return;
+  laws_.law[slot].number.publish(0);
+  rtapi::full_fence();
+  info.state = State::taken_back;
+  info.mark = 0;
+}
+
+void LawMaker::reclaim(const ServoView& view) noexcept {
+  for (Info& info : info_) {
+    if (info.state != State::taken_back) continue;
+    if (info.mark == 0)
+      info.mark = view.cycle;
+    else if (view.cycle >= info.mark + 2 && view.law.number != info.number)
+      info.state = State::free;
+  }
+}
+
+std::size_t LawMaker::free_slot() const noexcept {
+  for (std::size_t i = 0; i < Laws::kSlots; ++i)
+    if (info_[i].state == State::free) return i;
+  return kNone;
+}
+
+std::size_t LawMaker::find(std::uint64_t number) const noexcept {
+  for (std::size_t i = 0; i < Laws::kSlots; ++i)
+    if (info_[i].state != State::free && info_[i].number == number) return i;
+  return kNone;
+}
+
+double LawMaker::elapsed(const Law& law, const LawPlace& at) noexcept {
+  double t = at.seconds;
+  for (std::size_t i = 0; i < at.index && i < law.count; ++i) t += law.step[i].seconds;
+  return t;
+}
+
+/// The moment `t` of a law as the beginning of another. False: it is over by then.
+bool LawMaker::locate(std::size_t running, double t, LawKey& key, Place& place) const noexcept {
+  const Law& law = laws_.law[running];
+  for (std::size_t i = 0; i < law.count; ++i) {
+    const path::LawStep& step = law.step[i];
+    if (t >= step.seconds) {
+      t -= step.seconds;
+      continue;
+    }
+    const path::LawState state = path::at(step, t);
+    key.index = static_cast<std::uint32_t>(i);
+    key.seconds = t;
+    key.parent = info_[running].number;
+    place.span = step.span;
+    place.left = step.left + (step.length - state.s);
+    place.start = {state.speed * state.speed, state.acc};
+    return state.speed > 0 && place.left > 0;
+  }
+  return false;
+}
+
+/// Adds the stretches from `place` on to the solver: to the next stop, or until enough of them are there. A law has to reach the end of span
+/// `at_least`. `stop_from` above 0: only as many as it takes to stop from that speed.
+bool LawMaker::fill(const Place& place, std::uint64_t at_least, double stop_from,
+                    Window& out) noexcept {
+  solver_.begin(limits_);
+  out = Window{true, true};
+  double left = place.left, way = 0, time = 0, acc = path::kNoLimit, jerk = path::kNoLimit;
+  bool first = true;
+  for (std::uint64_t n = place.span;; ++n) {
+    if (n >= next_ || !stretch(n).by_law) {
+      out.final = n < next_;
+      break;
+    }
+    const Stretch& s = stretch(n);
+    const double wish = wanted_x(s.speed, scale_);
+    // It will stand before what is wanted to stand.
+    if (!(wish > 0) && !first && stop_from <= 0) break;
+    const double x = std::min(wish > 0 ? wish : s.cap, s.cap);
+    const double seconds = s.length / std::sqrt(x);
+    const int fineness = seconds < kDense ? 1 : seconds < kMiddling ? 2 : 4;
+    const double end = s.from + s.length;
+    if (!solver_.add(n, s.piece, end - left, end, end, s.cap, wish > 0 ? wish : path::kNoLimit,
+                     fineness) ||
+        solver_.intervals() > kMost)
+      return false;
+    out.straight = out.straight && s.piece.straight();
+    if (s.stop_at_end || (single_step_ && s.block_end)) break;
+    first = false;
+    way += left;
+    time += seconds;
+    left = n + 1 < next_ ? stretch(n + 1).length : 0.0;
+    if (stop_from > 0) {
+      acc = std::min(acc, s.acc);
+      jerk = std::min(jerk, s.jerk);
+      const double v = stop_from + acc * acc / (2 * jerk);
+      if (way > kStopReserve * (v * v / (2 * acc) + v * acc / (2 * jerk))) {
+        out.final = false;
+        break;
+      }
+    } else if (n >= at_least && solver_.intervals() > kWindow && time > kWindowTime) {
+      out.final = false;
+      break;
+    }
+  }
+  return solver_.intervals() > 0;
+}
+
+LawMaker::Info& LawMaker::publish(std::size_t slot, const LawKey& key,
+                                  const Window& window) noexcept {
+  Law& law = laws_.law[slot];
+  law.key = key;
+  law.count = 0;
+  Info& info = info_[slot];
+  info = Info{};
+  info.state = State::there;
+  info.number = ++numbers_;
+  info.known = next_;
+  info.final = window.final;
+  info.single_step = single_step_;
+  info.scale = scale_;
+  if (key.kind != LawKey::Kind::boxes) {
+    for (const path::LawStep& step : solver_.law()) law.step[law.count++] = step;
+    info.total = solver_.seconds();
+    info.last_span = law.step[law.count - 1].span;
+    info.last_left = law.step[law.count - 1].left;
+  }
+  law.number.publish(info.number);
+  return info;
+}
+
+/// A law from rest there.
+void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t running) noexcept {
+  if (span >= next_ || !stretch(span).by_law || !(wanted_x(stretch(span).speed, scale_) > 0))
+    return;
+  for (std::size_t i = 0; i < Laws::kSlots; ++i) {
+    const LawKey& key = laws_.law[i].key;
+    const Info& info = info_[i];
+    if (info.state != State::there || info.number == running || key.parent != 0) continue;
+    const bool good = key.span == span && key.left == left && info.scale == scale_ &&
+                      info.single_step == single_step_ && (info.final || info.known == next_);
+    if (good) return;
+    take_back(i);
+  }
+  const std::size_t slot = free_slot();
+  if (slot == kNone) return;
+  LawKey key;
+  key.kind = LawKey::Kind::rest;
+  key.span = span;
+  key.left = left;
+  Window window;
+  const bool filled = fill({span, left, {}}, span, 0, window);
+  // A single straight from rest to rest is driven in the least time by ramps; and what no law was found for is driven as well as boxes can.
+  if (!filled || (window.straight && window.final) ||
+      solver_.solve({}) != path::TimeLaw::Result::ok)
+    key.kind = LawKey::Kind::boxes;
+  publish(slot, key, window);
+}
+
+/// Takes back what can follow on no law but `running`.
+void LawMaker::keep_only(std::uint64_t running) noexcept {
+  for (std::size_t i = 0; i < Laws::kSlots; ++i) {
+    const std::uint64_t parent = laws_.law[i].key.parent;
+    if (info_[i].state != State::there || info_[i].number == running || parent == 0) continue;
+    // Of a child that is not run yet there may be stops.
+    const std::size_t of = find(parent);
+    const bool grandchild = of != kNone && info_[of].state == State::there &&
+                            laws_.law[of].key.parent == running && running != 0;
+    if (parent != running && !grandchild) take_back(i);
+  }
+}
+
+/// The servo runs no law.
+void LawMaker::stand(const LawPlace& at) noexcept {
+  keep_only(0);
+  if (at.rest_span != LawPlace::kNoSpan) return prepare_rest(at.rest_span, at.rest_left, 0);
+  if (!at.moving) return prepare_rest(first_, stretch(first_).length, 0);
+  // By boxes to the next rest.
+  std::uint64_t n = first_;
+  while (n < next_ && !stretch(n).stop_at_end) ++n;
+  if (n + 1 < next_) prepare_rest(n + 1, stretch(n + 1).length, 0);
+}
+
+void LawMaker::follow(std::size_t running, const LawPlace& at) noexcept {
+  const Law& law = laws_.law[running];
+  const Info info = info_[running];
+  const double now = elapsed(law, at);
+  keep_only(info.number);
+  std::size_t child = kNone;
+  for (std::size_t i = 0; i < Laws::kSlots; ++i) {
+    const LawKey& key = laws_.law[i].key;
+    if (info_[i].state != State::there || key.parent != info.number) continue;
+    if (info_[i].begins <= now)
+      take_back(i);
+    else if (key.kind == LawKey::Kind::go)
+      child = i;
+  }
+  const bool stops = law.key.kind == LawKey::Kind::stop;
+  const bool changed = !(info.scale == scale_) || info.single_step != single_step_;
+  const bool more = !info.final && info.last_span + 1 < next_ &&
+                    (now > kShare * info.total || info.total - now < kStopTimes * stop_s_);
+  if (child == kNone && !at.stands && (changed || more || stops) && now >= info.child_tried) {
+    make_child(running, now);
+    info_[running].child_tried = now + kRetry;
+  }
+  if (!stops) make_stop(running, now, child == kNone ? info.total : info_[child].begins);
+  if (child != kNone) make_stop(child, now - info_[child].begins, info_[child].total);
+  if (child == kNone && (info.final || stops) && info.total - now < kRestAhead) {
+    if (info.last_left > 0)
+      prepare_rest(info.last_span, info.last_left, info.number);
+    else if (info.last_span + 1 < next_)
+      prepare_rest(info.last_span + 1, stretch(info.last_span + 1).length, info.number);
+  }
+}
+
+void LawMaker::make_child(std::size_t running, double now) noexcept {
+  const std::size_t slot = free_slot();
+  LawKey key;
+  Place place;
+  const double begins = now + kLead;
+  if (slot == kNone || !locate(running, begins, key, place)) return;
+  key.kind = LawKey::Kind::go;
+  const bool stops = laws_.law[running].key.kind == LawKey::Kind::stop;
+  Window window;
+  if (!fill(place, stops ? place.span : info_[running].last_span, 0, window) ||
+      solver_.solve(place.start) != path::TimeLaw::Result::ok)
+    return;
+  publish(slot, key, window).begins = begins;
+}
+
+void LawMaker::make_stop(std::size_t running, double now, double before) noexcept {
+  Info& info = info_[running];
+  const double begins = std::max({info.stop_tried + kStopEvery, now + kStopLead, kStopLead / 2});
+  // One is ready for a while.
+  if (begins >= before || begins > std::max(now, 0.0) + kStopLead + kStopEvery) return;
+  const std::size_t slot = free_slot();
+  LawKey key;
+  Place place;
+  if (slot == kNone || !locate(running, begins, key, place)) return;
+  info.stop_tried = begins;
+  key.kind = LawKey::Kind::stop;
+  Window window;
+  if (!fill(place, place.span, std::sqrt(place.start.x), window) ||
+      solver_.solve_stop(place.start) != path::TimeLaw::Result::ok)
+    return;
+  publish(slot, key, window).begins = begins;
+}
+
+void LawMaker::run(const ServoView& view, const FeedScale& scale, bool single_step,
+                   std::uint64_t first, std::uint64_t next) noexcept {
+  busy_ = false;
+  if (!on_) return;
+  scale_ = scale;
+  single_step_ = single_step;
+  first_ = first;
+  next_ = next;
+  reclaim(view);
+  if (view.law.number == 0) return stand(view.law);
+  busy_ = true;
+  const std::size_t running = find(view.law.number);
+  if (running != kNone) follow(running, view.law);
+}
+
+}  // namespace kerf::motion

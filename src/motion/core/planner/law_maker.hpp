@@ -1,0 +1,101 @@
+// LawMaker: makes time laws ahead of the servo where jerk is limited, and takes them back (laws.hpp). Pure arithmetic in memory that it got at load time.
+//
+// One law is ahead at most: the child of the one that runs, or the one from rest where the path will stand or stands. It is made anew when more path has
+// come, or when the feed that is wanted has changed; then it begins kLead after where the servo is. Besides there are laws that stop, from
+// moments kStopEvery apart, so that a hold begins within 20 ms.
+#pragma once
+
+#include <cstdint>
+
+#include "motion/core/laws.hpp"
+#include "motion/core/span.hpp"
+
+namespace kerf::motion {
+
+class LawMaker {
+ public:
+  explicit LawMaker(Laws& laws) noexcept : laws_(laws) {}
+  /// False: no memory.
+  [[nodiscard]] bool create(path::Memory& memory) noexcept;
+  void configure(const path::AxisLimits& limits, bool on, double longest_stop_s) noexcept;
+  [[nodiscard]] bool on() const noexcept { return on_; }
+
+  /// What there is to know of a span; its number is the next one.
+  struct Stretch {
+    path::Piece piece;
+    double from{0}, length{0};
+    double cap{0};  ///< of x, by the axes' speeds
+    SpeedBounds speed;
+    double acc{0}, jerk{0};  ///< its box
+    bool by_law{false};
+    bool stop_at_end{false}, block_end{false};
+  };
+  void add(std::uint64_t number, const Stretch& stretch) noexcept;
+  /// Nothing of what was added will be driven any more.
+  void forget() noexcept;
+
+  /// Once a turn. `first`: the first span that the servo has not begun or is within; `next`: the first that has not been added.
+  void run(const ServoView& view, const FeedScale& scale, bool single_step, std::uint64_t first,
+           std::uint64_t next) noexcept;
+  /// The servo follows laws: the next turn has to come soon.
+  [[nodiscard]] bool busy() const noexcept { return busy_; }
+
+ private:
+  enum class State : std::int32_t { free, there, taken_back };
+  struct Info {
+    State state{State::free};
+    bool final{false};  ///< it does not end for want of path
+    bool single_step{false};
+    std::uint64_t number{0};
+    std::uint64_t known{0};  ///< spans that there were
+    std::uint64_t mark{0};   ///< the cycle after which no new one takes it
+    std::uint64_t last_span{0};
+    double last_left{0}, total{0};
+    double begins{0};      ///< seconds into its parent
+    double stop_tried{0};  ///< seconds into it: stops were looked for up to there
+    double child_tried{-1};
+    FeedScale scale;
+  };
+  struct Place {
+    std::uint64_t span{0};
+    double left{0};
+    path::TimeLaw::Start start;
+  };
+
+  void reclaim(const ServoView& view) noexcept;
+  [[nodiscard]] std::size_t free_slot() const noexcept;
+  [[nodiscard]] std::size_t find(std::uint64_t number) const noexcept;
+  void take_back(std::size_t slot) noexcept;
+  void keep_only(std::uint64_t running) noexcept;
+  void prepare_rest(std::uint64_t span, double left, std::uint64_t running) noexcept;
+  void stand(const LawPlace& at) noexcept;
+  void follow(std::size_t running, const LawPlace& at) noexcept;
+  void make_child(std::size_t running, double now) noexcept;
+  void make_stop(std::size_t running, double now, double before) noexcept;
+  [[nodiscard]] bool locate(std::size_t running, double t, LawKey& key,
+                            Place& place) const noexcept;
+  /// Where the law is `place.seconds` into interval `place.index`, from its start.
+  [[nodiscard]] static double elapsed(const Law& law, const LawPlace& at) noexcept;
+  struct Window {
+    bool final{false};
+    bool straight{false};  ///< all of it is one straight
+  };
+  [[nodiscard]] bool fill(const Place& place, std::uint64_t at_least, double stop_from,
+                          Window& out) noexcept;
+  Info& publish(std::size_t slot, const LawKey& key, const Window& window) noexcept;
+  [[nodiscard]] const Stretch& stretch(std::uint64_t n) const noexcept {
+    return stretch_[n % kSpans];
+  }
+
+  Laws& laws_;
+  Info info_[Laws::kSlots];
+  path::Buffer<Stretch> stretch_;
+  path::TimeLaw solver_;
+  path::AxisLimits limits_;
+  FeedScale scale_;
+  double stop_s_{0};
+  std::uint64_t numbers_{0}, first_{0}, next_{0};
+  bool on_{false}, single_step_{false}, busy_{false};
+};
+
+}  // namespace kerf::motion
