@@ -176,6 +176,16 @@ LawMaker::Info& LawMaker::publish(std::size_t slot, const LawKey& key,
   return info;
 }
 
+bool LawMaker::solved(path::TimeLaw::Result result, std::uint64_t& all,
+                      std::uint64_t& failed) noexcept {
+  ++all;
+  counts_.intervals += solver_.intervals();
+  counts_.iterations += static_cast<std::uint64_t>(solver_.iterations());
+  if (result == path::TimeLaw::Result::ok) return true;
+  ++failed;
+  return false;
+}
+
 /// A law from rest there.
 void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t running) noexcept {
   if (span >= next_ || !stretch(span).by_law || !(wanted_x(stretch(span).speed, scale_) > 0))
@@ -199,7 +209,7 @@ void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t runni
   const bool filled = fill({span, left, {}}, span, 0, window);
   // A single straight from rest to rest is driven in the least time by ramps; and what no law was found for is driven as well as boxes can.
   if (!filled || (window.straight && window.final) ||
-      solver_.solve({}) != path::TimeLaw::Result::ok)
+      !solved(solver_.solve({}), counts_.rests, counts_.rests_failed))
     key.kind = LawKey::Kind::boxes;
   publish(slot, key, window);
 }
@@ -270,7 +280,7 @@ void LawMaker::make_child(std::size_t running, double now) noexcept {
   const bool stops = laws_.law[running].key.kind == LawKey::Kind::stop;
   Window window;
   if (!fill(place, stops ? place.span : info_[running].last_span, 0, window) ||
-      solver_.solve(place.start) != path::TimeLaw::Result::ok)
+      !solved(solver_.solve(place.start), counts_.children, counts_.children_failed))
     return;
   publish(slot, key, window).begins = begins;
 }
@@ -288,7 +298,7 @@ void LawMaker::make_stop(std::size_t running, double now, double before) noexcep
   key.kind = LawKey::Kind::stop;
   Window window;
   if (!fill(place, place.span, std::sqrt(place.start.x), window) ||
-      solver_.solve_stop(place.start) != path::TimeLaw::Result::ok)
+      !solved(solver_.solve_stop(place.start), counts_.stops, counts_.stops_failed))
     return;
   publish(slot, key, window).begins = begins;
 }

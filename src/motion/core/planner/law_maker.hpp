@@ -39,6 +39,14 @@ class LawMaker {
            std::uint64_t next) noexcept;
   /// The servo follows laws: the next turn has to come soon.
   [[nodiscard]] bool busy() const noexcept { return busy_; }
+  /// Of all laws since the start: how many were looked for and not found.
+  struct Counts {
+    std::uint64_t rests{0}, rests_failed{0};
+    std::uint64_t children{0}, children_failed{0};
+    std::uint64_t stops{0}, stops_failed{0};
+    std::uint64_t intervals{0}, iterations{0};
+  };
+  [[nodiscard]] const Counts& counts() const noexcept { return counts_; }
 
  private:
   enum class State : std::int32_t { free, there, taken_back };
@@ -83,6 +91,8 @@ class LawMaker {
   [[nodiscard]] bool fill(const Place& place, std::uint64_t at_least, double stop_from,
                           Window& out) noexcept;
   Info& publish(std::size_t slot, const LawKey& key, const Window& window) noexcept;
+  [[nodiscard]] bool solved(path::TimeLaw::Result result, std::uint64_t& all,
+                            std::uint64_t& failed) noexcept;
   [[nodiscard]] const Stretch& stretch(std::uint64_t n) const noexcept {
     return stretch_[n % kSpans];
   }
@@ -95,6 +105,7 @@ class LawMaker {
   FeedScale scale_;
   double stop_s_{0};
   std::uint64_t numbers_{0}, first_{0}, next_{0};
+  Counts counts_;
   bool on_{false}, single_step_{false}, busy_{false};
 };
 

@@ -60,6 +60,7 @@ class Planner {
             std::int64_t now_ns) noexcept;
   /// The servo follows time laws: the next turn has to come within kLawTurn.
   [[nodiscard]] bool makes_laws() const noexcept { return laws_.busy(); }
+  [[nodiscard]] const LawMaker::Counts& law_counts() const noexcept { return laws_.counts(); }
   static constexpr std::int64_t kLawTurn = 4'000'000;  ///< ns
   [[nodiscard]] std::int64_t wake_ns() const noexcept { return wake_ns_; }
 
