@@ -83,11 +83,13 @@ TEST(TimeLaws, KeepTheLimitsAndAreFasterThanBoxes) {
                 static_cast<double>(t) / t0);
     const LawMaker::Counts& c = with.rig.planner.law_counts();
     const auto all = static_cast<double>(c.rests + c.children + c.stops);
-    std::printf("  from rest %d (%d not found), children %d (%d), stops %d (%d); %.0f intervals, %.1f iterations\n",
-                static_cast<int>(c.rests), static_cast<int>(c.rests_failed),
-                static_cast<int>(c.children), static_cast<int>(c.children_failed),
-                static_cast<int>(c.stops), static_cast<int>(c.stops_failed),
-                static_cast<double>(c.intervals) / all, static_cast<double>(c.iterations) / all);
+    std::printf(
+        "  from rest %d (%d not found), children %d (%d), stops %d (%d); %.0f intervals, %.1f "
+        "iterations\n",
+        static_cast<int>(c.rests), static_cast<int>(c.rests_failed), static_cast<int>(c.children),
+        static_cast<int>(c.children_failed), static_cast<int>(c.stops),
+        static_cast<int>(c.stops_failed), static_cast<double>(c.intervals) / all,
+        static_cast<double>(c.iterations) / all);
   }
   // Straights from rest to rest and what stops everywhere need none.
   EXPECT_GT(by_law, cycles / 2);

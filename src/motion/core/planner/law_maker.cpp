@@ -13,7 +13,8 @@ constexpr double kLead = 0.015;
 constexpr double kStopLead = 0.006, kStopEvery = 0.010;
 /// Intervals of a window that may go on beyond what it has to reach, and at most.
 constexpr double kWindowTime = 0.3;
-constexpr std::size_t kWindow = 400, kMost = Law::kSteps - 8;
+constexpr std::size_t kWindow = 400;
+constexpr std::size_t kMost = Law::kSteps * 3 / 4;
 /// A law is made longer when that share of it is driven, or so many stopping times are left of it.
 constexpr double kShare = 0.4, kStopTimes = 2;
 /// What follows a stop is made ready so long before.
@@ -123,13 +124,12 @@ bool LawMaker::fill(const Place& place, std::uint64_t at_least, double stop_from
     const double wish = wanted_x(s.speed, scale_);
     // It will stand before what is wanted to stand.
     if (!(wish > 0) && !first && stop_from <= 0) break;
-    const double x = std::min(wish > 0 ? wish : s.cap, s.cap);
+    const double x = std::min(wish > 0 ? wish : s.speed.cap, s.speed.cap);
     const double seconds = s.length / std::sqrt(x);
     const int fineness = seconds < kDense ? 1 : seconds < kMiddling ? 2 : 4;
     const double end = s.from + s.length;
-    if (!solver_.add(n, s.piece, end - left, end, end, s.cap, wish > 0 ? wish : path::kNoLimit,
-                     fineness) ||
-        solver_.intervals() > kMost)
+    if (!solver_.add(n, s.piece, end - left, end, end, s.speed.cap,
+                     wish > 0 ? wish : path::kNoLimit, fineness))
       return false;
     out.straight = out.straight && s.piece.straight();
     if (s.stop_at_end || (single_step_ && s.block_end)) break;
@@ -145,7 +145,8 @@ bool LawMaker::fill(const Place& place, std::uint64_t at_least, double stop_from
         out.final = false;
         break;
       }
-    } else if (n >= at_least && solver_.intervals() > kWindow && time > kWindowTime) {
+    } else if (n >= at_least && ((solver_.intervals() > kWindow && time > kWindowTime) ||
+                                 solver_.intervals() > kMost)) {
       out.final = false;
       break;
     }

@@ -24,7 +24,6 @@ class LawMaker {
   struct Stretch {
     path::Piece piece;
     double from{0}, length{0};
-    double cap{0};  ///< of x, by the axes' speeds
     SpeedBounds speed;
     double acc{0}, jerk{0};  ///< its box
     bool by_law{false};

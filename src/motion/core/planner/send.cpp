@@ -318,9 +318,13 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
                        : std::sqrt(speed.cap) * path::slope_of(piece, from, to);
   body.by_law = laws_.on() && axis_cap > 0 && body.even_jerk > 0 && !meta.probe &&
                 meta.kind != MotionKind::index_rotary;
-  if (laws_.on())
-    laws_.add(next_number_, {piece, from, body.length, axis_cap, speed, body.even_acc,
-                             body.even_jerk, body.by_law, body.stop_at_end, sent.block_end});
+  if (laws_.on()) {
+    LawMaker::Stretch stretch{piece,         from,           body.length, speed,
+                              body.even_acc, body.even_jerk, body.by_law, body.stop_at_end,
+                              sent.block_end};
+    stretch.speed.cap = axis_cap;  // not that of the box
+    laws_.add(next_number_, stretch);
+  }
   sent.speed = speed;
   sent.even_acc = body.even_acc;
   sent.even_jerk = body.even_jerk;
