@@ -30,7 +30,9 @@ class Edge final : public hal::Component<Edge> {
   hal::RoParam<bool> last_in_{param<hal::RoParam<bool>>("last-in", "in at the last call")};
 
   void update(const hal::Period& period) noexcept {
-    const bool now = in_, before = last_in_.last();
+    // What is there at the first call is no edge.
+    const bool now = in_, before = first_ ? now : last_in_.last();
+    first_ = false;
     const bool counts = now != before && (both_ || now != in_edge_.get());
     std::int64_t left_ns = left_ns_.last();
     left_ns = counts ? std::max(width_ns_.get(), 0)
@@ -40,6 +42,7 @@ class Edge final : public hal::Component<Edge> {
     out_invert_ = !out_.last();
     last_in_ = now;
   }
+  bool first_{true};
   hal::Function update_{function<&Edge::update>("", "Makes pulses from edges")};
 };
 
