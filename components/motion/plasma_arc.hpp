@@ -1,7 +1,10 @@
 // The arc of a plasma torch, for plasmac: its voltage, whether it burns, and how far the torch shall move for it.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <numbers>
 
@@ -24,30 +27,42 @@ class ArcVoltage {
   bool begun_{false};
 };
 
-/// Mode 0: tells a good arc by so many readings in a row that lie in the range and near each other. @rt.
+/// Mode 0: a good arc is one whose voltage lies in the range, and whose last readings all lie near the present one. Without height
+/// control it is lost with the first reading out of the range, else with as many as make a good arc. @rt.
 class ArcDetector {
  public:
-  void reset() noexcept { count_ = 0; }
+  /// More readings than these are not looked at.
+  static constexpr std::int32_t kMostReadings = 1000;
+
+  void reset() noexcept { readings_.fill(0.0); }
   void off() noexcept { ok_ = false; }
-  bool follow(double volts, double low, double high, double most_change,
-              std::int32_t counts) noexcept {
-    const bool in_range = volts > low && volts < high;
-    if (!ok_ && count_ == 0) reference_ = volts;
-    if (in_range && std::fabs(volts - reference_) <= most_change) {
-      if (count_ < counts) ++count_;
-    } else if (count_ > 0) {
-      --count_;
+  bool follow(double volts, double low, double high, double most_change, std::int32_t counts,
+              bool height_control) noexcept {
+    last_ = (last_ + 1) % kMostReadings;
+    readings_[static_cast<std::size_t>(last_)] = volts;
+    const auto outside = [&](double v) { return v <= low || v >= high; };
+    if (outside(volts)) {
+      ok_ = ok_ && height_control && !all_of_last(counts, outside);
+    } else if (!ok_) {
+      ok_ = all_of_last(counts, [&](double v) { return std::fabs(v - volts) <= most_change; });
     }
-    if (count_ >= counts)
-      ok_ = true;
-    else if (count_ == 0 && !in_range)
-      ok_ = false;
     return ok_;
   }
 
  private:
-  double reference_{0.0};
-  std::int32_t count_{0};
+  [[nodiscard]] double reading(std::int32_t cycles_ago) const noexcept {
+    return readings_[static_cast<std::size_t>((last_ + kMostReadings - cycles_ago) %
+                                              kMostReadings)];
+  }
+  template <class Test>
+  [[nodiscard]] bool all_of_last(std::int32_t counts, Test is) const noexcept {
+    std::int32_t i = 0;
+    while (i < std::min(counts, kMostReadings) && is(reading(i))) ++i;
+    return i >= std::min(counts, kMostReadings);
+  }
+
+  std::array<double, kMostReadings> readings_{};
+  std::int32_t last_{0};
   bool ok_{false};
 };
 

@@ -41,9 +41,10 @@ class Plasmac final : public PlasmacMachine {
     allow_height_control();
     if (!cuts() && state_ != S::paused_motion) adaptive_feed_ = 1.0;
     watch_program();
+    if (!machine_is_on_) torch_off_now();
     if (torch_) torch_time_ = torch_time_.last() + dt_;
     watch_arc();
-    if (machine_is_on_ || state_ == S::idle)
+    if (machine_is_on_)
       step();
     else
       switch_off();
@@ -62,6 +63,7 @@ class Plasmac final : public PlasmacMachine {
     stop_type_out_ = static_cast<std::int32_t>(stop_);
     pierce_count_ = pierces_;
     was_idle_ = program_is_idle_;
+    was_cutting_ = cutting_start_;
     if (debug_print_ && state_ != printed_) say(kPlasmaStates[static_cast<std::size_t>(state_)]);
     printed_ = state_;
   }
@@ -105,7 +107,13 @@ class Plasmac final : public PlasmacMachine {
     if (torch_off_) torch_off_now();
     const bool wanted = spotting_ ? spotting_start_ : cutting_start_;
     const bool testing = testing_ || state_ == S::torch_pulse;
-    if (program_is_idle_ && !was_idle_) {
+    if (!program_is_idle_) aborted_when_off_ = false;
+    if (!machine_is_on_) {
+      // What was aborted with the machine off ends the first cycle of a cut by hand.
+      if (program_is_idle_ && !was_idle_) aborted_when_off_ = true;
+    } else if (state_ == S::safe_height && program_is_idle_ && was_cutting_ && !cutting_start_) {
+      leave_for_the_top(Stop::abort);
+    } else if (program_is_idle_ && !was_idle_) {
       if (in_cycle() || state_ == S::pause_at_end || state_ == S::safe_height)
         leave_for_the_top(Stop::abort);
       else
@@ -137,7 +145,7 @@ class Plasmac final : public PlasmacMachine {
     }
   }
   void switch_off() noexcept {
-    torch_ = arm_ = scribe_ = testing_ = recovering_ = hold_ = ohmic_on_ = false;
+    torch_ = arm_ = scribe_ = testing_ = recovering_ = ohmic_on_ = false;
     consumables_ = aborted_ = false;
     consumable_changing_ = false;
     cut_recovering_ = false;
@@ -184,7 +192,8 @@ class Plasmac final : public PlasmacMachine {
       case S::pierce_delay: return pierce();
       case S::puddle_jump:
         hold_ = false;
-        if (z_to(zero_ + counts(pierce_height_ * puddle_jump_height_ * 0.01), setup_feed_rate_) &&
+        if ((puddle_jump_height_ <= 0.0 ||
+             z_to(zero_ + counts(pierce_height_ * puddle_jump_height_ * 0.01), setup_feed_rate_)) &&
             timer_.over(dt_))
           state_ = S::cut_height;
         return;
@@ -196,6 +205,7 @@ class Plasmac final : public PlasmacMachine {
         if (timer_.ends(dt_)) end_of_cut();
         return;
       case S::safe_height:
+        cornerlock_is_locked_ = corner_lock_ = false;
         if (z_settled(safe_target())) {
           hold_ = false;
           state_ = S::end_cut;
@@ -208,6 +218,8 @@ class Plasmac final : public PlasmacMachine {
         return;
       case S::end_cut: return end_cut();
       case S::end_job:
+        if (!z_settled(0.0)) return;
+        probed_ = false;
         stop_ = Stop::none;
         state_ = S::idle;
         return;
@@ -231,7 +243,6 @@ class Plasmac final : public PlasmacMachine {
   }
 
   void idle() noexcept {
-    if (!machine_is_on_) return;
     if (aborted_) {
       aborted_ = false;
       hold_ = true;
@@ -257,6 +268,11 @@ class Plasmac final : public PlasmacMachine {
       return;
     }
     if (program_is_paused_) return idle_paused();
+    if (consumables_) {
+      stop_ = Stop::none;
+      state_ = S::consumable_change_off;
+      return;
+    }
     if (override_seen_ != 0.0) {
       override_seen_ = 0.0;
       return;
@@ -266,7 +282,12 @@ class Plasmac final : public PlasmacMachine {
       hold_ = cutting_start_ || spotting_start_;
       return;
     }
-    if (program_pause_.last() || cutting_stop_.last() || !homed_) return;
+    if (program_pause_.last() || cutting_stop_.last()) return;
+    if (!homed_) {
+      hold_ = false;
+      if (torch_pulse_start_ && !was_asked && program_is_idle_) begin_pulse();
+      return;
+    }
     if (cutting_start_ || spotting_start_) {
       spotting_ = !cutting_start_;
       begin_cut();
@@ -274,10 +295,8 @@ class Plasmac final : public PlasmacMachine {
       hold_step_ = 0;
       state_ = S::scribing;
     } else if (program_is_idle_ && torch_pulse_start_ && !was_asked) {
-      hold_ = true;
-      hold_step_ = 0;
-      state_ = S::torch_pulse;
-    } else if (program_is_idle_ && ohmic_test_) {
+      begin_pulse();
+    } else if (program_is_idle_ && ohmic_test_ && ohmic_probe_enable_) {
       hold_ = true;
       ohmic_on_ = true;
       state_ = S::ohmic_test;
@@ -289,10 +308,10 @@ class Plasmac final : public PlasmacMachine {
   }
   void idle_paused() noexcept {
     if (stop_ != Stop::pause) return;
-    if (consumable_change_) {
+    if (consumable_change_ && !consumables_) {
       state_ = S::max_height;
     } else if (consumables_) {
-      state_ = S::consumable_change_off;
+      if (!consumable_change_) state_ = S::consumable_change_off;
     } else if (cut_recovery_) {
       state_ = S::cut_recovery_on;
     } else if (paused_motion_speed_ != 0.0) {
@@ -300,13 +319,21 @@ class Plasmac final : public PlasmacMachine {
       state_ = S::paused_motion;
     }
   }
+  void begin_pulse() noexcept {
+    hold_ = true;
+    hold_step_ = 0;
+    state_ = S::torch_pulse;
+  }
   void begin_cut() noexcept {
     stop_ = Stop::none;
     hold_ = true;
     starts_ = 0;
     arc_.reset();
+    steady_.reset();
     arc_.off();
     ohmic_tries_ = 0;
+    // Left over where the machine went off in a cut: not this cut's voltage.
+    target_volts_ = 0.0;
     begun_ = corner_lock_ = void_lock_ = false;
     const double way = std::hypot(axis_x_position_ - last_x_, axis_y_position_ - last_y_);
     const bool near = skip_probe_ && skip_ihs_distance_ > 0.0 && way < skip_ihs_distance_;
@@ -333,23 +360,24 @@ class Plasmac final : public PlasmacMachine {
     state_ = z_ == 0 ? S::end_cut : S::probe_test;
   }
 
-  [[nodiscard]] bool probes_by_contact() const noexcept {
-    return ohmic_probe_enable_ && ohmic_tries_ < std::max<std::int32_t>(ohmic_max_attempts_, 1);
-  }
-  [[nodiscard]] bool probes_beside() const noexcept {
-    return probes_by_contact() && (offset_probe_x_ != 0.0 || offset_probe_y_ != 0.0);
-  }
   bool left_probe_test() noexcept {
     if (!testing_ || probe_test_) return false;
     end_probe_test();
     return true;
   }
   void probe_height() noexcept {
+    if (aborted_when_off_) {
+      aborted_when_off_ = false;
+      stop_ = Stop::abort;
+      state_ = z_ == 0 ? S::end_cut : S::max_height;
+      return;
+    }
     if (left_probe_test()) return;
     if (first_) {
       first_ = bottom_ = false;
       z_offset_enable_ = true;
-      start_ = z_ - counts(axis_z_position_ - (axis_z_min_limit_ + probe_start_height_));
+      start_ =
+          std::round(z_ - counts(axis_z_position_ - (axis_z_min_limit_ + probe_start_height_)));
       if (probes_by_contact()) {
         ohmic_on_ = true;
         if (ohmic_tries_ == 0) deploy_.set(probes_beside() ? offset_probe_delay_ : 0.0);
@@ -394,7 +422,7 @@ class Plasmac final : public PlasmacMachine {
         fail("bottom limit reached while probing down, program is paused");
       }
     } else {
-      move_z(-step_counts(probe_feed_rate_));
+      move_z(-step_counts(std::min(probe_feed_rate_.get(), setup_feed_rate_.get())));
     }
     probe_time_ = probe_time_.last() + dt_;
   }
@@ -424,13 +452,15 @@ class Plasmac final : public PlasmacMachine {
     zero_height_ = base_z() + zero_ * scale_;
     last_x_ = axis_x_position_;
     last_y_ = axis_y_position_;
-    skip_probe_ = true;
+    skip_probe_ = probed_ = true;
     state_ = S::zero_height;
   }
   void pierce_height() noexcept {
     if (left_probe_test()) return;
-    if (pierce_height_ <= 0.0 || cut_height_ <= 0.0 || (mode_ != 2 && cut_volts_ <= 0.0))
-      return fail("invalid pierce height, cut height or cut volts, program is paused");
+    if (pierce_height_ <= 0.0 || cut_height_ <= 0.0 || (mode_ != 2 && cut_volts_ <= 0.0)) {
+      if (!testing_) fail("invalid pierce height, cut height or cut volts, program is paused");
+      return;
+    }
     // The offset of the probe goes first.
     const bool probe_is_in = deploy_.over(dt_);
     if (!recovering_ && (!xy_to(0.0, 0.0, step_counts(setup_feed_rate_)) || !probe_is_in)) return;
@@ -444,7 +474,7 @@ class Plasmac final : public PlasmacMachine {
     }
   }
   void torch_start() noexcept {
-    if (starts_ >= std::max<std::int32_t>(arc_max_starts_, 1)) {
+    if (starts_ >= arc_max_starts_) {
       if (!program_pause_.last() && !cutting_stop_.last()) {
         say(program_is_idle_ ? "no arc detected after all start attempts, manual cut is stopped"
                              : "no arc detected after all start attempts, program is paused");
@@ -475,7 +505,7 @@ class Plasmac final : public PlasmacMachine {
     if (first_) {
       if (volts_ >= spotting_threshold_ || mode_ == 2) {
         first_ = false;
-        timer_.set(spotting_time_ * 0.001 + 2e-9);
+        timer_.set(spotting_time_ * 0.001);
       } else if (timer_.over(dt_)) {
         torch_off_now();
         timer_.set(restart_delay_);
@@ -490,8 +520,9 @@ class Plasmac final : public PlasmacMachine {
     if (first_) {
       first_ = false;
       timer_.set(pierce_delay_);
-    } else if (timer_.over(dt_)) {
-      const bool jumps = puddle_jump_delay_ > 0.0 && puddle_jump_height_ > 0.0 && !recovering_;
+    }
+    if (timer_.over(dt_)) {
+      const bool jumps = (puddle_jump_delay_ > 0.0 || puddle_jump_height_ > 0.0) && !recovering_;
       timer_.set(jumps ? puddle_jump_delay_ : 0.0);
       state_ = jumps ? S::puddle_jump : S::cut_height;
     }
@@ -499,9 +530,7 @@ class Plasmac final : public PlasmacMachine {
   void cut_height() noexcept {
     if (!z_settled(zero_ + counts(cut_height_))) return;
     begun_ = corner_lock_ = void_lock_ = waits_ = false;
-    steady_.reset();
     void_.reset();
-    pid_.reset();
     samples_ = 0;
     sum_volts_ = 0.0;
     override_seen_ = 0.0;
@@ -513,24 +542,14 @@ class Plasmac final : public PlasmacMachine {
     }
   }
 
-  void count_cut() noexcept {
-    cut_time_ = cut_time_.last() + dt_;
-    cut_length_ = cut_length_.last() + current_velocity_ * dt_;
-    requested_ =
-        cut_feed_rate_ > 0.0 ? cut_feed_rate_ : feed_upm_ / std::max(gcode_scale_.get(), 1e-9);
-    requested_feed_rate_ = requested_;
-    adaptive_feed_ = feed_reduction_ > 0.0 ? std::clamp(feed_reduction_ * 0.01, 0.1, 1.0) : 1.0;
-  }
-  [[nodiscard]] bool at_speed() const noexcept { return feed_now_ >= requested_ * kAtSpeed; }
-
   void cut_01() noexcept {
     count_cut();
     if (!torch_) return;
-    const bool steady = steady_.follow(volts_, thc_sample_threshold_, thc_sample_counts_);
     if (target_volts_.last() == 0.0) {
+      if (mesh_enable_ || ignores_arc()) return;
       corner_lock_ = true;
       cornerlock_is_locked_ = true;
-      if (!mesh_enable_ && !ignores_arc()) find_target(steady);
+      find_target();
       return;
     }
     if (mesh_enable_ || ignores_arc() || follow_override()) return;
@@ -566,15 +585,14 @@ class Plasmac final : public PlasmacMachine {
     move_by_voltage();
   }
   /// The voltage to keep, once the torch is at speed and the arc steady.
-  void find_target(bool steady) noexcept {
+  void find_target() noexcept {
     if (!waits_) {
       if (!at_speed()) return;
       waits_ = true;
       timer_.set(thc_delay_);
-      if (!thc_auto_) return;
     }
-    if (thc_auto_) {
-      if (steady) target_volts_ = use_auto_volts_ ? volts_ : cut_volts_.get();
+    if (thc_auto_ && use_auto_volts_) {
+      if (is_steady_) target_volts_ = volts_;
       return;
     }
     if (!timer_.over(dt_)) return;
@@ -597,7 +615,7 @@ class Plasmac final : public PlasmacMachine {
       return true;
     }
     override_waits_ = false;
-    move_z((wanted - override_seen_) * counts(height_per_volt_));
+    move_z(std::trunc(counts((wanted - override_seen_) * height_per_volt_)));
     override_seen_ = wanted;
     return true;
   }
@@ -618,9 +636,6 @@ class Plasmac final : public PlasmacMachine {
     }
     move_z(change);
     check_limits(change);
-  }
-  void move_z(double change) noexcept {
-    z_ = static_cast<std::int32_t>(std::clamp(z_ + change, -2e9, 2e9));
   }
   void check_limits(double change) noexcept {
     if (change < 0.0 && axis_z_position_ <= axis_z_min_limit_ + 0.5 * units_per_mm_)
@@ -658,6 +673,8 @@ class Plasmac final : public PlasmacMachine {
   }
   double safe_target() noexcept {
     const double top = z_ + counts(highest() - axis_z_position_);
+    // Where the material is was not found: back to where z came from.
+    if (!probed_) return 0.0;
     double target = safe_height_ > 0.0 ? zero_ + counts(safe_height_) : top;
     const bool limited = target > top;
     if (limited && !safe_height_is_limited_.last()) say("safe traverse height has been reduced");
@@ -672,7 +689,7 @@ class Plasmac final : public PlasmacMachine {
     begun_ = corner_lock_ = void_lock_ = false;
     cornerlock_is_locked_ = false;
     voidlock_is_locked_ = false;
-    if (stop_ == Stop::abort || testing_) {
+    if (stop_ == Stop::abort || testing_ || (spotting_ && program_is_idle_)) {
       testing_ = false;
       probe_test_error_ = false;
       state_ = S::end_job;
@@ -688,7 +705,7 @@ class Plasmac final : public PlasmacMachine {
     } else if (hold_step_ == 1 && torch_pulse_time_ > 0.0) {
       timer_.set(torch_pulse_time_);
       hold_step_ = 2;
-    } else if (timer_.over(dt_) || torch_off_) {
+    } else if (timer_.ends(dt_) || torch_off_) {
       torch_off_now();
       state_ = S::idle;
     }
@@ -723,12 +740,16 @@ class Plasmac final : public PlasmacMachine {
   void scribing() noexcept {
     if (!scribe_start_) {
       arm_ = scribe_ = false;
-      hold_ = false;
+      hold_ = hold_ && program_is_idle_ && !was_idle_;
       state_ = S::idle;
+    } else if (program_is_paused_) {
+      arm_ = scribe_ = false;
+      hold_step_ = 0;
     } else if (hold_step_ == 0) {
       hold_ = true;
       arm_ = true;
       timer_.set(scribe_arm_delay_);
+      timer_.over(dt_);
       hold_step_ = 1;
     } else if (hold_step_ == 1) {
       if (timer_.over(dt_)) {
@@ -759,12 +780,11 @@ class Plasmac final : public PlasmacMachine {
       return;
     }
     sensor_told_ = false;
-    xy_to(x_offset_, y_offset_, step_of(xy_feed_rate_));
+    if (xy_to(x_offset_, y_offset_, step_of(xy_feed_rate_)) && xy_follows()) state_ = S::idle;
   }
   void consumables_off() noexcept {
     if (!xy_to(0.0, 0.0, step_of(xy_feed_rate_))) return;
-    if (std::fabs(x_offset_current_) + std::fabs(y_offset_current_) > kArrived * units_per_mm_)
-      return;
+    if (!xy_follows()) return;
     consumables_ = false;
     consumable_changing_ = false;
     hold_ = false;
@@ -784,7 +804,7 @@ class Plasmac final : public PlasmacMachine {
   }
   /// The offset of the torch's new place, and of the laser over it.
   void place_recovery() noexcept {
-    const double speed = step_of(requested_ * 0.5);
+    const double speed = step_of(cut_feed() * 0.5);
     if (laser_stage_ == 0 && laser_recovery_start_ != 0) {
       const double at_x = axis_x_position_ + laser_x_offset_ * scale_,
                    at_y = axis_y_position_ + laser_y_offset_ * scale_;
@@ -803,17 +823,18 @@ class Plasmac final : public PlasmacMachine {
     laser_recovery_state_ = laser_stage_;
   }
   void recovery_off() noexcept {
-    if (!xy_to(0.0, 0.0, step_counts(requested_))) return;
-    if (std::fabs(x_offset_current_) + std::fabs(y_offset_current_) > kArrived * units_per_mm_)
-      return;
+    if (!xy_to(0.0, 0.0, torch_ ? step_counts(cut_feed()) : step_of(cut_feed() * 0.5))) return;
+    if (!xy_follows()) return;
     recovering_ = false;
     cut_recovering_ = false;
     laser_stage_ = 0;
     laser_recovery_state_ = 0;
-    if (torch_ || (cut_recovery_ && !program_is_paused_)) {
+    if (cut_recovery_ && (torch_ || !program_is_paused_)) {
       hold_ = false;
       state_ = mode_ == 2 ? S::cut_mode_2 : S::cut_mode_01;
     } else {
+      // Taken back while the torch was on its way: a new cut begins here, and no torch burns until it pierces.
+      torch_off_now();
       state_ = stop_ == Stop::abort ? S::end_cut : S::idle;
     }
   }

@@ -41,16 +41,19 @@ class PlasmacMachine : public PlasmacPins {
   void read_voltage() noexcept {
     const double in = (arc_voltage_in_ - arc_voltage_offset_) * arc_voltage_scale_;
     volts_ = voltage_.follow(std::isfinite(in) ? in : 0.0, lowpass_frequency_, dt_);
-    if (std::fabs(volts_) <= zero_window_) volts_ = 0.0;
+    if (std::fabs(volts_) < zero_window_) volts_ = 0.0;
     arc_voltage_out_ = volts_;
   }
   void measure_feed() noexcept {
     feed_now_ = current_velocity_ * 60.0;
     current_feed_rate_ = feed_now_;
-    const bool runs = !program_is_idle_ && !was_idle_;
-    if (was_idle_ && !program_is_idle_) clear_times();
+    // A job begins in the cycle in which the program runs, and lasts through its pauses.
+    const bool goes_on = job_ && !program_is_idle_;
+    const bool runs = goes_on || (program_is_paused_ && !program_is_idle_);
+    if (!goes_on) job_ = program_is_running_ && !program_is_idle_;
+    if (job_ && !goes_on) clear_times();
     if (runs) run_time_ = run_time_.last() + dt_;
-    if (program_is_paused_) paused_time_ = paused_time_.last() + dt_;
+    if (program_is_paused_ && !program_is_idle_) paused_time_ = paused_time_.last() + dt_;
     if (runs && motion_type_ == 1) rapid_time_ = rapid_time_.last() + dt_;
   }
   void clear_times() noexcept {
@@ -61,6 +64,7 @@ class PlasmacMachine : public PlasmacPins {
     probe_time_ = 0.0;
     cut_time_ = 0.0;
     cut_length_ = 0.0;
+    pierces_ = 0;
   }
   [[nodiscard]] bool ignores_arc() const noexcept { return ignore_arc_ok_0_ || ignore_arc_ok_1_; }
   [[nodiscard]] bool in_cycle() const noexcept {
@@ -81,13 +85,14 @@ class PlasmacMachine : public PlasmacPins {
     bool ok = false;
     if (mode_ == 0) {
       if (torch_)
-        ok =
-            arc_.follow(volts_, arc_ok_low_, arc_ok_high_, ok_sample_threshold_, ok_sample_counts_);
+        ok = arc_.follow(volts_, arc_ok_low_, arc_ok_high_, ok_sample_threshold_, ok_sample_counts_,
+                         thc_active_.last());
       else
         arc_.off();
     } else {
       ok = arc_ok_in_;
     }
+    is_steady_ = torch_ && steady_.follow(volts_, thc_sample_threshold_, thc_sample_counts_);
     // A lost arc may come back.
     const bool was_missing = arc_missing_;
     arc_missing_ = torch_ && !ok && arc_lost_delay_ > 0.0 && (mode_ != 0 || arc_was_good_);
@@ -96,6 +101,19 @@ class PlasmacMachine : public PlasmacPins {
     arc_was_good_ = arc_good_;
     arc_ok_out_ = arc_good_;
   }
+
+  [[nodiscard]] double cut_feed() const noexcept {
+    return cut_feed_rate_ > 0.0 ? cut_feed_rate_.get()
+                                : feed_upm_ / std::max(gcode_scale_.get(), 1e-9);
+  }
+  void count_cut() noexcept {
+    cut_time_ = cut_time_.last() + dt_;
+    cut_length_ = cut_length_.last() + current_velocity_ * dt_;
+    requested_ = cut_feed();
+    requested_feed_rate_ = requested_;
+    adaptive_feed_ = feed_reduction_ > 0.0 ? std::clamp(feed_reduction_ * 0.01, 0.1, 1.0) : 1.0;
+  }
+  [[nodiscard]] bool at_speed() const noexcept { return feed_now_ > requested_ * kAtSpeed; }
 
   // Moves.
 
@@ -110,6 +128,15 @@ class PlasmacMachine : public PlasmacPins {
   [[nodiscard]] double counts(double units) const noexcept {
     return scale_ > 0.0 ? std::clamp(units / scale_, -2e9, 2e9) : 0.0;
   }
+  void move_z(double change) noexcept {
+    z_ = static_cast<std::int32_t>(std::clamp(z_ + change, -2e9, 2e9));
+  }
+  [[nodiscard]] bool probes_by_contact() const noexcept {
+    return ohmic_probe_enable_ && ohmic_tries_ < std::max<std::int32_t>(ohmic_max_attempts_, 1);
+  }
+  [[nodiscard]] bool probes_beside() const noexcept {
+    return probes_by_contact() && (offset_probe_x_ != 0.0 || offset_probe_y_ != 0.0);
+  }
   /// True when z has been there since the last cycle.
   bool z_to(double target, double units_per_minute) noexcept {
     const std::int64_t goal = static_cast<std::int32_t>(std::clamp(target, -2e9, 2e9)), now = z_;
@@ -123,6 +150,11 @@ class PlasmacMachine : public PlasmacPins {
   }
   bool z_settled(double target) noexcept {
     return z_to(target, setup_feed_rate_) && z_follows(kArrived * units_per_mm_);
+  }
+  [[nodiscard]] bool xy_follows() const noexcept {
+    return std::fabs(x_offset_current_ - x_ * scale_) +
+               std::fabs(y_offset_current_ - y_ * scale_) <=
+           kArrived * units_per_mm_;
   }
   bool xy_to(double x, double y, double step) noexcept {
     const double dx = x - x_, dy = y - y_, way = std::hypot(dx, dy);
@@ -158,11 +190,13 @@ class PlasmacMachine : public PlasmacPins {
   std::int32_t sense_cycles_{0}, ohmic_tries_{0}, hold_step_{0}, laser_stage_{0};
   bool sense_{false}, ohmic_on_{false}, ohmic_contact_{false}, touched_by_contact_{false};
   bool torch_{false}, hold_{false}, arc_good_{false}, arc_was_good_{false}, arc_missing_{false};
-  bool was_idle_{true}, first_{false}, spotting_{false}, testing_{false};
+  bool was_idle_{true}, is_steady_{false}, job_{false}, first_{false}, spotting_{false},
+      testing_{false};
   bool thc_allowed_{false}, begun_{false}, corner_lock_{false}, void_lock_{false}, waits_{false};
-  bool override_waits_{false}, skip_probe_{false}, consumables_{false}, recovering_{false};
-  bool bottom_{false}, aborted_{false}, found_{false}, sensor_told_{false}, arm_{false},
-      scribe_{false}, pulse_asked_{false};
+  bool override_waits_{false}, skip_probe_{false}, probed_{false}, consumables_{false},
+      recovering_{false};
+  bool bottom_{false}, aborted_{false}, aborted_when_off_{false}, was_cutting_{false},
+      found_{false}, sensor_told_{false}, arm_{false}, scribe_{false}, pulse_asked_{false};
 };
 
 }  // namespace kerf::components

@@ -33,8 +33,9 @@ class PlasmacPins : public hal::Component<Plasmac> {
       pin<hal::In<double>>("arc-voltage-offset", "arc-voltage-in at zero volts")};
   hal::In<double> arc_voltage_scale_{
       pin<hal::In<double>>("arc-voltage-scale", "Volts for one unit of arc-voltage-in")};
-  hal::In<bool> thc_auto_{pin<hal::In<bool>>(
-      "thc-auto", "True: height control begins when the voltage is steady, not after thc-delay")};
+  hal::In<bool> thc_auto_{pin<hal::In<bool>>("thc-auto",
+                                             "True, with use-auto-volts: height control begins "
+                                             "when the voltage is steady, not after thc-delay")};
   hal::In<double> axis_x_max_limit_{
       pin<hal::In<double>>("axis-x-max-limit", "From ini.x.max_limit")};
   hal::In<double> axis_x_min_limit_{

@@ -67,24 +67,28 @@ inline constexpr std::array<std::string_view, 27> kPlasmaStates{
     "plasmac: CUT_RECOVERY_OFF",
 };
 
-/// So many seconds, in cycles. @rt.
+/// So many seconds, in cycles; in single precision, which decides about the last cycle. @rt.
 class PlasmaTimer {
  public:
-  void set(double seconds) noexcept { left_s_ = seconds; }
+  void set(double seconds) noexcept { left_s_ = static_cast<float>(seconds); }
   /// One cycle goes by. True when the time is over.
   bool over(double dt) noexcept {
-    if (left_s_ <= 1e-9) return true;
-    left_s_ -= dt;
+    if (left_s_ <= 0.0F) return true;
+    count(dt);
     return false;
   }
   /// The same where the cycle that ends the time counts.
   bool ends(double dt) noexcept {
-    left_s_ -= dt;
-    return left_s_ <= 1e-9;
+    count(dt);
+    return left_s_ <= 0.0F;
   }
 
  private:
-  double left_s_{0.0};
+  void count(double dt) noexcept {
+    left_s_ = static_cast<float>(static_cast<double>(left_s_) - dt);
+  }
+
+  float left_s_{0.0F};
 };
 
 }  // namespace kerf::components

@@ -124,6 +124,45 @@ TEST(PlasmacTest, APausedProgramDoesNotRelightTheTorch) {
   EXPECT_NEAR(table.z, 30.0, 1e-9) << "all the way up";
 }
 
+TEST(PlasmacTest, ARecoveryTakenBackLightsNoTorchBeforeThePierce) {
+  Table table;
+  table.set("cutting-start", 1);
+  ASSERT_TRUE(table.reach(11));
+  table.set("program-is-running", 0);
+  table.set("program-is-paused", 1);
+  ASSERT_TRUE(table.reach(0));
+  table.set("x-offset", 1000);
+  table.set("cut-recovery", 1);
+  ASSERT_TRUE(table.reach(25));
+  table.set("program-is-paused", 0);
+  table.set("program-is-running", 1);
+  ASSERT_TRUE(table.reach(8));
+  ASSERT_TRUE(table.bit("torch-on"));
+  table.set("cut-recovery", 0);
+  ASSERT_TRUE(table.reach(0)) << "a new cut, as LinuxCNC";
+  for (int i = 0; i < 5000 && table.s32("state-out") < 7; ++i) {
+    ASSERT_FALSE(table.bit("torch-on")) << "in state " << table.s32("state-out");
+    table.cycle();
+  }
+  EXPECT_TRUE(table.reach(11));
+}
+
+TEST(PlasmacTest, TheVoltageOfACutThatWasSwitchedOffIsForgotten) {
+  Table table;
+  table.set("cutting-start", 1);
+  ASSERT_TRUE(table.reach(11));
+  table.set("current-velocity", 50.0);
+  for (int i = 0; i < 100; ++i) table.cycle();
+  ASSERT_NE(table.real("target-volts"), 0.0);
+  table.set("machine-is-on", 0);
+  table.cycle();
+  EXPECT_FALSE(table.bit("torch-on"));
+  table.set("machine-is-on", 1);
+  table.set("current-velocity", 0.0);
+  ASSERT_TRUE(table.reach(11));
+  EXPECT_EQ(table.real("target-volts"), 0.0);
+}
+
 TEST(PlasmacTest, ThePulseDoesNotRepeatWhileItIsAskedFor) {
   Table table;
   table.set("program-is-running", 0);
