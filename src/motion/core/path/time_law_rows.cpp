@@ -14,9 +14,10 @@ constexpr int kMostPerCubic = 16;
 /// Steps next to a stop: share of the way on which acceleration builds up, and of the piece: a later window is to have the same.
 constexpr double kRestShare = 0.1, kRestOfPiece = 1.0 / 40;
 /// A node nearer than this share of a step to the end of a stretch is left out.
-constexpr double kTooNear = 0.3;
-/// At the start from a moving state x may change by this share within the first step.
-constexpr double kFirstChange = 0.25;
+constexpr double kTooNear = 0.3, kNearHead = 0.03;
+/// At the start from a moving state x may change by this share within the first step; steps are halved there, so that an older law stays
+/// one that the new grid can express.
+constexpr double kFirstChange = 0.25, kFineGrowth = 0.5;
 
 /// By how much steps grow per length on straights and arcs, and how many there are at least.
 double growth_of(int fineness) noexcept {
@@ -135,7 +136,8 @@ void LawRows::divide(std::size_t k) noexcept {
   for (;;) {
     const double h = std::min(s.step, s.last + g * (s.to - back));
     const double ahead = std::min(s.step, s.first + g * (back - s.from));
-    if (back - h < s.from + kTooNear * h || (ahead < h && back < s.to)) break;
+    if (back - h < s.from + (k == 0 ? kNearHead : kTooNear) * h || (ahead < h && back < s.to))
+      break;
     if (!push_node(back)) return;
     back -= h;
   }
@@ -150,14 +152,21 @@ void LawRows::divide(std::size_t k) noexcept {
     if (!push_node(at)) return;
   }
   at = s.from;
-  for (std::size_t i = behind; i < nodes_.size(); ++i) {
-    push(k, at, nodes_[i]);
-    at = nodes_[i];
-  }
-  for (std::size_t i = behind; i-- > 0;) {
-    push(k, at, nodes_[i]);
-    at = nodes_[i];
-  }
+  const auto next = [&](double node) {
+    // The last one ends in even jerk, of which a part is nothing that the grid expresses.
+    const bool stops = k + 1 == used_ && node == s.to;
+    const double most = k > 0 || stops ? kNoLimit : fine_ + kFineGrowth * (at - s.from);
+    const double parts = std::ceil((node - at) / most - 1e-9), begin = at;
+    for (double p = 1; p < parts && room_; ++p) {
+      const double to = begin + (node - begin) * p / parts;
+      push(k, at, to);
+      at = to;
+    }
+    push(k, at, node);
+    at = node;
+  };
+  for (std::size_t i = behind; i < nodes_.size(); ++i) next(nodes_[i]);
+  for (std::size_t i = behind; i-- > 0;) next(nodes_[i]);
 }
 
 void LawRows::choose_steps(double x0, double u0) noexcept {
@@ -188,6 +197,7 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
     if (k > 0) s.first = joint(stretches_[k - 1]);
     if (k + 1 < n) s.last = joint(stretches_[k + 1]);
   }
+  fine_ = kNoLimit;
   LawStretch &head = stretches_[0], &tail = stretches_[n - 1];
   const auto at_rest = [&](const LawStretch& s, double at) {
     straight_limits(s.piece, at, limits_, acc, jerk);
@@ -196,7 +206,7 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
   if (x0 <= 0)
     head.first = at_rest(head, head.from);
   else
-    head.first = std::min(head.step, kFirstChange * x0 / std::max(2 * std::abs(u0), 1e-99));
+    fine_ = kFirstChange * x0 / std::max(2 * std::abs(u0), 1e-99);
   tail.last = at_rest(tail, tail.to);
 }
 

@@ -111,6 +111,7 @@ class LawRows {
   std::size_t expected_{0};
   std::size_t used_{0};  ///< stretches of the window
   double way_{kNoLimit}, widest_{kNoLimit};
+  double fine_{kNoLimit};  ///< widest step at the start of the first stretch
   bool room_{true};
 };
 
