@@ -115,13 +115,13 @@ Piece circle(double x, double y, double radius, double from, double sweep) {
 }
 
 struct Met {
-  double bend{0}, off{0}, reach{0}, gap{0};
+  double bend{0}, jerk{0}, off{0}, reach{0}, gap{0};
 };
 
-/// Two arcs of radius 4 that meet at the origin with a kink.
-Met meeting(double kink, bool jerks, double tolerance = kP) {
+/// Two arcs of radius 4 that meet at the origin with a kink; `turns`: the second one turns to the other side.
+Met meeting(double kink, bool jerks, double tolerance, bool turns) {
   const Piece a = circle(0, -4, 4, kPi / 2 + 1, -1);
-  Piece b = circle(4 * std::sin(-kink), -4 * std::cos(kink), 4, kPi / 2 + kink, -1);
+  Piece b = turns ? circle(0, 0, 4, kink - kPi / 2, 1) : circle(0, 0, 4, kPi / 2 + kink, -1);
   JunctionSettings settings;
   settings.tolerance = {tolerance, tolerance};
   settings.reach_a = settings.reach_b = 2;
@@ -146,6 +146,7 @@ Met meeting(double kink, bool jerks, double tolerance = kP) {
       const Vec programmed = u + s < 0 ? a.point(a.length + u + s) : b.point(u + s);
       met.off = std::max(met.off, norm3(p.point(s) - programmed, 0));
       met.bend = std::max(met.bend, max_abs(p.second(s)));
+      met.jerk = std::max(met.jerk, max_abs(p.third(s)));
     }
     u += p.length;
     end = p.point(p.length);
@@ -158,19 +159,26 @@ Met meeting(double kink, bool jerks, double tolerance = kP) {
 
 TEST(Blends, ArcsThatMeetAreWithinToleranceAndWithoutAGap) {
   for (const bool jerks : {false, true})
-    for (const double kink : {-2.8, -1.6, -0.8, -0.3, -0.05, 0.001, 0.1, 0.4, 1.2, 2.2, 3.0}) {
-      SCOPED_TRACE("kink " + std::to_string(kink));
-      const Met met = meeting(kink, jerks);
-      EXPECT_GT(met.reach, 0);
-      EXPECT_LE(met.off, kP + 1e-9);
-      EXPECT_LE(met.gap, 1e-9);
-    }
+    for (const bool turns : {false, true})
+      for (const double kink :
+           {-2.8, -1.6, -0.8, -0.3, -0.05, -0.003, 0.001, 0.01, 0.1, 0.4, 1.2, 2.2, 3.0})
+        for (const double tolerance : {0.003, kP}) {
+          SCOPED_TRACE("kink " + std::to_string(kink) + " P " + std::to_string(tolerance));
+          const Met met = meeting(kink, jerks, tolerance, turns);
+          EXPECT_GT(met.reach, 0);
+          EXPECT_LE(met.off, tolerance + 1e-9);
+          EXPECT_LE(met.gap, 1e-9);
+        }
 }
 
 TEST(Blends, AShallowKinkBetweenArcsSwingsOutToBendLess) {
-  const Met swung = meeting(0.3, false, 0.005), cut = meeting(0.3, true, 0.005);
-  EXPECT_LE(swung.bend, 0.75 * cut.bend);
-  EXPECT_GE(swung.reach, 1.5 * cut.reach);
+  const double kink = 0.3, p = 0.005;
+  const Met bent = meeting(kink, false, p, false), eased = meeting(kink, true, p, false);
+  // Parabola and triangle of q'' on the inside: half-widths 4 P and 6 P over the kink.
+  EXPECT_LE(bent.bend, 0.75 * kink * kink / (8 * p));
+  EXPECT_GE(bent.reach, 2 * 4 * p / kink);
+  EXPECT_LE(eased.jerk, 0.5 * kink * kink * kink / (36 * p * p));
+  EXPECT_GE(eased.reach, 2 * 6 * p / kink);
 }
 
 }  // namespace

@@ -3,17 +3,25 @@
 #include <algorithm>
 #include <array>
 
+#include "motion/core/path/boxes.hpp"
 #include "motion/core/path/reach.hpp"
 
 namespace kerf::motion::path {
 namespace {
 
 constexpr double kShrinkStep = 0.9;
-/// Half-width of the middle span as a share of the whole: nearly the least acceleration that a blend can have.
-constexpr double kPlateau = 0.5;
+/// Of three spans: the half-width of the middle one as a share of the whole; and how much of the kink is taken from both of its ends to the vertex,
+/// times l. The latter lets the blend swing out before and behind the vertex, with jerk as even as in a triangle.
+struct Shape {
+  double plateau{0}, swing{0};
+};
+/// Nearly the least acceleration that a blend can have.
+constexpr Shape kEven{0.5, 0};
+/// With jerk limits the one that is passed fastest is taken. The last ones need 0.6 and 0.3 of a triangle's jerk.
+constexpr Shape kJerkShapes[] = {{0.1, 0}, {0.3, 0}, {0.88, 0.751}, {0.82, 1.071}};
 constexpr int kMaxRounds = 150;
-constexpr int kSamples = 6;  ///< of the deviation, in each of the four pieces
-/// Between samples the deviation may be larger by this share (a cubic against an arc, eight samples a side).
+constexpr int kSamples = 12;  ///< of the deviation, in each of the four pieces
+/// Between samples the deviation may be larger by this share (a cubic against an arc).
 constexpr double kAim = 0.98;
 constexpr double kOutside = 1.5;  ///< a share that only makes the blend smaller
 
@@ -27,11 +35,11 @@ constexpr std::size_t kPerPiece = 2, kPerSide = 4;
 using Blend = std::array<Piece, 4>;
 
 /// The pieces for half-width l, from u = -l to +l.
-Blend three_spans(const Piece& a, const Piece& b, double l) noexcept {
+Blend three_spans(const Piece& a, const Piece& b, double l, const Shape& shape) noexcept {
   const double sa = a.length - l;
   const Vec q0 = a.point(sa), t0 = a.first(sa), c0 = a.second(sa);
   const Vec q1 = b.point(l), t1 = b.first(l), c1 = b.second(l);
-  const double s1 = (1.0 - kPlateau) * l, s2 = 2.0 * kPlateau * l;
+  const double s1 = (1.0 - shape.plateau) * l, s2 = 2.0 * shape.plateau * l;
   // q'' is c0, m1, m2, c1 at the knots and linear between them. Unknown m1, m2 from
   //   area:   integral of q'' = t1 - t0
   //   moment: integral of (l - u) q'' = q1 - q0 - 2 l t0
@@ -49,21 +57,25 @@ Blend three_spans(const Piece& a, const Piece& b, double l) noexcept {
     m1[i] = (area * mom2 - moment * area1) / det;
     m2[i] = (moment * area1 - area * mom1) / det;
   }
+  const Vec kink = b.first(0) - a.first(a.length);
+  Vec middle = (m1 + m2) * 0.5;
+  middle.add(shape.swing / (l * shape.plateau), kink);
+  m1.add(-shape.swing / l, kink);
+  m2.add(-shape.swing / l, kink);
+  const Vec bends[] = {c0, m1, middle, m2, c1};
+  const double lengths[] = {s1, s2 / 2, s2 / 2, s1};
   Blend out;
-  const auto span = [](const Vec& q, const Vec& t, const Vec& c, const Vec& next, double length) {
-    Piece p;
-    p.length = length;
+  Vec q = q0, t = t0;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    Piece& p = out[i];
+    p.length = lengths[i];
     p.a = q;
     p.b = t;
-    p.c = c;
-    p.d = (next - c) * (1.0 / length);
-    return p;
-  };
-  out[0] = span(q0, t0, c0, m1, s1);
-  const Piece middle = span(out[0].point(s1), out[0].first(s1), m1, m2, s2);
-  out[1] = part_of(middle, 0, s2 / 2);
-  out[2] = part_of(middle, s2 / 2, s2);
-  out[3] = span(middle.point(s2), middle.first(s2), m2, c1, s1);
+    p.c = bends[i];
+    p.d = (bends[i + 1] - bends[i]) * (1.0 / lengths[i]);
+    q = p.point(p.length);
+    t = p.first(p.length);
+  }
   return out;
 }
 
@@ -207,11 +219,11 @@ double passing_time(const Piece& a, const Piece& b, const Blend& blend, double l
   return seconds;
 }
 
-double three_span_blend(const Piece& a, const Piece& b, const JunctionSettings& settings,
-                        Blend& out) noexcept {
+double three_span_blend(const Piece& a, const Piece& b, const Shape& shape,
+                        const JunctionSettings& settings, Blend& out) noexcept {
   double l = std::min(settings.reach_a, settings.reach_b);
   for (int round = 0; round < kMaxRounds && l > 1e-9; ++round, l *= kShrinkStep) {
-    out = three_spans(a, b, l);
+    out = three_spans(a, b, l, shape);
     const double share = worst_share(out, a, b, l, settings);
     if (share <= kAim) {
       set_feeds(out, a, b);
@@ -228,7 +240,19 @@ double three_span_blend(const Piece& a, const Piece& b, const JunctionSettings& 
 double blend_junction(const Piece& a, const Piece& b, const JunctionSettings& settings,
                       Buffer<Piece>& out) noexcept {
   Blend best;
-  double l = three_span_blend(a, b, settings, best);
+  double l = three_span_blend(a, b, kEven, settings, best);
+  if (settings.limits.jerks) {
+    double fastest = l > 0 ? even_speed(best.data(), best.size(), settings.limits) : 0;
+    for (const Shape& shape : kJerkShapes) {
+      Blend blend;
+      const double reach = three_span_blend(a, b, shape, settings, blend);
+      const double speed = reach > 0 ? even_speed(blend.data(), blend.size(), settings.limits) : 0;
+      if (speed <= fastest) continue;
+      fastest = speed;
+      best = blend;
+      l = reach;
+    }
+  }
   const Vec kink = b.first(0) - a.first(a.length);
   if (!settings.limits.jerks && max_abs(kink) > kShallow) {
     const double reach = std::min(settings.reach_a, settings.reach_b);
