@@ -549,13 +549,6 @@ void Core::synchronize(const ExternalState& external) {
   sync = SyncReason::none;
 }
 
-/// A stop in the midst of G5.2 ... G5.3 ends that block: its first control points are gone.
-void Core::drop_nurbs() {
-  if (state.nurbs_points == 0) return;
-  state.nurbs_points = 0;
-  state.motion = -1;
-}
-
 void Core::abort() {
   repeats.left = 0;
   compensation.drop();
@@ -566,26 +559,13 @@ void Core::abort() {
     Frame& f = flows.frames[0];
     f.go_to({s->end_offset(), f.place.line + s->drop_from(f.place.offset)});
   }
-  drop_nurbs();
+  store().drop_nurbs();
   state.percent_file = false;
 }
 
 void Core::restore(const ModalState& before) {
-  const bool percent = state.percent_file;
-  state = before;
-  state.percent_file = percent;
-  drop_nurbs();
-  // The tool no longer stands beside a path.
+  store().restore(before);
   compensation.drop();
-  state.cutter_comp = 400;
-  params.begin();
-  params.set(kCoordSystem, before.coord_system);
-  params.set(kG92Applied, before.g92_applied ? 1 : 0);
-  if (before.g92_applied) params.set_pose(kG92Offset, before.frame.g92(), settings.machine_unit_mm);
-  const int base = kG5xOffset + 20 * (before.coord_system - 1);
-  params.set_pose(base, before.frame.g5x(), settings.machine_unit_mm);
-  params.set(base + 9, before.frame.rotation_deg());
-  params.begin();
 }
 
 void Core::init() {

@@ -17,6 +17,7 @@
 #include "interp/dialect.hpp"
 #include "interp/dialects/compat.hpp"
 #include "interp/interpreter.hpp"
+#include "interp/modal_store.hpp"
 #include "interp/parameters.hpp"
 #include "interp/parser.hpp"
 #include "interp/predefined.hpp"
@@ -337,7 +338,8 @@ class Core {
   void begin_flow();
   void save_modes();
   void undo_block();
-  void drop_nurbs();
+  /// What an abort may write of the state: no way leads from it to `canon`.
+  [[nodiscard]] ModalStore store() { return {state, params, settings.machine_unit_mm}; }
   bool set_error(std::size_t at, bool known, const char* help, const char* format,
                  std::va_list args);
 

@@ -146,6 +146,8 @@ class Soak {
       if (i % 100 == 0) m_.cycle();
     }
     m_.run_for(0.1);
+    // The parameter file is there from the first end of a program on.
+    EXPECT_EQ(m_.run_text("M2\n").state, task::CommandState::done) << m_.errors();
   }
   Operator& anyone() {
     return *operators_[static_cast<std::size_t>(dice_.below(static_cast<int>(operators_.size())))];
