@@ -28,7 +28,7 @@ class Limit3 final : public hal::Component<Limit3> {
   hal::In<double> max_{pin<hal::In<double>>("max", "Highest value of out", 1e20)};
   hal::In<double> maxv_{pin<hal::In<double>>("maxv", "Most that out may change in a second", 1e20)};
   hal::In<double> maxa_{
-      pin<hal::In<double>>("maxa", "Most that the rate of change may change in a second", 1e20)};
+      pin<hal::In<double>>("maxa", "Most that the rate of change may change in a second", 1e7)};
   hal::In<std::uint32_t> smooth_steps_{
       pin<hal::In<std::uint32_t>>("smooth-steps", "Accepted; out comes to rest without this", 2)};
 

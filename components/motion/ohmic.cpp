@@ -27,10 +27,10 @@ class Ohmic final : public hal::Component<Ohmic> {
       pin<hal::In<double>>("velocity-in", "Frequency measured by the encoder input [Hz]")};
   hal::In<double> volt_divider_{
       pin<hal::In<double>>("volt-divider", "Voltage at the torch for one volt at the card", 4.9)};
-  hal::In<double> ohmic_threshold_{
-      pin<hal::In<double>>("ohmic-threshold", "Voltage from which ohmic-on becomes true [V]", 18)};
+  hal::In<double> ohmic_threshold_{pin<hal::In<double>>(
+      "ohmic-threshold", "Voltage from which ohmic-on becomes true [V]", 22.0)};
   hal::In<double> ohmic_low_{
-      pin<hal::In<double>>("ohmic-low", "Voltage below which ohmic-on becomes false [V]", 5)};
+      pin<hal::In<double>>("ohmic-low", "Voltage below which ohmic-on becomes false [V]", 21.0)};
   hal::Out<bool> arc_on_{pin<hal::Out<bool>>("arc-on", "True while the card is at full scale")};
   hal::Out<double> thcad_volts_{pin<hal::Out<double>>("thcad-volts", "Voltage at the card [V]")};
   hal::Out<double> ohmic_volts_{pin<hal::Out<double>>("ohmic-volts", "Voltage at the torch [V]")};

@@ -37,8 +37,8 @@ class Thcud final : public hal::Component<Thcud> {
       pin<hal::Out<bool>>("removing-offset", "True while the offset is taken back")};
   hal::Param<double> velocity_tol_{param<hal::Param<double>>(
       "velocity-tol", "Missing part of the requested speed that does not count [percent]", 0.0)};
-  hal::Param<double> correction_vel_{
-      param<hal::Param<double>>("correction-vel", "Change of the offset in a call", 0.0)};
+  hal::In<double> correction_vel_{
+      pin<hal::In<double>>("correction-vel", "Change of the offset in a call", 0.0)};
   TorchOffset offset_;
 
   void update(const hal::Period&) noexcept {
