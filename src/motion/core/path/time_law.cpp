@@ -16,12 +16,16 @@ constexpr std::size_t kLeastIntervals = 8;
 constexpr double kSameAcc = 1e-6;
 /// Shares of the limits that are used up from a moving state when less did not do.
 constexpr double kEdgeAcc = 1.0001, kEdgeJerk = 1.002;
-constexpr int kRounds = 4;
 /// A stop is looked for within this many times the way of a stop on a straight, as a way down to these shares of x.
 constexpr double kStopWays = 2.5;
-constexpr double kCrawls[] = {1e-3, 1e-2};
+constexpr double kCrawls[] = {1e-2, 1e-3};
 /// Steps of that way; where the crawl begins, and how much farther than an even jerk from there would stop.
-constexpr double kStopSteps = 24, kNearlyStill = 0.05, kStopRoom = 1.2, kStopMore = 1.1;
+constexpr double kStopSteps = 24, kNearlyStill = 0.05, kStopRoom = 1.2;
+/// Ends that are tried, relative to that one.
+constexpr double kStopEnds[] = {1.0, 1.1, 1.3, 1.6};
+/// Windows this many times as long as a stop on a straight end soon enough; attempts at each of them.
+constexpr double kStopHere = 1.3;
+constexpr int kStopRounds = 2;
 /// A wish below this share of the start's x is far.
 constexpr double kFarBelow = 0.5;
 /// From rest the guess is made feasible from this attempt on.
@@ -219,7 +223,7 @@ TimeLaw::Result TimeLaw::attempt(const Start& start) noexcept {
   // Far above a wish: first something that keeps the limits, then braking.
   waits = lowest < kFarBelow * start.x;
   LawNewton::Aim aim;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < rounds_; ++round) {
     const bool patient = waits == (round % 2 == 0);
     newton_.begin(rows_, start.x, start.u, patient);
     guess_nodes(start, given && round < 2, patient);
@@ -290,6 +294,12 @@ TimeLaw::Result TimeLaw::solve_stop(const Start& start) noexcept {
   // Down to a crawl as soon as limits allow; this, or the law that ends where the crawl begins, whichever stands first.
   const double straight = stop_way(start);
   int used = 0;
+  if (rows_.whole_way() < kStopHere * straight) {
+    // The window ends about as soon as anything could.
+    if (solve(start) == Result::ok) return Result::ok;
+    used = iterations_;
+    iterations_ = 0;
+  }
   const auto within = [&](double way, double crawl) {
     rows_.shorten(way, straight / kStopSteps);
     if (!rows_.make(start.x, start.u, kLeastIntervals)) return false;
@@ -300,6 +310,7 @@ TimeLaw::Result TimeLaw::solve_stop(const Start& start) noexcept {
     return ok;
   };
   bool found = false;
+  rounds_ = kStopRounds;
   for (const double way : {kStopWays * straight, kNoLimit})
     for (const double crawl : kCrawls) found = found || within(way, crawl);
   if (found) {
@@ -315,7 +326,7 @@ TimeLaw::Result TimeLaw::solve_stop(const Start& start) noexcept {
     kept_.clear();
     for (const LawStep& s : law_) kept_.push_back(s);
     const double least = seconds_;
-    for (const double more : {1.0, kStopMore})
+    for (const double more : kStopEnds)
       if (within(more * end, 0)) break;
     if (seconds_ > least) {
       law_.clear();
@@ -323,6 +334,7 @@ TimeLaw::Result TimeLaw::solve_stop(const Start& start) noexcept {
       seconds_ = least;
     }
   }
+  rounds_ = kRounds;
   rows_.shorten(kNoLimit, kNoLimit);
   const Result result = found ? Result::ok : solve(start);
   iterations_ += used;

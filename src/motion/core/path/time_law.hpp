@@ -94,6 +94,8 @@ class TimeLaw {
   double next_guess_{0}, seconds_{0};
   int iterations_{0};
   int round_{0};  ///< the attempt that succeeded
+  static constexpr int kRounds = 4;
+  int rounds_{kRounds};  ///< attempts before a window is given up
 };
 
 }  // namespace kerf::motion::path

@@ -76,6 +76,12 @@ class LawRows {
     for (LawInterval& in : intervals_) in.wish = x < in.cap ? std::min(in.wish, x) : in.wish;
   }
 
+  /// Of all that was added.
+  [[nodiscard]] double whole_way() const noexcept {
+    double way = 0;
+    for (const LawStretch& s : stretches_) way += s.end - s.from;
+    return way;
+  }
   [[nodiscard]] std::size_t size() const noexcept { return intervals_.size(); }
   [[nodiscard]] const LawInterval& operator[](std::size_t i) const noexcept {
     return intervals_[i];
