@@ -101,7 +101,8 @@ void note(Tally& tally, TimeLaw& law, TimeLaw::Result result, double solver_s,
           const std::vector<motion::PathSpan>& spans, const path::AxisLimits& limits) {
   ++tally.laws;
   tally.iterations += law.iterations();
-  tally.intervals += static_cast<long>(law.intervals());
+  tally.intervals +=
+      static_cast<long>(result == TimeLaw::Result::ok ? law.law().size() : law.intervals());
   tally.solver_s += solver_s;
   if (result != TimeLaw::Result::ok) return;
   ++tally.ok;
@@ -259,6 +260,42 @@ TEST(TimeLaw, StopsSoon) {
     EXPECT_LE(stops.peaks.gap, 1e-9);
   }
   EXPECT_GE(all.ok, 0.95 * all.laws);
+}
+
+TEST(TimeLaw, TakesShortWindowsAndAxesWithoutLimits) {
+  Heap heap;
+  TimeLaw law;
+  ASSERT_TRUE(law.create(heap, 300));
+  for (const double length : {1e-4, 0.01, 1.0, 300.0})
+    for (const double jerk : {50'000.0, path::kNoLimit}) {
+      SCOPED_TRACE(std::to_string(length) + " mm, jerk " + std::to_string(jerk));
+      path::AxisLimits limits;
+      for (std::size_t j = 0; j < rtapi::kAxes; ++j)
+        limits.vel[j] = 200, limits.acc[j] = 1750, limits.jerk[j] = jerk;
+      limits.jerks = true;
+      const path::Piece piece = path::straight_piece({}, {{0.6, 0.8}}, length, {});
+      law.begin(limits);
+      ASSERT_TRUE(law.add(7, piece, 0, length, length, 1e4, path::kNoLimit, 1));
+      ASSERT_EQ(law.solve({}), TimeLaw::Result::ok);
+      double way = 0;
+      for (const LawStep& step : law.law()) {
+        way += step.length;
+        EXPECT_EQ(step.span, 7U);
+        EXPECT_NEAR(step.left, length - way, 1e-9 * length);
+      }
+      EXPECT_NEAR(way, length, 1e-9 * length);
+      // Never less than the axes' accelerations and the cap take.
+      EXPECT_GE(law.seconds(), 0.999 * std::max(length / 100, 2 * std::sqrt(length / 2187.5)));
+      EXPECT_LE(law.seconds(), 1.3 * (length / 100 + 0.2 + std::sqrt(length)));
+    }
+  // No room is said, and nothing there is no law.
+  path::AxisLimits limits;
+  law.begin(limits);
+  EXPECT_EQ(law.solve({}), TimeLaw::Result::failed);
+  bool fits = true;
+  const path::Piece piece = path::straight_piece({}, {{1}}, 1, {});
+  for (int k = 0; k < 400 && fits; ++k) fits = law.add(0, piece, 0, 1, 1, 1e4, 1e4, 1);
+  EXPECT_FALSE(fits);
 }
 
 }  // namespace

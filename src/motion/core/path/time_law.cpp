@@ -159,6 +159,8 @@ void TimeLaw::round_off() noexcept {
   for (std::size_t i = 1; i < n; ++i) {
     rows_.straightest(i, acc, jerk);
     const double wide = kRounding * acc / jerk * std::sqrt(x_[i]);
+    // Without a jerk limit it may jump.
+    if (!(acc < kNoLimit && jerk < kNoLimit)) continue;
     const double h = std::min({wide, way_[i] / 2, (way_[n] - way_[i]) / 2});
     const double mean = (integral(high, way_[i] + h) - integral(low, way_[i] - h)) / (2 * h);
     x_[i] = std::min(x_[i], mean);

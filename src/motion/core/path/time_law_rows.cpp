@@ -52,7 +52,9 @@ Derivatives derivatives(const Piece& piece, double s0, double s1) noexcept {
 }
 
 /// The way on which a start reaches the largest acceleration.
-double rise(double acc, double jerk) noexcept { return acc * acc * acc / (6 * jerk * jerk); }
+double rise(double acc, double jerk) noexcept {
+  return acc < kNoLimit && jerk < kNoLimit ? acc * acc * acc / (6 * jerk * jerk) : kNoLimit;
+}
 
 }  // namespace
 
