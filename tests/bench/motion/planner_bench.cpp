@@ -155,7 +155,11 @@ int overridden(const std::vector<Entry>& entries, std::uint64_t seed) {
       worst.acc = std::max(worst.acc, r.acc);
       if (e.program.machine != bench::Machine::lathe) worst.jerk = std::max(worst.jerk, r.jerk);
       worst.cycles += r.cycles;
-      bad += within(r, e.program) ? 0 : 1;
+      if (!within(r, e.program)) {
+        ++bad;
+        std::printf("%s: v %.5f a %.5f j %.5f, off %.6f, faults %zu  PASSED A LIMIT\n",
+                    e.program.name.c_str(), r.vel, r.acc, r.jerk, r.deviation, r.faults);
+      }
     }
     std::printf(
         "\nFeed override 5 to 200 %% at random, limited in %s: %zu cycles, largest shares v %.5f a "

@@ -17,18 +17,14 @@ struct Shape {
 };
 /// Nearly the least acceleration that a blend can have.
 constexpr Shape kEven{0.5, 0};
-/// With jerk limits the one that is passed fastest is taken. The last ones need 0.6 and 0.3 of a triangle's jerk.
-constexpr Shape kJerkShapes[] = {{0.1, 0}, {0.3, 0}, {0.88, 0.751}, {0.82, 1.071}};
+/// The last ones need 0.6 and 0.3 of a triangle's jerk, and 0.9 and 0.7 of the acceleration of an even one.
+constexpr Shape kShapes[] = {{0.1, 0}, {0.3, 0}, {0.88, 0.751}, {0.82, 1.071}};
 constexpr int kMaxRounds = 150;
 constexpr int kSamples = 12;  ///< of the deviation, in each of the four pieces
 /// Between samples the deviation may be larger by this share (a cubic against an arc).
 constexpr double kAim = 0.98;
 constexpr double kOutside = 1.5;  ///< a share that only makes the blend smaller
 
-/// Shares of the largest swing to the outside that are tried.
-constexpr double kSwings[] = {0, 0.35, 0.7, 1};
-/// Kinks below this are left to the three spans.
-constexpr double kShallow = 1e-6;
 /// What is looked at of arcs beside a blend, and how finely blends and they are divided.
 constexpr std::size_t kPerPiece = 2, kPerSide = 4;
 
@@ -101,78 +97,6 @@ double worst_share(const Blend& blend, const Piece& a, const Piece& b, double l,
   return worst;
 }
 
-/// D of the header: +k within a, -k from there to b, with a = e + 1/(2k) and b = 2e + 1/(2k). At the vertex it is 1/(8k) - k e^2, outside
-/// -k e^2 at most.
-struct Swing {
-  double k{0}, a{0}, b{0};
-
-  [[nodiscard]] double off(double u) const noexcept {
-    const double to_a = std::max(a - std::abs(u), 0.0), to_b = std::max(b - std::abs(u), 0.0);
-    return k * (to_a * to_a - to_b * to_b / 2);
-  }
-  [[nodiscard]] double slope(double u) const noexcept {
-    const double to_a = std::max(a - std::abs(u), 0.0), to_b = std::max(b - std::abs(u), 0.0);
-    return (u < 0 ? 1 : -1) * k * (2 * to_a - to_b);
-  }
-};
-
-/// Reaching `reach` at most and off by `most` at most, with a share of the largest swing.
-Swing swing_of(double reach, double most, double share) noexcept {
-  // With l = b: 1/(2k) = l - 2e; e = l/4 makes both sides alike, off by l/16.
-  const auto at_vertex = [](double l, double e) {
-    const double half = l - 2 * e;
-    return half / 4 - e * e / (2 * half);
-  };
-  double l = reach, e = 0;
-  if (at_vertex(l, 0) > most) {
-    // e = l s/4 for a share s; what is off then grows evenly with l.
-    l = std::min(l, most / at_vertex(1, share / 4));
-    double low = 0, high = l / 4;
-    for (int i = 0; i < 40; ++i) {
-      e = (low + high) / 2;
-      (at_vertex(l, e) > most ? low : high) = e;
-    }
-    e = high;
-  }
-  Swing out;
-  out.k = 0.5 / (l - 2 * e);
-  out.a = l - e;
-  out.b = l;
-  return out;
-}
-
-/// The programmed path plus the kink times D, as cubics between their ends.
-Blend swung(const Piece& a, const Piece& b, const Swing& swing) noexcept {
-  const Vec kink = b.first(0) - a.first(a.length);
-  const double inner = swing.b - swing.a > 0.05 * swing.b ? swing.a : swing.b / 2;
-  const double at[] = {-swing.b, -inner, 0, inner, swing.b};
-  Blend out;
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const bool before = i < 2;
-    const auto point = [&](double u) {
-      Vec q = before ? a.point(a.length + u) : b.point(u);
-      q.add(swing.off(u), kink);
-      return q;
-    };
-    const auto first = [&](double u) {
-      Vec d = before ? a.first(a.length + u) : b.first(u);
-      // At the vertex the side counts.
-      d.add(u == 0 ? (before ? 0.5 : -0.5) : swing.slope(u), kink);
-      return d;
-    };
-    const double h = at[i + 1] - at[i];
-    const Vec q0 = point(at[i]), q1 = point(at[i + 1]), d0 = first(at[i]), d1 = first(at[i + 1]);
-    const Vec chord = (q1 - q0) * (1 / h);
-    Piece& p = out[i];
-    p.length = h;
-    p.a = q0;
-    p.b = d0;
-    p.c = (chord * 3.0 - d0 * 2.0 - d1) * (2 / h);
-    p.d = (d0 + d1 - chord * 2.0) * (6 / (h * h));
-  }
-  return out;
-}
-
 void set_feeds(Blend& blend, const Piece& a, const Piece& b) noexcept {
   for (std::size_t i = 0; i < blend.size(); ++i) blend[i].feed = i < 2 ? a.feed : b.feed;
 }
@@ -239,35 +163,24 @@ double three_span_blend(const Piece& a, const Piece& b, const Shape& shape,
 
 double blend_junction(const Piece& a, const Piece& b, const JunctionSettings& settings,
                       Buffer<Piece>& out) noexcept {
+  // Without jerk limits the time that it takes to come, pass and go counts, with them the speed (boxes are passed evenly).
+  const double reach = std::min(settings.reach_a, settings.reach_b);
+  const auto cost = [&](const Blend& blend, double l) {
+    return settings.limits.jerks ? -even_speed(blend.data(), blend.size(), settings.limits)
+                                 : passing_time(a, b, blend, l, reach, settings.limits);
+  };
   Blend best;
   double l = three_span_blend(a, b, kEven, settings, best);
-  if (settings.limits.jerks) {
-    double fastest = l > 0 ? even_speed(best.data(), best.size(), settings.limits) : 0;
-    for (const Shape& shape : kJerkShapes) {
-      Blend blend;
-      const double reach = three_span_blend(a, b, shape, settings, blend);
-      const double speed = reach > 0 ? even_speed(blend.data(), blend.size(), settings.limits) : 0;
-      if (speed <= fastest) continue;
-      fastest = speed;
-      best = blend;
-      l = reach;
-    }
-  }
-  const Vec kink = b.first(0) - a.first(a.length);
-  if (!settings.limits.jerks && max_abs(kink) > kShallow) {
-    const double reach = std::min(settings.reach_a, settings.reach_b);
-    double least = l > 0 ? passing_time(a, b, best, l, reach, settings.limits) : kNoLimit;
-    for (const double share : kSwings) {
-      const Swing swing = swing_of(reach, kAim * kAim / settings.tolerance.share(kink), share);
-      Blend blend = swung(a, b, swing);
-      if (worst_share(blend, a, b, swing.b, settings) > kAim) continue;
-      set_feeds(blend, a, b);
-      const double seconds = passing_time(a, b, blend, swing.b, reach, settings.limits);
-      if (seconds >= least) continue;
-      least = seconds;
-      best = blend;
-      l = swing.b;
-    }
+  double least = l > 0 ? cost(best, l) : kNoLimit;
+  for (const Shape& shape : kShapes) {
+    Blend blend;
+    const double taken = three_span_blend(a, b, shape, settings, blend);
+    if (!(taken > 0)) continue;
+    const double found = cost(blend, taken);
+    if (found >= least) continue;
+    least = found;
+    best = blend;
+    l = taken;
   }
   if (l > 0)
     for (const Piece& p : best) out.push_back(p);

@@ -1,10 +1,8 @@
-// Junction: the blend between two pieces of which at least one is an arc or a spline.
+// Junction: the blend between two pieces of which at least one is an arc or a spline: a cubic of three spans that takes over position,
+// direction and curvature from both sides. For two straights it is the trapezoid of smoothing.hpp.
 //
-// With jerk limits a cubic of three spans that takes over position, direction and curvature from both sides; for two straights it is the
-// trapezoid of smoothing.hpp. Without them curvature may jump, and there are more to choose from: the programmed path plus the
-// kink times D, D'' being even pieces of +k around the vertex and -k on both sides of them. Without the latter D is a parabola on the inside;
-// with them the curve swings out before and behind the vertex, uses both sides of the tolerance and bends half as hard on four times the way. The one that is
-// passed in the least time is taken: shallow kinks gain from swinging out, sharp ones do not, as the speed has to be low all along.
+// Of several shapes the one that is passed fastest is taken. Some swing out before and behind the vertex, so that both sides of the tolerance are
+// used: they bend less on more of the way, which pays where the kink is shallow.
 #pragma once
 
 #include "motion/core/path/buffer.hpp"
