@@ -135,8 +135,8 @@ class Plasmac final : public PlasmacMachine {
         fail(breakaway_      ? "breakaway switch activated, program is paused"
              : float_switch_ ? "float switch activated, program is paused"
                              : "ohmic probe activated, program is paused");
-      } else if (cuts() && torch_enable_ && !torch_off_ && !arc_good_ && !ignores_arc() &&
-                 !mesh_enable_ && !recovering_) {
+      } else if (state_ >= S::pierce_delay && torch_enable_ && !torch_off_ && !arc_good_ &&
+                 !ignores_arc() && !mesh_enable_ && !recovering_) {
         fail("valid arc lost, program is paused");
       } else if (thc_active_.last() && mode_ != 2 && low_cut_volts_ > 0 &&
                  volts_ < low_cut_volts_) {
@@ -740,7 +740,6 @@ class Plasmac final : public PlasmacMachine {
   void scribing() noexcept {
     if (!scribe_start_) {
       arm_ = scribe_ = false;
-      hold_ = hold_ && program_is_idle_ && !was_idle_;
       state_ = S::idle;
     } else if (program_is_paused_) {
       arm_ = scribe_ = false;

@@ -157,9 +157,9 @@ class Run:
     def without_program(self):
         rng, at = self.rng, 5
         while at < 110:
-            what = rng.choice(["pulse", "ohmic", "probe", "scribe", "hand", "spot", "out"][0 if self.spots else 1:])
+            what = rng.choice(["pulse", "ohmic", "probe", "scribe", "hand", "out"])
             pin = {"pulse": "plasmac.torch-pulse-start", "ohmic": "plasmac.ohmic-test", "probe": "plasmac.probe-test",
-                   "scribe": "plasmac.scribe-start", "hand": START, "spot": "plasmac.spotting-start",
+                   "scribe": "plasmac.scribe-start", "hand": START, 
                    "out": rng.choice(["plasmac.offset-set-probe", "plasmac.offset-set-scribe"])}[what]
             end = self.for_a_while(at, pin, 1, 0, 4 if what == "pulse" else 35)
             self.disturb(rng.randint(at, end + 3))
@@ -196,8 +196,8 @@ class Run:
                 self.do(at + rng.randint(0, 3), start, 1)
             else:
                 at = self.for_a_while(when, "plasmac.machine-is-on", 0, 1)
-                self.do(when, IDLE, 1)
-                self.do(when, start, 0)
+                self.do(when + 1, IDLE, 1)
+                self.do(when + 1, start, 0)
             at += 1
 
     def pause(self, when):
@@ -227,8 +227,8 @@ class Run:
                 end = at
             at = end + rng.randint(1, 20)
         if rng.random() < 0.25:
-            self.do(at, IDLE, 1)
-            self.do(at, START, 0)
+            self.do(at - 1, IDLE, 1)
+            self.do(at - 1, START, 0)
         at -= rng.choice([0, 0, 0, 5])
         self.for_a_while(at, RESUME, 1, 0, 1)
         return at
@@ -236,7 +236,7 @@ class Run:
     def disturb(self, when):
         rng = self.rng
         pin, value, after = rng.choice([
-            (VOLTS, 0, 100), (VOLTS, 0, 100), (VOLTS, 62, 100), (VOLTS, 105, 98), (VOLTS, 97, 101), (VOLTS, 300, 100), (VOLTS, 130, 100),
+            (VOLTS, 2, 100), (VOLTS, 2, 100), (VOLTS, 62, 100), (VOLTS, 105, 98), (VOLTS, 97, 101), (VOLTS, 300, 100), (VOLTS, 130, 100),
             ("plasmac.breakaway", 1, 0), (FLOAT, 1, 0), ("or2.3.in1", 1, 0), ("plasmac.torch-off", 1, 0), ("plasmac.torch-enable", 0, 1),
             ("plasmac.thc-disable", 1, 0), ("plasmac.thc-enable", 0, 1), ("plasmac.mesh-enable", 1, 0), ("plasmac.ignore-arc-ok-1", 1, 0),
             ("plasmac.height-override", 5, -3), (SPEED, 20, 50), ("plasmac.feed-reduction", 50, 0), ("plasmac.move-up", 1, 0),
