@@ -55,6 +55,7 @@ class Port {
 
   /// Reader. Copies the next `count` bytes, all or none, and leaves them there.
   [[nodiscard]] bool peek(char* out, std::uint32_t count) const noexcept {
+    if (header_ == nullptr) return count == 0;
     if (count > readable()) return false;
     if (count == 0) return true;
     const std::uint32_t at = place(header_->read.get());
