@@ -41,7 +41,7 @@ class Plasmac final : public PlasmacMachine {
     allow_height_control();
     if (!cuts() && state_ != S::paused_motion) adaptive_feed_ = 1.0;
     watch_program();
-    if (!machine_is_on_) torch_off_now();
+    if (!machine_is_on_ && program_is_idle_) torch_off_now();
     if (torch_) torch_time_ = torch_time_.last() + dt_;
     watch_arc();
     if (machine_is_on_)
@@ -153,7 +153,6 @@ class Plasmac final : public PlasmacMachine {
     laser_recovery_state_ = 0;
     paused_motion_ = false;
     program_resume_ = false;
-    adaptive_feed_ = 1.0;
     stop_ = Stop::none;
     z_ = 0;
     x_ = y_ = 0.0;
