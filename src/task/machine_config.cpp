@@ -64,6 +64,7 @@ class SetupReader {
         static_cast<std::int32_t>(r_.integer("KERF", "STALE_FEEDBACK_WINDOW"));
     out_.setup.check_limits = r_.boolean("KERF", "CHECK_LIMITS");
     out_.setup.motion.path_check = r_.boolean("KERF", "PATH_CHECK");
+    out_.setup.motion.time_laws = r_.boolean("KERF", "TIME_LAWS");
     out_.setup.journal = r_.string("KERF", "JOURNAL");
     safe_state();
     out_.diagnostics = r_.complaints();

@@ -189,6 +189,12 @@ constexpr Key kKerfRows[] = {
         .otherwise("0")
         .read_by(By::task)
         .own(),
+    boolean("TIME_LAWS",
+            "with jerk limits the planner works out the speed along the path ahead of the servo; "
+            "no: the servo looks ahead itself, slower on curves")
+        .otherwise("1")
+        .read_by(By::task)
+        .own(),
     text("JOURNAL",
          "file of what was executed last, for `kerf resume` after a loss of power "
          "(docs/journal.md); "

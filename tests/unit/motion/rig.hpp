@@ -93,7 +93,6 @@ struct Rig {
     config.traj_max_ang_vel_deg_s = 1e6;
     config.max_feed_override = 1.5;
     config.path_check = true;
-    config.time_laws = std::getenv("KERF_LAWS") != nullptr;
     for (auto& j : config.joint) {
       j.min_limit = -1000;
       j.max_limit = 1000;

@@ -7,8 +7,8 @@ namespace kerf::motion {
 namespace {
 
 constexpr std::size_t kNone = Laws::kSlots;
-/// A child begins so long after where the servo is: a law takes milliseconds to make.
-constexpr double kLead = 0.015;
+/// A child begins so long after where the servo is: a law takes milliseconds to make. Longer after one that came too late.
+constexpr double kLead = 0.010, kMostLead = 0.080, kMoreLead = 1.5, kLessLead = 0.9;
 /// Moments from which a stop is ready.
 constexpr double kStopLead = 0.006, kStopEvery = 0.010;
 /// Intervals of a window that may go on beyond what it has to reach, and at most.
@@ -248,9 +248,11 @@ void LawMaker::follow(std::size_t running, const LawPlace& at) noexcept {
   for (std::size_t i = 0; i < Laws::kSlots; ++i) {
     const LawKey& key = laws_.law[i].key;
     if (info_[i].state != State::there || key.parent != info.number) continue;
-    if (info_[i].begins <= now)
+    if (info_[i].begins <= now) {
+      if (key.kind == LawKey::Kind::go)
+        lead_ = std::min(std::max(lead_, kLead) * kMoreLead, kMostLead);
       take_back(i);
-    else if (key.kind == LawKey::Kind::go)
+    } else if (key.kind == LawKey::Kind::go)
       child = i;
   }
   const bool stops = law.key.kind == LawKey::Kind::stop;
@@ -275,7 +277,7 @@ void LawMaker::make_child(std::size_t running, double now) noexcept {
   const std::size_t slot = free_slot();
   LawKey key;
   Place place;
-  const double begins = now + kLead;
+  const double begins = now + std::clamp(lead_, kLead, kMostLead);
   if (slot == kNone || !locate(running, begins, key, place)) return;
   key.kind = LawKey::Kind::go;
   const bool stops = laws_.law[running].key.kind == LawKey::Kind::stop;
@@ -284,6 +286,7 @@ void LawMaker::make_child(std::size_t running, double now) noexcept {
       !solved(solver_.solve(place.start), counts_.children, counts_.children_failed))
     return;
   publish(slot, key, window).begins = begins;
+  lead_ *= kLessLead;
 }
 
 void LawMaker::make_stop(std::size_t running, double now, double before) noexcept {

@@ -1,7 +1,7 @@
 // LawMaker: makes time laws ahead of the servo where jerk is limited, and takes them back (laws.hpp). Pure arithmetic in memory that it got at load time.
 //
 // One law is ahead at most: the child of the one that runs, or the one from rest where the path will stand or stands. It is made anew when more path has
-// come, or when the feed that is wanted has changed; then it begins kLead after where the servo is. Besides there are laws that stop, from
+// come, or when the feed that is wanted has changed; then it begins some milliseconds after where the servo is, more of them while laws come too late. Besides there are laws that stop, from
 // moments kStopEvery apart, so that a hold begins within 20 ms.
 #pragma once
 
@@ -103,6 +103,7 @@ class LawMaker {
   path::AxisLimits limits_;
   FeedScale scale_;
   double stop_s_{0};
+  double lead_{0};  ///< s
   std::uint64_t numbers_{0}, first_{0}, next_{0};
   Counts counts_;
   bool on_{false}, single_step_{false}, busy_{false};
