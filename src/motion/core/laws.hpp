@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "motion/api/shared.hpp"
 #include "motion/core/path/time_law.hpp"
-#include "rtapi/sync/cell.hpp"
 
 namespace kerf::motion {
 
