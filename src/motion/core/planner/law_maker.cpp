@@ -19,6 +19,8 @@ constexpr std::size_t kMost = Law::kSteps * 3 / 4;
 constexpr double kShare = 0.4, kStopTimes = 2;
 /// What follows a stop is made ready so long before.
 constexpr double kRestAhead = 0.25;
+/// Of place (sigma), and of speed and acceleration as a share.
+constexpr double kSamePlace = 1e-9, kSameSpeed = 1e-9;
 /// After a law that was not found.
 constexpr double kRetry = 0.010;
 /// Of the estimated way to stop.
@@ -95,6 +97,8 @@ bool LawMaker::locate(std::size_t running, double t, LawKey& key, Place& place) 
       t -= step.seconds;
       continue;
     }
+    // About to rest there is nothing left to change.
+    if (step.kind == path::LawStep::Kind::stop) return false;
     const path::LawState state = path::at(step, t);
     key.index = static_cast<std::uint32_t>(i);
     key.seconds = t;
@@ -177,12 +181,24 @@ LawMaker::Info& LawMaker::publish(std::size_t slot, const LawKey& key,
   return info;
 }
 
-bool LawMaker::solved(path::TimeLaw::Result result, std::uint64_t& all,
+/// The solver vouches for all of its law but for what it was told of where the law begins.
+bool LawMaker::begins_at(const Place& place) const noexcept {
+  const path::LawStep& first = solver_.law().front();
+  const path::LawState state = path::at(first, 0);
+  const double v = std::sqrt(place.start.x);
+  return first.span == place.span &&
+         std::abs(first.left + first.length - place.left) <= kSamePlace &&
+         std::abs(state.speed - v) <= kSameSpeed * (1 + v) &&
+         (place.start.x <= 0 ||
+          std::abs(state.acc - place.start.u) <= kSameSpeed * (1 + std::abs(place.start.u)));
+}
+
+bool LawMaker::solved(path::TimeLaw::Result result, const Place& place, std::uint64_t& all,
                       std::uint64_t& failed) noexcept {
   ++all;
   counts_.intervals += solver_.intervals();
   counts_.iterations += static_cast<std::uint64_t>(solver_.iterations());
-  if (result == path::TimeLaw::Result::ok) return true;
+  if (result == path::TimeLaw::Result::ok && begins_at(place)) return true;
   ++failed;
   return false;
 }
@@ -210,7 +226,7 @@ void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t runni
   const bool filled = fill({span, left, {}}, span, 0, window);
   // A single straight from rest to rest is driven in the least time by ramps; and what no law was found for is driven as well as boxes can.
   if (!filled || (window.straight && window.final) ||
-      !solved(solver_.solve({}), counts_.rests, counts_.rests_failed))
+      !solved(solver_.solve({}), {span, left, {}}, counts_.rests, counts_.rests_failed))
     key.kind = LawKey::Kind::boxes;
   publish(slot, key, window);
 }
@@ -283,7 +299,7 @@ void LawMaker::make_child(std::size_t running, double now) noexcept {
   const bool stops = laws_.law[running].key.kind == LawKey::Kind::stop;
   Window window;
   if (!fill(place, stops ? place.span : info_[running].last_span, 0, window) ||
-      !solved(solver_.solve(place.start), counts_.children, counts_.children_failed))
+      !solved(solver_.solve(place.start), place, counts_.children, counts_.children_failed))
     return;
   publish(slot, key, window).begins = begins;
   lead_ *= kLessLead;
@@ -302,7 +318,7 @@ void LawMaker::make_stop(std::size_t running, double now, double before) noexcep
   key.kind = LawKey::Kind::stop;
   Window window;
   if (!fill(place, place.span, std::sqrt(place.start.x), window) ||
-      !solved(solver_.solve_stop(place.start), counts_.stops, counts_.stops_failed))
+      !solved(solver_.solve_stop(place.start), place, counts_.stops, counts_.stops_failed))
     return;
   publish(slot, key, window).begins = begins;
 }

@@ -90,7 +90,8 @@ class LawMaker {
   [[nodiscard]] bool fill(const Place& place, std::uint64_t at_least, double stop_from,
                           Window& out) noexcept;
   Info& publish(std::size_t slot, const LawKey& key, const Window& window) noexcept;
-  [[nodiscard]] bool solved(path::TimeLaw::Result result, std::uint64_t& all,
+  [[nodiscard]] bool begins_at(const Place& place) const noexcept;
+  [[nodiscard]] bool solved(path::TimeLaw::Result result, const Place& place, std::uint64_t& all,
                             std::uint64_t& failed) noexcept;
   [[nodiscard]] const Stretch& stretch(std::uint64_t n) const noexcept {
     return stretch_[n % kSpans];
