@@ -197,6 +197,7 @@ TimeLaw::Result TimeLaw::solve(const Start& start) noexcept {
   if (!rests) {
     if (!rows_.make(start.x, start.u, 1)) return Result::full;
     if (is_last_stop(start)) {
+      newton_.begin(rows_, start.x, start.u, false);
       write(start);
       return Result::ok;
     }

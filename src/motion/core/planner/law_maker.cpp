@@ -19,6 +19,8 @@ constexpr std::size_t kMost = Law::kSteps * 3 / 4;
 constexpr double kShare = 0.4, kStopTimes = 2;
 /// What follows a stop is made ready so long before.
 constexpr double kRestAhead = 0.25;
+/// A law that ends within so many times the least stop needs no stop beside it.
+constexpr double kSoonAtRest = 1.5;
 /// Of place (sigma), and of speed and acceleration as a share.
 constexpr double kSamePlace = 1e-9, kSameSpeed = 1e-9;
 /// After a law that was not found.
@@ -130,7 +132,7 @@ bool LawMaker::fill(const Place& place, std::uint64_t at_least, double stop_from
     if (!(wish > 0) && !first && stop_from <= 0) break;
     const double x = std::min(wish > 0 ? wish : s.speed.cap, s.speed.cap);
     const double seconds = s.length / std::sqrt(x);
-    const int fineness = seconds < kDense ? 1 : seconds < kMiddling ? 2 : 4;
+    const int fineness = stop_from > 0 || seconds < kDense ? 1 : seconds < kMiddling ? 2 : 4;
     const double end = s.from + s.length;
     if (!solver_.add(n, s.piece, end - left, end, end, s.speed.cap,
                      wish > 0 ? wish : path::kNoLimit, fineness))
@@ -305,6 +307,16 @@ void LawMaker::make_child(std::size_t running, double now) noexcept {
   lead_ *= kLessLead;
 }
 
+/// What a stop takes at least from there: on a straight with all that the axes have.
+double LawMaker::least_stop(const Place& place) const noexcept {
+  const Stretch& s = stretch(place.span);
+  const path::Vec slope = s.piece.first(s.from + s.length - place.left);
+  double acc = path::kNoLimit;
+  for (std::size_t i = 0; i < path::kAxes; ++i)
+    if (slope[i] != 0) acc = std::min(acc, limits_.acc[i] / std::abs(slope[i]));
+  return std::sqrt(place.start.x) / acc;
+}
+
 void LawMaker::make_stop(std::size_t running, double now, double before) noexcept {
   Info& info = info_[running];
   const double begins = std::max({info.stop_tried + kStopEvery, now + kStopLead, kStopLead / 2});
@@ -315,6 +327,8 @@ void LawMaker::make_stop(std::size_t running, double now, double before) noexcep
   Place place;
   if (slot == kNone || !locate(running, begins, key, place)) return;
   info.stop_tried = begins;
+  // About to end in rest anyway.
+  if (info.total - begins < kSoonAtRest * least_stop(place)) return;
   key.kind = LawKey::Kind::stop;
   Window window;
   if (!fill(place, place.span, std::sqrt(place.start.x), window) ||

@@ -78,6 +78,7 @@ class LawMaker {
   void stand(const LawPlace& at) noexcept;
   void follow(std::size_t running, const LawPlace& at) noexcept;
   void make_child(std::size_t running, double now) noexcept;
+  [[nodiscard]] double least_stop(const Place& place) const noexcept;
   void make_stop(std::size_t running, double now, double before) noexcept;
   [[nodiscard]] bool locate(std::size_t running, double t, LawKey& key,
                             Place& place) const noexcept;
