@@ -32,7 +32,7 @@ const Law* LawRunner::child(bool stand, double& until) const noexcept {
     const LawKey& key = law.key;
     if (key.parent != number_ || key.index != index_) continue;
     const bool takes = key.kind == LawKey::Kind::go || (key.kind == LawKey::Kind::stop && stand);
-    if (!takes || key.seconds < seconds_ || key.seconds > until) continue;
+    if (!takes || key.seconds < seconds_ - Law::kSameMoment || key.seconds > until) continue;
     // Where both begin at once, standing counts.
     const bool stops = found != nullptr && found->key.kind == LawKey::Kind::stop;
     if (stops && key.seconds == until) continue;

@@ -31,6 +31,8 @@ struct LawKey {
 
 struct Law {
   static constexpr std::size_t kSteps = 1024;
+  /// Moments as near as this are one (s): cycles often end just where a law begins.
+  static constexpr double kSameMoment = 1e-9;
 
   /// 0: nothing to be taken. Published after all else of the law is written; what a law says stays as it is until no cycle can read it any more.
   rtapi::Word<std::uint64_t> number{0};

@@ -128,7 +128,7 @@ TEST(PathProperty, AnyProgramKeepsLimitsAndPathAndReachesItsEnd) {
 }
 
 TEST(PathProperty, WithJerkLimitsToo) {
-  const int count = test::property_count(200);
+  const int count = test::property_count(25);
   for (int i = 1; i <= count; ++i) {
     run_program(static_cast<unsigned>(i), false, true);
     if (HasFatalFailure() || HasNonfatalFailure()) break;

@@ -105,6 +105,16 @@ TEST_F(Runner, ChangesOverAtTheMomentOfAChildAndToAStopOnlyToStand) {
   }
 }
 
+TEST_F(Runner, ACycleThatEndsWhereAChildBeginsTakesIt) {
+  set(1, 2, child(LawKey::Kind::go, 0, 0.02 - 1e-12), {to_rest(7, 8, 0, 100)});
+  ASSERT_EQ(runner.start(7, 10), LawRunner::Way::law);
+  for (int i = 0; i < 2; ++i) (void)runner.run(7, false, 0.01);
+  (void)runner.run(7, false, 0.001);
+  LawPlace place;
+  runner.place(place);
+  EXPECT_EQ(place.number, 2U);
+}
+
 TEST_F(Runner, WhatIsTakenBackOrMissedIsNotTaken) {
   set(1, 2, child(LawKey::Kind::go, 0, 0.02), {to_rest(7, 8, 0, 100)});
   ASSERT_EQ(runner.start(7, 10), LawRunner::Way::law);

@@ -130,7 +130,8 @@ bool LawMaker::fill(const Place& place, std::uint64_t at_least, double stop_from
     const double wish = wanted_x(s.speed, scale_);
     // It will stand before what is wanted to stand.
     if (!(wish > 0) && !first && stop_from <= 0) break;
-    const double x = std::min(wish > 0 ? wish : s.speed.cap, s.speed.cap);
+    // At the programmed feed: how slow it is driven now says nothing of how the path bends.
+    const double x = std::min(std::max(wish, s.speed.feed_cap), s.speed.cap);
     const double seconds = s.length / std::sqrt(x);
     const int fineness = stop_from > 0 || seconds < kDense ? 1 : seconds < kMiddling ? 2 : 4;
     const double end = s.from + s.length;
@@ -266,7 +267,7 @@ void LawMaker::follow(std::size_t running, const LawPlace& at) noexcept {
   for (std::size_t i = 0; i < Laws::kSlots; ++i) {
     const LawKey& key = laws_.law[i].key;
     if (info_[i].state != State::there || key.parent != info.number) continue;
-    if (info_[i].begins <= now) {
+    if (info_[i].begins < now - Law::kSameMoment) {
       if (key.kind == LawKey::Kind::go)
         lead_ = std::min(std::max(lead_, kLead) * kMoreLead, kMostLead);
       take_back(i);
