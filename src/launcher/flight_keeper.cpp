@@ -183,7 +183,7 @@ std::string FlightKeeper::new_estop() {
   place_ = motion.pos_cmd;
   was_busy_ = is_on && (!task.idle || motion.jogging || motion.homing_active || spins);
   was_on_ = is_on;
-  if (!estop || !stopped_something) return {};
+  if (closing_ || !estop || !stopped_something) return {};
   const std::uint64_t newest = task_->messages.newest.observe();
   task::OperatorMessage message;
   if (newest > 0 && task_->messages.slot[newest % task::MessageLog::kSlots].read(message) &&

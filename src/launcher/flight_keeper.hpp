@@ -42,6 +42,8 @@ class FlightKeeper {
   [[nodiscard]] rtapi::Result<std::string> keep(const std::string& why, const std::string& text);
   /// Tells motion of the pins that exist by now; what is wrong with those that do not.
   [[nodiscard]] std::vector<std::string> choose_pins();
+  /// From now on the machine is stopped by its own end: that estop is none to keep a record of.
+  void closing() { closing_ = true; }
   /// A fault that look() has seen and not written yet.
   [[nodiscard]] bool pending() const { return looks_left_ > 0; }
   /// The disk has not taken the last one yet, or nobody was told of it.
@@ -63,6 +65,7 @@ class FlightKeeper {
   motion::FlightRecord* record_{nullptr};
   std::uint64_t seen_{0};
   int looks_left_{0};
+  bool closing_{false};
   std::string why_, text_;
   task::TaskShared* task_{nullptr};
   bool was_on_{false}, was_busy_{false};

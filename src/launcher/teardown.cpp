@@ -22,6 +22,7 @@ void Session::tear_down(const StopReason& reason) {
   if (segment_ == nullptr) return;
   // No file is written while outputs wait for their safe values.
   const std::unique_ptr<FlightKeeper> flights = std::move(flights_);
+  if (flights != nullptr) flights->closing();
   segment_->begin_end();
   console_.end_progress();
   if (clock_ != nullptr) {

@@ -244,6 +244,8 @@ TEST(LoadCycle, NothingGrowsInRtapiApp) {
     ::setenv("KERF_SUPERVISOR_FD", std::to_string(ends[1]).c_str(), 1);
     // One arena: otherwise resident memory depends on which thread of the host ended first.
     ::setenv("MALLOC_ARENA_MAX", "1", 1);
+    // Large blocks go back to the system at once; else they stay in the heap after the first of them has.
+    ::setenv("MALLOC_MMAP_THRESHOLD_", "131072", 1);
     ::execl(bin.c_str(), bin.c_str(), "--instance", instance.c_str(), nullptr);
     ::_exit(127);
   }
