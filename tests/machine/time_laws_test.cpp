@@ -1,0 +1,128 @@
+// A machine with jerk limits, driven as operators do: overrides, pauses and aborts while its path follows time laws.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "harness/machine.hpp"
+
+namespace kerf::harness {
+namespace {
+
+constexpr double kJerk = 20000;  // mm/s3
+constexpr double kPeriod = 0.001;
+
+/// Once round a flower, in short lines, and back over arcs.
+std::string program() {
+  std::string out = "G21 G90 G54 G64 P0.01 F6000\nG0 X60 Y60 Z-10\n";
+  char text[80];
+  for (int i = 0; i <= 300; ++i) {
+    const double t = i * 0.02, r = 40 * (1 + 0.1 * std::sin(5 * t));
+    std::snprintf(text, sizeof text, "G1 X%.3f Y%.3f\n", 60 + r * std::cos(t),
+                  60 + r * std::sin(t));
+    out += text;
+  }
+  return out + "G2 X60 Y20 R40\nG3 X40 Y20 R12\nG1 X20 Y10\nM2\n";
+}
+
+class TimeLawsMachine : public testing::Test {
+ protected:
+  void start(bool laws = true) {
+    MachineOptions options;
+    options.replace = {
+        {"MAX_LINEAR_VELOCITY = 120", "MAX_LINEAR_VELOCITY = 120\nMAX_LINEAR_JERK = 20000"},
+        {"[KERF]\n",
+         std::string("[KERF]\nPATH_CHECK = yes\nTIME_LAWS = ") + (laws ? "1\n" : "0\n")}};
+    m = Machine::start(options);
+    ASSERT_TRUE(m->ready()) << m->errors();
+    ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+    m->on_cycle([this](const motion::MotionStatus& s) {
+      for (int j = 0; j < 3; ++j) {
+        double* p = before[j];
+        const double third = s.joint[j].pos_cmd - 3 * p[0] + 3 * p[1] - p[2];
+        if (++seen > 9) jerk = std::max(jerk, std::abs(third) / (kPeriod * kPeriod * kPeriod));
+        p[2] = p[1], p[1] = p[0], p[0] = s.joint[j].pos_cmd;
+      }
+    });
+  }
+  [[nodiscard]] bool stands() const { return m->motion().vel_mm_s == 0; }
+
+  std::unique_ptr<Machine> m;
+  double before[3][3]{};
+  int seen{0};
+  double jerk{0};
+};
+
+TEST_F(TimeLawsMachine, TakeLessTimeThanLookingAheadInTheServo) {
+  double seconds[2];
+  for (const bool laws : {false, true}) {
+    start(laws);
+    const auto begun = m->now();
+    const auto reply = m->run_text(program());
+    ASSERT_EQ(reply.state, task::CommandState::done) << reply.text << m->errors();
+    seconds[laws ? 1 : 0] = static_cast<double>(m->now() - begun) * 1e-9;
+    EXPECT_EQ(m->errors(), "");
+    EXPECT_NEAR(m->joint(0), 20, 1e-9);
+    EXPECT_NEAR(m->joint(1), 10, 1e-9);
+    EXPECT_LE(jerk, kJerk * 1.01);
+    jerk = 0, seen = 0;
+    m.reset();
+  }
+  EXPECT_LT(seconds[1], 0.95 * seconds[0]);
+  std::printf("with laws %.3f s, without %.3f s\n", seconds[1], seconds[0]);
+}
+
+TEST_F(TimeLawsMachine, KeepLimitsAndPathUnderAnOperatorsHands) {
+  start();
+  std::mt19937_64 random(5);
+  for (int run = 0; run < 3; ++run) {
+    const auto id = m->start_program(m->write_program(program()));
+    bool paused = false;
+    for (int i = 0; i < 400 && m->outcome(id).state != task::CommandState::done; ++i) {
+      m->run_for(0.02 + 0.001 * static_cast<double>(random() % 60));
+      if (m->outcome(id).state == task::CommandState::done) break;
+      switch (random() % 4) {
+        case 0:
+          m->send(
+              {"feed-override", std::to_string(0.02 + 0.01 * static_cast<double>(random() % 118))});
+          break;
+        case 1:
+          m->send({paused ? "resume" : "pause"});
+          paused = !paused;
+          break;
+        default: break;
+      }
+    }
+    if (paused) m->send({"resume"});
+    m->send({"feed-override", "1"});
+    EXPECT_TRUE(
+        m->run_until([&] { return m->outcome(id).state == task::CommandState::done; }, 600));
+    EXPECT_NEAR(m->joint(0), 20, 1e-9);
+  }
+  EXPECT_EQ(m->errors(), "");
+  EXPECT_LE(jerk, kJerk * 1.01);
+}
+
+TEST_F(TimeLawsMachine, AnAbortAtAnyMomentStandsSoonAndNothingIsLeft) {
+  start();
+  std::mt19937_64 random(6);
+  for (int run = 0; run < 10; ++run) {
+    (void)m->start_program(m->write_program(program()));
+    m->run_for(0.3 + 0.001 * static_cast<double>(random() % 6000));
+    (void)m->abort();
+    EXPECT_TRUE(m->run_until([&] { return stands(); }, 0.5)) << "run " << run;
+    const double x = m->joint(0), y = m->joint(1);
+    EXPECT_TRUE(m->mdi(m->line_to_shown_place())) << m->errors();
+    EXPECT_NEAR(m->joint(0), x, 1e-9);
+    EXPECT_NEAR(m->joint(1), y, 1e-9);
+  }
+  EXPECT_EQ(m->errors(), "");
+  EXPECT_LE(jerk, kJerk * 1.01);
+}
+
+}  // namespace
+}  // namespace kerf::harness
