@@ -37,6 +37,7 @@ bool LawMaker::create(path::Memory& memory) noexcept {
 }
 
 void LawMaker::configure(const path::AxisLimits& limits, bool on, double longest_stop_s) noexcept {
+  forget();  // made for other limits
   limits_ = limits;
   on_ = on;
   stop_s_ = longest_stop_s;
