@@ -6,6 +6,8 @@ namespace kerf::motion {
 namespace {
 /// Intervals passed in one cycle. The rest of the cycle is lost beyond that, not the path.
 constexpr int kStepsPerCycle = 64;
+/// A span ends where its law says so, not where rounding leaves nothing of it: the last bit of a stop takes its time (sigma).
+constexpr double kNotYet = 1e-12;
 }  // namespace
 
 LawRunner::Way LawRunner::start(std::uint64_t span, double left) noexcept {
@@ -88,7 +90,7 @@ LawRunner::Moved LawRunner::run(std::uint64_t span, bool stand, double dt) noexc
   }
   const path::LawStep& step = law_->step[index_];
   out.state = path::at(step, seconds_);
-  out.left = step.left + (step.length - out.state.s);
+  out.left = std::max(step.left + (step.length - out.state.s), kNotYet);
   return out;
 }
 

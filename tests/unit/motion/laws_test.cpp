@@ -105,6 +105,17 @@ TEST_F(Runner, ChangesOverAtTheMomentOfAChildAndToAStopOnlyToStand) {
   }
 }
 
+TEST_F(Runner, ASpanLastsAsLongAsItsLaw) {
+  ASSERT_EQ(runner.start(7, 10), LawRunner::Way::law);
+  (void)runner.run(7, false, 0.1);
+  auto m = runner.run(8, false, 0.05 + 0.03 * (1 - 1e-9));
+  EXPECT_FALSE(m.span_ended);
+  EXPECT_GT(m.left, 0);
+  EXPECT_TRUE(runner.on());
+  m = runner.run(8, false, 0.001);
+  EXPECT_TRUE(m.span_ended && m.rests);
+}
+
 TEST_F(Runner, ACycleThatEndsWhereAChildBeginsTakesIt) {
   set(1, 2, child(LawKey::Kind::go, 0, 0.02 - 1e-12), {to_rest(7, 8, 0, 100)});
   ASSERT_EQ(runner.start(7, 10), LawRunner::Way::law);
