@@ -94,7 +94,7 @@ struct MachineConfig {
   bool adaptive_reverses{true};       ///< below 0 it runs the path backwards
   bool lost_heartbeat_is_off{false};  ///< drives off at once, without the controlled stop before
   bool path_check{false};             ///< [KERF]PATH_CHECK: Fault::limit_path is looked for
-  bool time_laws{true};               ///< [KERF]TIME_LAWS: the planner makes laws for jerk-limited paths
+  bool time_laws{true};  ///< [KERF]TIME_LAWS: the planner makes laws for jerk-limited paths
   OverrunPolicy overrun{OverrunPolicy::warn};
   std::int32_t reserved3{0};
   double overrun_periods{3};  ///< so long after the cycle before, `overrun` acts

@@ -47,7 +47,8 @@ void tell_planner(PlannerLink& link, const ServoView& view, ServoView& last) noe
               view.place != last.place || view.takes_moves != last.takes_moves ||
               view.config_version != last.config_version || view.config_wish != last.config_wish ||
               !(view.scale == last.scale) || view.law.number != last.law.number ||
-              view.law.rest_span != last.law.rest_span || view.law.stands != last.law.stands || view.single_step != last.single_step;
+              view.law.rest_span != last.law.rest_span || view.law.stands != last.law.stands ||
+              view.single_step != last.single_step;
   // Until the planner has answered: it may not have been able to read the wish.
   wake = wake || (view.config_wish != 0 && link.parked.observe() != view.config_wish);
   if (waits == Planner::Waits::room) wake = wake || link.spans.size() <= SpanRing::capacity() / 2;
