@@ -6,33 +6,18 @@
 #include <vector>
 
 #include "bench/motion/families.hpp"
-#include "property/motion/random_program.hpp"
+#include "property/motion/drive.hpp"
 
 namespace kerf::motion {
 namespace {
 
-using test::Rig;
-
-/// A program on the reference machine, with or without laws.
-struct Drive {
-  explicit Drive(const bench::Program& p, bool laws, double jerk = 50000)
-      : program(p), rig({0, 1, 2, 3}) {
-    bench::reference_machine(rig.config);
-    for (auto& j : rig.config.joint) j.max_jerk = jerk;
-    rig.config.max_feed_override = 2;
-    rig.config.time_laws = laws;
-    rig.apply_config();
-    rig.ready();
-  }
+/// With or without laws.
+struct Drive : test::Drive {
+  Drive(const bench::Program& moves, bool laws, double jerk = 50000)
+      : test::Drive(moves, jerk, laws) {}
   void cycle() {
-    while (next < program.items.size() && rig.push(program.items[next])) ++next;
-    rig.cycle();
-    oracle.watch(rig);
+    test::Drive::cycle();
     by_law += rig.controller->view().law.number != 0 ? 1 : 0;
-  }
-  [[nodiscard]] bool done() const {
-    return next == program.items.size() && rig.status().executed_seq >= rig.seq &&
-           rig.status().path_empty;
   }
   template <class F>
   int run_until(F&& until, int most = 400000) {
@@ -46,7 +31,7 @@ struct Drive {
   int finish() {
     return run_until([&] { return done(); });
   }
-  [[nodiscard]] bool stands() const { return rig.status().vel_mm_s == 0; }
+  [[nodiscard]] bool stands() const { return speed() == 0; }
   void expect_limits() const {
     EXPECT_LE(oracle.vel, 1.0001);
     EXPECT_LE(oracle.acc, 1.001);
@@ -54,10 +39,6 @@ struct Drive {
     for (const auto& f : rig.faults) ADD_FAILURE() << "fault " << static_cast<int>(f.fault);
   }
 
-  bench::Program program;
-  Rig rig;
-  test::Oracle oracle;
-  std::size_t next{0};
   int by_law{0};
 };
 
@@ -121,7 +102,8 @@ TEST(TimeLaws, AHoldBeginsSoonAndWhatIsLeftIsDriven) {
 }
 
 TEST(TimeLaws, WithoutAPlannerTheRunningLawEndsInRest) {
-  Drive d(curves()[0], true);
+  const bench::Program program = curves()[0];
+  Drive d(program, true);
   for (int i = 0; i < 400; ++i) d.cycle();
   d.rig.plan = false;
   ASSERT_GT(d.run_until([&] { return d.stands(); }, 3000), 0);

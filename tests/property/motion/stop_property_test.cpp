@@ -9,7 +9,7 @@
 #include "bench/motion/families.hpp"
 #include "bench/motion/runs.hpp"
 #include "motion/core/ramp.hpp"
-#include "property/motion/random_program.hpp"
+#include "property/motion/drive.hpp"
 
 namespace kerf {
 namespace {
@@ -30,38 +30,13 @@ constexpr int kInForce = 20;
 
 enum class Order { hold, abort, heartbeat };
 
-class Drive {
- public:
-  Drive(const bench::Program& moves, double jerk) : program(moves), rig({0, 1, 2, 3}) {
-    bench::reference_machine(rig.config);
-    for (auto& j : rig.config.joint) j.max_jerk = jerk;
-    rig.config.max_feed_override = 2;
-    rig.apply_config();
-    rig.ready();
-  }
-  void cycle() {
-    while (next < program.items.size() && rig.push(program.items[next])) ++next;
-    rig.cycle();
-    oracle.watch(rig);
-  }
-  void run(int cycles) {
-    for (int i = 0; i < cycles; ++i) cycle();
-  }
-  [[nodiscard]] bool done() const {
-    return next == program.items.size() && rig.status().executed_seq == rig.seq &&
-           rig.status().path_empty;
-  }
-  [[nodiscard]] double speed() const { return rig.status().vel_mm_s; }
+struct Drive : motion::test::Drive {
+  using motion::test::Drive::Drive;
   void give(Order order) {
     if (order == Order::hold) rig.orders.hold = true;
     if (order == Order::abort) rig.abort();
     if (order == Order::heartbeat) rig.heart = false;
   }
-
-  const bench::Program& program;
-  Rig rig;
-  motion::test::Oracle oracle;
-  std::size_t next{0};
 };
 
 /// Where the machine is on the curve.
