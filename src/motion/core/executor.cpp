@@ -334,7 +334,7 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
       const Outcome joined = join_thread(span, move, in, faults);
       if (joined != Outcome::busy) return joined;
     } else {
-      sync_.end();
+      sync_.end_thread();
       // Stands; the outputs wait for the move itself.
       if (!move.point && wanted(move, in, scale_) <= 0) return Outcome::blocked;
     }
@@ -357,6 +357,7 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
   started_ = true;
   after_traverse_ = move.kind == MotionKind::traverse || move.kind == MotionKind::index_rotary;
   kind_ = move.kind;
+  if (kind_ == MotionKind::traverse) foresee_thread();
   left_ = move.length;
   half_way_ = 0;
   return Outcome::busy;

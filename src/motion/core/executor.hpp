@@ -126,6 +126,7 @@ class Executor {
                                     FaultList& faults) noexcept;
   [[nodiscard]] double wanted_in_thread(const Span& span, const PathSpan& move,
                                         const PathInputs& in, FaultList& faults) noexcept;
+  void foresee_thread() noexcept;
   [[nodiscard]] bool held_before_sync(const PathInputs& in) noexcept;
   [[nodiscard]] Outcome wait_for_spindle(const Span& span, const Synchroniser::Wish& wish,
                                          FaultList& faults) noexcept;

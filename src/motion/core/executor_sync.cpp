@@ -30,12 +30,30 @@ Executor::Outcome Executor::wait_for_spindle(const Span& span, const Synchronise
   return Outcome::done;
 }
 
+/// A rapid move begins: when it and rapids alone lead to a thread or tap, its index may come meanwhile.
+void Executor::foresee_thread() noexcept {
+  constexpr std::uint64_t kAhead =
+      32;  // moves back to a thread are one to four, a few stretches each
+  for (std::uint64_t i = 1; i <= kAhead; ++i) {
+    const Span* span = spans_.peek(i);
+    if (span == nullptr) return;
+    if (const auto* tap = std::get_if<TapSpan>(&span->body)) return sync_.foresee(tap->spindle);
+    const auto* move = std::get_if<PathSpan>(&span->body);
+    if (move == nullptr && !std::holds_alternative<Marker>(span->body) &&
+        !std::holds_alternative<PathControl>(span->body))
+      return;
+    if (move == nullptr) continue;
+    if (move->sync.per_rev > 0) return sync_.foresee(move->sync.spindle);
+    if (move->kind != MotionKind::traverse) return;
+  }
+}
+
 /// busy: the stretch may begin now.
 Executor::Outcome Executor::join_thread(const Span& span, const PathSpan& move,
                                         const PathInputs& in, FaultList& faults) noexcept {
   const SyncBounds& sync = move.sync;
   if (sync.first && thread_seq_ != span.seq) {
-    sync_.end();
+    sync_.end_thread();
     thread_seq_ = span.seq;
   }
   if (!sync_.following(sync.spindle) || sync.first) {
@@ -71,7 +89,7 @@ Executor::Outcome Executor::begin_tap(const Span& span, const TapSpan& tap, cons
                                       FaultList& faults) noexcept {
   if (!in.may_move) return Outcome::blocked;
   if (thread_seq_ != span.seq) {
-    sync_.end();
+    sync_.end_thread();
     thread_seq_ = span.seq;
   }
   if (!(tap.begin == pose_)) {

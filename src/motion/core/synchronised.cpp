@@ -57,7 +57,8 @@ void SpindleObserver::step(double revs, double dt) noexcept {
   rps_ += acc_ * dt;
   const double residual = revs - angle_;
   since_jump_s_ = std::min(since_jump_s_ + dt, kMostMemory);
-  if (!known_ || std::abs(residual) > kCounterJump) {
+  jumped_ = std::abs(residual) > kCounterJump;
+  if (!known_ || jumped_) {
     // Once is a counter that was set; again is a speed that is none.
     if (since_jump_s_ < kMostMemory) rps_ = 0;
     acc_ = since_jump_s_ = 0;
@@ -85,8 +86,10 @@ double joining_distance(double ref_speed, double acc, double dt) noexcept {
   return v <= gain * knee ? v / gain : v * v / (2 * acc) + 0.5 * knee;
 }
 
-void SyncTracker::begin(double per_rev, double zero_revs, std::int32_t turning) noexcept {
+void SyncTracker::begin(double per_rev, double zero_revs, std::int32_t turning,
+                        double age_s) noexcept {
   *this = SyncTracker{};
+  age_s_ = age_s;
   per_rev_ = per_rev;
   zero_ = zero_revs;
   turning_ = turning;
@@ -134,6 +137,7 @@ double SyncTracker::speed(const SpindleObserver& spindle, double s, double acc,
 void Synchroniser::observe(const SpindleInputs* in, double dt) noexcept {
   in_ = in;
   dt_ = dt;
+  indexed_s_ += dt;
   for (std::int32_t n = 0; n < spindles_.count(); ++n) {
     SpindleObserver& o = observer_[n];
     // The encoder has taken index-enable back: its counter starts at the index.
@@ -143,15 +147,18 @@ void Synchroniser::observe(const SpindleInputs* in, double dt) noexcept {
       o.step(before + o.rps() * dt, dt);
       o.anchor(in[n].revs);
       armed_ = false;
-      following_ = true;
       // A counter that goes on counting has its index at a whole revolution.
       const double turned = std::abs(o.rps()) * dt + 0.5;
-      const double zero = std::abs(in[n].revs) <= turned ? 0.0
-                          : turning_ > 0                 ? std::floor(in[n].revs)
-                                                         : std::ceil(in[n].revs);
-      tracker_.begin(per_rev_, zero, turning_);
+      zero_ = std::abs(in[n].revs) <= turned ? 0.0
+              : turning_ > 0                 ? std::floor(in[n].revs)
+                                             : std::ceil(in[n].revs);
+      indexed_s_ = 0;
+      indexed_ = foreseen_;
+      if (!foreseen_) follow();
     } else {
       o.step(in[n].revs, dt);
+      // A counter that is set by anyone else has no index any more.
+      if (indexed_ && n == spindle_ && o.jumped()) end();
     }
     const double now = std::isfinite(in[n].speed_in_rps) ? std::abs(in[n].speed_in_rps) : 0.0;
     slow_rps_[n] += (now - slow_rps_[n]) * std::min(1.0, dt / kFeedFilter);
@@ -168,7 +175,8 @@ Synchroniser::Ready Synchroniser::prepare(const Wish& wish, PathWait& why, const
                                           FaultList& faults) noexcept {
   const std::int32_t n = wish.spindle;
   if (following(n)) return Ready::yes;
-  if (armed_) {
+  if (foreseen_ && (n != spindle_ || spindles_.direction(n) != turning_)) end();
+  if (armed_ && !foreseen_) {
     why = PathWait::spindle_index;
     const double turned = std::abs(observer_[n].angle() - armed_at_);
     if (turned < kNoIndexAfter) return Ready::waits;
@@ -198,22 +206,43 @@ Synchroniser::Ready Synchroniser::prepare(const Wish& wish, PathWait& why, const
     raise(faults, Fault::sync_too_short, n, need * wish.mm, wish.to_end * wish.mm, tag);
     return Ready::refused;
   }
-  spindle_ = n;
-  turning_ = spindles_.direction(n);
   per_rev_ = wish.per_rev;
   mm_ = wish.mm;
   passed_ = 0;
   told_ = false;
-  armed_ = true;
-  armed_at_ = observer_[n].angle();
-  spindles_.arm_index(n);
+  if (!foreseen_) arm(n);
+  foreseen_ = false;
+  if (indexed_) {
+    follow();
+    return Ready::yes;
+  }
   why = PathWait::spindle_index;
   return Ready::waits;
 }
 
+void Synchroniser::foresee(std::int32_t spindle) noexcept {
+  if (armed_ || following_ || indexed_ || spindles_.direction(spindle) == 0) return;
+  arm(spindle);
+  foreseen_ = true;
+}
+
+void Synchroniser::arm(std::int32_t spindle) noexcept {
+  spindle_ = spindle;
+  turning_ = spindles_.direction(spindle);
+  armed_ = true;
+  armed_at_ = observer_[spindle].angle();
+  spindles_.arm_index(spindle);
+}
+
+void Synchroniser::follow() noexcept {
+  indexed_ = false;
+  following_ = true;
+  tracker_.begin(per_rev_, zero_, turning_, indexed_s_);
+}
+
 void Synchroniser::end() noexcept {
   if (armed_) spindles_.disarm_index(spindle_);
-  armed_ = following_ = false;
+  armed_ = following_ = foreseen_ = indexed_ = false;
   passed_ = 0;
   spindle_ = -1;
 }

@@ -31,12 +31,14 @@ class SpindleObserver {
   /// Mean distance of the counter from the angle: a quarter of a count where it counts.
   [[nodiscard]] double noise() const noexcept { return noise_; }
   [[nodiscard]] double rps_after(double t) const noexcept { return rps_ + acc_ * t; }
+  /// In the last step the counter was not where a spindle can have brought it.
+  [[nodiscard]] bool jumped() const noexcept { return jumped_; }
 
  private:
   double angle_{0}, rps_{0}, acc_{0}, noise_{0};
   double counted_{0}, since_change_s_{0}, since_jump_s_{0},
       between_s_{0};  ///< how seldom the counter changes
-  bool known_{false};
+  bool known_{false}, jumped_{false};
 };
 
 /// The speed that brings a place onto its reference: `ahead` of it now, which moves on with `ref_speed`. On a switching curve for `acc`, so
@@ -50,7 +52,8 @@ class SpindleObserver {
 class SyncTracker {
  public:
   /// From the index at `zero_revs` on, `turning` (1 or -1) is forwards.
-  void begin(double per_rev, double zero_revs, std::int32_t turning) noexcept;
+  /// The index was `age_s` ago.
+  void begin(double per_rev, double zero_revs, std::int32_t turning, double age_s = 0) noexcept;
   /// The speed to have `dt` from now at place `s` (from where the thread begins), before limits; negative backwards. Until the first
   /// motion the reference is put back by whole turns as long as it is too near to be joined.
   [[nodiscard]] double speed(const SpindleObserver& spindle, double s, double acc,
@@ -111,8 +114,15 @@ class Synchroniser {
   [[nodiscard]] bool following(std::int32_t spindle) const noexcept {
     return following_ && spindle_ == spindle;
   }
+  /// A thread or tap of this spindle comes behind what is driven now: its index is asked for already. Whole turns behind it are as good,
+  /// so nothing is waited for but the next of them.
+  void foresee(std::int32_t spindle) noexcept;
   /// Whatever it was has ended; the index is armed anew for the next.
   void end() noexcept;
+  /// The same, but what was foreseen goes on.
+  void end_thread() noexcept {
+    if (!foreseen_) end();
+  }
 
   // --- threads ---
   /// The speed in sigma/s that is wanted at the end of this cycle, `done` of the present stretch being driven. Says so, once, when the
@@ -138,6 +148,8 @@ class Synchroniser {
 
  private:
   enum class TapPhase { in, out, turn, home };
+  void arm(std::int32_t spindle) noexcept;
+  void follow() noexcept;
   void watch_lag(double bound, const SourceTag& tag, FaultList& faults) noexcept;
   void move_tap(const TapSpan& tap, double wanted, double dt) noexcept;
   [[nodiscard]] Tap stop_tap(const TapSpan& tap, double dt) noexcept;
@@ -153,6 +165,9 @@ class Synchroniser {
   std::int32_t spindle_{-1};
   bool armed_{false}, following_{false}, told_{false};
   double armed_at_{0};
+  bool foreseen_{false};  ///< the index was asked for ahead of its thread, which has not asked yet
+  bool indexed_{false};   ///< and has come: at `zero_`, `indexed_s_` ago
+  double zero_{0}, indexed_s_{0};
   double passed_{0};  ///< sigma of this thread in the stretches before the present one
   double mm_{1}, run_in_mm_{0};
 

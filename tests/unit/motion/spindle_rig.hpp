@@ -40,11 +40,11 @@ struct SpindleRig : Rig {
     angle += rps * kPeriod;
     if (to.index_enable && index && std::floor(angle) != std::floor(before)) {
       to.index_enable = false;
-      if (zero_at_index) zero_ = angle > before ? std::floor(angle) : std::floor(before);
+      if (zero_at_index) zero = angle > before ? std::floor(angle) : std::floor(before);
       index_at = angle > before ? std::floor(angle) : std::floor(before);
       ++passed;
     }
-    const double since = angle - zero_;
+    const double since = angle - zero;
     to.revs = counts > 0 ? std::floor(since * counts) / counts : since;
     to.speed_in_rps = rps;
     to.at_speed = std::abs(rps - wanted) <= 0.02 * std::abs(wanted) + 1e-9;
@@ -88,9 +88,7 @@ struct SpindleRig : Rig {
   }
 
   double index_at{0};  ///< angle of the index passed last
-
- private:
-  double zero_{0};
+  double zero{0};      ///< angle at which the counter is 0
 };
 
 }  // namespace kerf::motion::test

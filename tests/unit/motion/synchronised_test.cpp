@@ -187,6 +187,106 @@ TEST(Thread, StartsAtTheSameAngleAtEachSpeedToHalfACount) {
       worst, run_ins.c_str());
 }
 
+TEST(Thread, TheIndexOfThePassBehindARapidMoveComesMeanwhile) {
+  constexpr double kPitch = 1.5, kCount = kPitch / 1024;
+  double longest = 0;
+  for (const double rpm : {100.0, 333.0, 600.0, 1000.0, 2000.0}) {
+    SpindleRig rig;
+    rig.counts = 1024;
+    rig.ready();
+    rig.turn(rpm);
+    rig.thread({.z = -20}, kPitch);
+    for (int pass = 0; pass < 4; ++pass) {
+      rig.line({.x = 2, .z = -20}, 0, MotionKind::traverse);
+      rig.line({.x = 2 + 0.1 * pass}, 0, MotionKind::traverse);
+      rig.line({}, 0, MotionKind::traverse);
+      rig.thread({.z = -20}, kPitch);
+    }
+    rig.line({}, 0, MotionKind::traverse);
+    int stood = 0, most = 0;
+    bool was_in_step = false;
+    rig.run_until(
+        [&] {
+          const MotionStatus& s = rig.status();
+          const bool waits = s.waiting_for == PathWait::spindle_index;
+          stood = waits && rig.passed > 0 && was_in_step ? stood + 1 : 0;
+          most = std::max(most, stood);
+          was_in_step = was_in_step || s.sync_in_step;
+          if (s.sync_in_step && s.vel_mm_s > 0 && s.pos_cmd.z > -18) {
+            const double at = s.pos_cmd.z + (rig.angle - rig.index_at) * kPitch;
+            EXPECT_NEAR(at - std::floor(at / kPitch + 0.5) * kPitch, 0.5 * kCount, 1.5 * kCount)
+                << rpm;
+          }
+          return s.executed_seq >= rig.seq && s.path_empty;
+        },
+        100000);
+    EXPECT_EQ(rig.passed, 5) << "each pass has an index of its own";
+    EXPECT_TRUE(rig.faults.empty()) << rpm << " " << fault_name(rig.faults.at(0).fault);
+    EXPECT_FALSE(rig.in.spindle[0].index_enable);
+    longest = std::max(longest, most * SpindleRig::kPeriod * rpm / 60);
+    // A whole turn at most, or what is left of the time that the observer needs.
+    EXPECT_LE(most * SpindleRig::kPeriod,
+              std::max(1.0, std::ceil(0.07 * rpm / 60)) * 60 / rpm + 0.003)
+        << rpm;
+  }
+  std::printf("result: threads behind rapid moves stood at most %.2f turns\n", longest);
+}
+
+TEST(Thread, AnIndexThatWasForeseenIsForgottenWhenItCountsNoMore) {
+  SpindleRig rig;
+  rig.ready();
+  rig.turn(60);
+  rig.line({.x = 50}, 0, MotionKind::traverse);
+  rig.thread({.x = 50, .z = -20}, 1.5);
+  rig.line({}, 0, MotionKind::traverse);
+  ASSERT_GT(rig.run_until([&] { return rig.in.spindle[0].index_enable; }, 1000), 0);
+  rig.run(5);
+  EXPECT_GT(rig.status().vel_mm_s, 0) << "during the rapid move";
+  rig.abort();
+  rig.run(300);
+  EXPECT_FALSE(rig.in.spindle[0].index_enable) << "aborted";
+
+  // Feed moves and orders to the spindle in between: the thread asks for its index itself.
+  for (const bool turns : {false, true}) {
+    SpindleRig other;
+    other.ready();
+    other.turn(600);
+    other.line({.x = 10}, 0, MotionKind::traverse);
+    if (turns)
+      other.turn(300);
+    else
+      other.line({.x = 11}, 5);
+    other.thread({.x = 11, .z = -20}, 1.5);
+    other.line({}, 0, MotionKind::traverse);
+    bool early = false;
+    other.run_until(
+        [&] {
+          early = early || (other.in.spindle[0].index_enable && other.status().vel_mm_s > 0 &&
+                            other.status().pos_cmd.z == 0);
+          return other.status().executed_seq >= other.seq && other.status().path_empty;
+        },
+        20000);
+    EXPECT_FALSE(early) << turns;
+    EXPECT_TRUE(other.faults.empty());
+    EXPECT_EQ(other.passed, 1);
+  }
+
+  // Somebody sets the counter after the index: it is asked for again.
+  SpindleRig set;
+  set.ready();
+  set.turn(600);
+  set.line({.x = 50}, 0, MotionKind::traverse);
+  set.thread({.x = 50, .z = -20}, 1.5);
+  set.line({}, 0, MotionKind::traverse);
+  ASSERT_GT(set.run_until([&] { return set.passed == 1; }, 2000), 0);
+  EXPECT_GT(set.status().vel_mm_s, 0);
+  set.run(20);
+  set.zero -= 7.3;
+  EXPECT_GT(set.finish(), 0);
+  EXPECT_EQ(set.passed, 2);
+  EXPECT_TRUE(set.faults.empty()) << fault_name(set.faults.at(0).fault);
+}
+
 /// Z along a tap and what its spindle was told.
 struct TapTrace {
   double deepest{0}, highest{-1e9}, worst{0}, worst_acc{0};
