@@ -8,6 +8,8 @@ namespace kerf::clients::halui {
 namespace {
 /// So long the machine may need to come to rest after a line in error.
 constexpr std::int64_t kPatienceNs = 2'000'000'000;
+/// Between two tries to go back. Each that fails is a line for the operator, and an answer wakes halui at once.
+constexpr std::int64_t kRetryNs = 200'000'000;
 
 std::string button_name(std::size_t n) {
   return std::string("mdi-command-") + (n < 10 ? "0" : "") + std::to_string(n);
@@ -41,7 +43,7 @@ void MdiButtons::look(const PinBoard& board, const Stat& stat, Port& port, std::
   const bool were = !running_.empty();
   std::erase_if(running_, [&port](std::uint64_t id) { return port.outcome(id).has_value(); });
   if (!running_.empty() || back_to_mode_ == 0) return;
-  if (were) give_up_ = now + kPatienceNs;
+  if (were) give_up_ = now + kPatienceNs, retry_at_ = now;
   go_back(stat, port, now);
 }
 
@@ -62,7 +64,9 @@ void MdiButtons::go_back(const Stat& stat, Port& port, std::int64_t now) {
     back_to_mode_ = 0;
     return;
   }
-  if (stat.interp_state != kInterpIdle) return;
+  // Behind an abort the interpreter is idle before the machine stands: task changes no mode until then.
+  if (stat.interp_state != kInterpIdle || stat.state == RcsState::exec || now < retry_at_) return;
+  retry_at_ = now + kRetryNs;
   going_back_ = port.send({"mode", mode_word(back_to_mode_)});
 }
 

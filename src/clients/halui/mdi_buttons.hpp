@@ -31,7 +31,7 @@ class MdiButtons {
   int back_to_mode_{0};                 ///< 0: nowhere
   bool back_to_joints_{false};
   std::uint64_t going_back_{0};  ///< the command that does it
-  std::int64_t give_up_{0};
+  std::int64_t give_up_{0}, retry_at_{0};
 };
 
 }  // namespace kerf::clients::halui

@@ -286,6 +286,31 @@ TEST(Halui, MdiCommandsComeBackToTheModeBefore) {
   EXPECT_EQ(p.take(), "");
 }
 
+TEST(Halui, TheWayBackIsAskedForWhenTheMachineStandsAndNotAtEachLook) {
+  Panel p;
+  p.port.answers_at_once = false;
+  EXPECT_EQ(p.press("mdi-command-01"), "mode mdi; mdi G0 X2");
+  p.stat.task_mode = 3;
+  // Aborted: the interpreter is idle, the machine brakes.
+  p.port.replies[2] = task::Reply{.id = 2, .state = task::CommandState::aborted, .text = ""};
+  p.stat.state = RcsState::exec;
+  p.look();
+  p.look();
+  EXPECT_EQ(p.take(), "");
+  p.stat.state = RcsState::done;
+  p.look();
+  EXPECT_EQ(p.take(), "mode manual");
+  // Somebody was quicker, and something runs again.
+  p.port.replies[3] = task::Reply{.id = 3, .state = task::CommandState::error, .text = ""};
+  for (int i = 0; i < 20; ++i) p.look();
+  EXPECT_EQ(p.take(), "");
+  for (int i = 0; i < 40; ++i) p.look();
+  EXPECT_EQ(p.take(), "mode manual");
+  p.port.replies[4] = *FakePort::done(4);
+  for (int i = 0; i < 40; ++i) p.look();
+  EXPECT_EQ(p.take(), "");
+}
+
 TEST(Halui, MdiFromJointModeComesBackToIt) {
   Panel p;
   p.stat.motion_mode = 1;
