@@ -31,6 +31,8 @@ namespace {
 /// Real time that a part may take to come up.
 constexpr int kStartPatienceMs = 20'000;
 constexpr int kDeathNoticeMs = 200;
+/// A process that was killed closes its connections before it has ended; on a busy computer long before.
+constexpr int kBusyDeathNoticeMs = 3000;
 
 /// Command, interpreter and io: the threads of milltask that run on the instance's clock.
 constexpr int kTaskParticipants = 3;
@@ -81,7 +83,9 @@ int Session::run() {
   }
   // A closed connection, and what fails by it, is seen before the end of the process behind it; that says more.
   if (!result.ok() && clock_ != nullptr)
-    (void)clock_->wait_until([] { return false; }, kDeathNoticeMs);
+    (void)clock_->wait_until([] { return false; }, result.error().code == Errc::dead
+                                                       ? kBusyDeathNoticeMs
+                                                       : kDeathNoticeMs);
   const StopReason reason = clock_ != nullptr ? clock_->reason() : StopReason{};
   if (reason.kind == StopReason::Kind::part_died)
     console_.error(reason.text + "; taking the machine down");

@@ -54,6 +54,8 @@ class Mill {
   Mill(const Mill&) = delete;
   Mill& operator=(const Mill&) = delete;
 
+  /// For runs on the real clock that have to go on while a busy computer lets task wait: its silence would end them, rightly.
+  void take_silence() { change("HEARTBEAT_TIMEOUT = 1\n", "HEARTBEAT_TIMEOUT = 10\n"); }
   /// Replaces text of the INI file.
   void change(const std::string& from, const std::string& to) {
     if (!from.empty()) {
