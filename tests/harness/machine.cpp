@@ -373,6 +373,8 @@ std::string Machine::parameter_kind(const std::string& name) const {
 }
 
 hal::Session& Machine::session() const { return *parts_->session; }
+void Machine::add(rtapi::Participant& participant) { parts_->scheduler.add(participant); }
+void Machine::remove(rtapi::Participant& participant) { parts_->scheduler.remove(participant); }
 bool Machine::hal(const std::string& line) { return parts_->halcmd->run_line(line, "test", 0); }
 
 void Machine::on_cycle(std::function<void(const motion::MotionStatus&)> f) {

@@ -117,6 +117,9 @@ class Machine {
   [[nodiscard]] rtapi::Segment& segment() const;
   /// For user components of a test.
   [[nodiscard]] hal::Session& session() const;
+  /// A participant of a test joins the machine's scheduler, behind those that are there; it has to leave before it ends.
+  void add(rtapi::Participant& participant);
+  void remove(rtapi::Participant& participant);
   /// Folder of this machine's copies of the INI file, tool table, programs.
   [[nodiscard]] const std::string& folder() const;
 

@@ -1,4 +1,5 @@
-// Hours of machine time: random programs, overrides, holds, aborts, estops, mode changes, jogs and MDI from several clients.
+// Hours of machine time: random programs, overrides, holds, aborts, estops, mode changes, jogs and MDI from several clients and a
+// panel of halui's, on a machine without jerk limits and on one with them.
 //
 // scripts/soak --hours N --seed S, or KERF_SOAK_HOURS=N KERF_SOAK_SEED=S soak_test. The same seed is the same run. KERF_SOAK_VERBOSE=1 tells
 // of every command.
@@ -13,10 +14,12 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <sstream>
 
 #include "hal/core/view.hpp"
 #include "harness/machine.hpp"
 #include "rtapi/shm/segment.hpp"
+#include "soak/panel.hpp"
 #include "soak/programs.hpp"
 #include "soak/watch.hpp"
 #include "task/api/client.hpp"
@@ -25,6 +28,9 @@ namespace kerf::soak {
 namespace {
 
 constexpr double kDefaultHours = 1;
+/// Time laws cost more of the computer's time than the rest of the machine.
+constexpr double kShareWithJerk = 0.25;
+constexpr double kMaxJerk = 20'000;  ///< mm/s3
 constexpr int kWarmUpRounds = 40;
 /// What allocators and logs that have not filled up yet may add after the warm-up.
 constexpr double kHeapAllowance = 512.0 * 1024;
@@ -39,6 +45,15 @@ std::size_t open_files() {
   for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator("/proc/self/fd"))
     ++n;
   return n;
+}
+
+std::string numbered(const std::string& program) {
+  std::string out;
+  std::istringstream in(program);
+  int number = 0;
+  for (std::string line; std::getline(in, line);)
+    out.append("    ").append(std::to_string(++number)).append(": ").append(line).append("\n");
+  return out;
 }
 
 /// What must not grow.
@@ -117,8 +132,13 @@ class Operator {
 
 class Soak {
  public:
-  Soak(harness::Machine& m, std::uint64_t seed)
-      : m_(m), dice_(seed), verbose_(std::getenv("KERF_SOAK_VERBOSE") != nullptr) {
+  /// `max_jerk`: of the joints, 0 none.
+  Soak(harness::Machine& m, std::uint64_t seed, double max_jerk)
+      : m_(m),
+        dice_(seed),
+        verbose_(std::getenv("KERF_SOAK_VERBOSE") != nullptr),
+        watch_(max_jerk),
+        panel_(m) {
     for (int i = 0; i < 3; ++i) operators_.push_back(std::make_unique<Operator>(m, i, verbose_));
     m_.on_cycle([this](const motion::MotionStatus& s) { watch_.look(s); });
   }
@@ -185,6 +205,8 @@ class Soak {
     count("programs");
     const Program p = random_program(dice_);
     const std::string path = m_.write_program(p.text, "soak.ngc");
+    if (verbose_) std::fprintf(stderr, "%s", numbered(p.text).c_str());
+    watch_.set_threads(p.threads);
     Operator& runner = anyone();
     runner.send({"open", path});
     runner.send({"run"});
@@ -208,7 +230,7 @@ class Soak {
   void disturb() {
     Operator& who = anyone();
     const std::string scale = std::to_string(dice_.between(0, 1.5));
-    switch (dice_.below(26)) {
+    switch (dice_.below(30)) {
       case 0:
       case 1:
       case 2: count("overrides"); return (void)who.send({"feed-override", scale});
@@ -244,8 +266,32 @@ class Soak {
       case 22: count("deaths"); return who.die();
       case 23: return (void)who.send({"spindle", "off"});
       case 24: count("away"); return away(who);
+      case 25:
+      case 26: count("panel"); return tell(panel_.press_mdi(dice_));
+      case 27: count("panel"); return tell(panel_.press_other(dice_));
+      case 28: count("reversals"); return turn_round(who);
       default: return (void)who.send({"feed-override", "1"});
     }
+  }
+
+  void tell(const std::string& button) const {
+    if (verbose_)
+      std::fprintf(stderr, "  %.3f panel: %s\n", static_cast<double>(m_.now()) * 1e-9,
+                   button.c_str());
+  }
+
+  /// Back along the path for a while, and by turns on forwards again.
+  void turn_round(Operator& who) {
+    who.send({"pause"});
+    m_.run_for(dice_.between(0.001, 0.4));
+    who.send({"direction", "reverse"});
+    who.send({"resume"});
+    m_.run_for(dice_.one_in(3) ? dice_.between(0.001, 0.05) : dice_.between(0.05, 2));
+    if (dice_.one_in(3)) return;
+    who.send({"pause"});
+    m_.run_for(dice_.between(0.001, 0.4));
+    who.send({"direction", "forward"});
+    who.send({"resume"});
   }
 
   void away(Operator& who) {
@@ -337,7 +383,12 @@ class Soak {
   void mdi_lines() {
     count("mdi");
     for (int i = 1 + dice_.below(8); i > 0; --i) {
-      anyone().send({"mdi", random_mdi(dice_)});
+      if (dice_.one_in(4)) {
+        count("panel");
+        tell(panel_.press_mdi(dice_));
+      } else {
+        anyone().send({"mdi", random_mdi(dice_)});
+      }
       if (dice_.one_in(2)) m_.run_for(dice_.between(0.001, 3));
       poll_all();
       if (dice_.one_in(3)) disturb();
@@ -355,6 +406,7 @@ class Soak {
   /// Stops what runs, looks whether it stands, and puts the machine into order for the next round.
   void settle(const std::string& name) {
     // By another way than theirs: what clients have sent is taken first, or it would rightly run behind the abort.
+    panel_.let_go();
     m_.run_for(0.002);
     ASSERT_TRUE(m_.does({"abort"}, 5)) << name;
     EXPECT_TRUE(m_.run_until([&] { return m_.task().idle && m_.motion().path_empty; }, 0.2))
@@ -436,6 +488,7 @@ class Soak {
   Dice dice_;
   bool verbose_;
   Watch watch_;
+  Panel panel_;
   std::vector<std::unique_ptr<Operator>> operators_;
   std::map<std::string, int> counts_;
   std::uint64_t faults_seen_{0};
@@ -443,11 +496,15 @@ class Soak {
   double home_[2]{};
 };
 
-TEST(Soak, MachineTime) {
-  const double hours = from_environment("KERF_SOAK_HOURS", kDefaultHours);
+void soak(double hours, double max_jerk) {
   const auto seed = static_cast<std::uint64_t>(from_environment("KERF_SOAK_SEED", 1));
   harness::MachineOptions options;
   options.clients = true;
+  options.append = Panel::ini_text();
+  if (max_jerk > 0)
+    options.replace = {
+        {"MAX_LINEAR_VELOCITY = 120",
+         "MAX_LINEAR_VELOCITY = 120\nMAX_LINEAR_JERK = " + std::to_string(max_jerk)}};
   // Joints may be jogged about before they are homed: the switches of the sample would end such rounds.
   options.hal = {"setp x-motor.neg-limit-pos -1e6", "setp x-motor.pos-limit-pos 1e6",
                  "setp y-motor.neg-limit-pos -1e6", "setp y-motor.pos-limit-pos 1e6",
@@ -455,8 +512,15 @@ TEST(Soak, MachineTime) {
   auto m = harness::Machine::start(options);
   ASSERT_TRUE(m->ready()) << m->errors();
   ASSERT_TRUE(m->power_on_and_home()) << m->errors();
-  std::printf("soak: seed %llu, %.2f h\n", static_cast<unsigned long long>(seed), hours);
-  Soak(*m, seed).run(hours);
+  std::printf("soak: seed %llu, %.2f h, %s\n", static_cast<unsigned long long>(seed), hours,
+              max_jerk > 0 ? "limited in jerk" : "limited in acceleration");
+  Soak(*m, seed, max_jerk).run(hours);
+}
+
+TEST(Soak, MachineTime) { soak(from_environment("KERF_SOAK_HOURS", kDefaultHours), 0); }
+
+TEST(Soak, MachineTimeWithJerkLimits) {
+  soak(kShareWithJerk * from_environment("KERF_SOAK_HOURS", kDefaultHours), kMaxJerk);
 }
 
 }  // namespace

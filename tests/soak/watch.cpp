@@ -6,7 +6,7 @@
 namespace kerf::soak {
 namespace {
 /// As the guard's: for rounding only.
-constexpr double kVelocityAllowance = 1.0001, kAccelerationAllowance = 1.001;
+constexpr double kVelocityAllowance = 1.0001, kAccelerationAllowance = 1.001, kJerkAllowance = 1.01;
 constexpr double kPlaceAllowance = 1e-6;
 /// The switch is seen once a cycle, at the latch speed of 5 mm/s.
 constexpr double kHomeRepeats = 0.006;
@@ -36,7 +36,7 @@ void Watch::look_at_joint(const motion::MotionStatus& s, std::size_t j) {
   const std::string name = "joint " + std::to_string(j);
   // Homing gives the place another name; a drive that is off has no commanded motion.
   if (!s.enabled || s.homing_active || joint.homing) {
-    known_[j] = moved_[j] = false;
+    known_[j] = moved_[j] = pushed_[j] = false;
     last_[j] = joint.pos_cmd;
     if (s.homing_active)
       offset_known_[j] =
@@ -47,8 +47,14 @@ void Watch::look_at_joint(const motion::MotionStatus& s, std::size_t j) {
     const double v = (joint.pos_cmd - last_[j]) / kPeriod;
     if (std::fabs(v) > kMaxVel[j] * kVelocityAllowance)
       complain(s, name + " moves at " + number(v) + " mm/s");
-    if (moved_[j] && std::fabs(v - vel_[j]) / kPeriod > kMaxAcc[j] * kAccelerationAllowance)
-      complain(s, name + " accelerates with " + number((v - vel_[j]) / kPeriod) + " mm/s2");
+    const double a = (v - vel_[j]) / kPeriod;
+    if (moved_[j] && std::fabs(a) > kMaxAcc[j] * kAccelerationAllowance)
+      complain(s, name + " accelerates with " + number(a) + " mm/s2");
+    if (max_jerk_ > 0 && pushed_[j] && !threads_.contains(s.current.line) &&
+        std::fabs(a - acc_[j]) / kPeriod > max_jerk_ * kJerkAllowance)
+      complain(s, name + " has a jerk of " + number((a - acc_[j]) / kPeriod) + " mm/s3");
+    pushed_[j] = moved_[j];
+    acc_[j] = a;
     travelled_mm += std::fabs(joint.pos_cmd - last_[j]);
     vel_[j] = v;
     moved_[j] = true;
