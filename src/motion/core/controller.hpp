@@ -183,7 +183,6 @@ class Controller {
   bool configured_{false}, enabled_{false}, armed_{true}, closing_down_{false};
   std::uint32_t enable_request_{0};  ///< the last one seen
   bool single_step_{false};
-  int led_cycles_{0};  ///< cycles for which a spindle's lead still shows in differences
   bool start_due_{false}, start_taken_{false};
   bool jog_stop_before_{false}, jog_dead_before_{false}, probe_before_{false};
   MotionMode mode_{MotionMode::free}, refused_mode_{MotionMode::free};

@@ -9,7 +9,6 @@ namespace {
 /// A continuous jog without limits goes this far at most (mm, degrees).
 constexpr double kEndlessJog = 1e6;
 constexpr double kAtLimit = 1e-9;
-constexpr int kLedCycles = 4;
 constexpr double kLeastAcc = 1e-6;  ///< movers divide by it
 }  // namespace
 
@@ -430,9 +429,8 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
       move_joints();
   }
   follow_posthome(in, dt);
-  // Spindles and pins that lead have no jerk limit; differences look some cycles back.
-  led_cycles_ = executor_.follows_spindle() ? kLedCycles : std::max(led_cycles_ - 1, 0);
-  std::uint32_t led = led_cycles_ > 0 ? ~0U : 0U;
+  // Pins that lead have no jerk limit.
+  std::uint32_t led = 0;
   for (std::size_t j = 0; j < joints_; ++j) led |= is_posthome(j) ? 1U << j : 0U;
   guard_.check(joints_, joint_, config_, dt, led, status_.current, faults_);
   const bool on_path = mode_ == MotionMode::coordinated && !away_ && executor_.moving_item() &&

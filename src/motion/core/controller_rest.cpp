@@ -60,7 +60,7 @@ void Controller::save(Rest& r) const noexcept {
   r.start_taken = start_taken_, r.closing_down = closing_down_;
   r.jog_stop_before = jog_stop_before_, r.jog_dead_before = jog_dead_before_;
   r.probe_before = probe_before_;
-  r.led_cycles = led_cycles_, r.kind = kinematics_.kind();
+  r.kind = kinematics_.kind();
   r.mode = mode_, r.refused_mode = refused_mode_;
   r.enable_request = enable_request_, r.acked_epoch = acked_epoch_;
   r.pose = pose_, r.pose_fb = pose_fb_, r.pose_before = pose_before_;
@@ -92,7 +92,6 @@ void Controller::restore(const Rest& r) noexcept {
   start_taken_ = r.start_taken, closing_down_ = r.closing_down;
   jog_stop_before_ = r.jog_stop_before, jog_dead_before_ = r.jog_dead_before;
   probe_before_ = r.probe_before;
-  led_cycles_ = r.led_cycles;
   mode_ = r.mode, refused_mode_ = r.refused_mode;
   enable_request_ = r.enable_request, acked_epoch_ = r.acked_epoch;
   pose_ = r.pose, pose_fb_ = r.pose_fb, pose_before_ = r.pose_before;

@@ -568,6 +568,11 @@ double Executor::drive(const PathSpan& move, const Ends& ends, double x_wanted,
                       : move.even_jerk > 0 ? run_ramps(move, x_wanted, dt)
                       : move.even_acc > 0  ? run_even(move, ends, x_wanted, dt)
                                            : run_curved(move, ends, x_wanted, dt);
+  show_place(move);
+  return used;
+}
+
+void Executor::show_place(const PathSpan& move) noexcept {
   const double at = move.from + move.length - left_;
   const path::Vec slope = move.piece.first(at);
   pose_ = left_ <= 0 && move.at_end_exactly ? move.end : to_pose(move.piece.point(at));
@@ -575,16 +580,21 @@ double Executor::drive(const PathSpan& move, const Ends& ends, double x_wanted,
       sigma_speed_ * (move.piece.feed.metric >= 0
                           ? path::norm3(slope, static_cast<std::size_t>(move.piece.feed.metric))
                           : 1.0);
-  return used;
 }
 
 double Executor::run_move(const Span& span, const PathSpan& move, const PathInputs& in, double dt,
                           FaultList& faults) noexcept {
   watch_probe(span, move, in, faults);
   watch_indexer(span, move, in, faults);
-  const double x = move.sync.per_rev > 0 ? wanted_in_thread(span, move, in, faults)
-                                         : wanted_under_way(move, in, scale_);
-  const double used = drive(move, ends_of(move), x, dt);
+  double used = 0;
+  if (move.sync.per_rev > 0 && move.even_jerk > 0) {
+    used = run_thread(span, move, in, dt, faults);
+    show_place(move);
+  } else {
+    const double x = move.sync.per_rev > 0 ? wanted_in_thread(span, move, in, faults)
+                                           : wanted_under_way(move, in, scale_);
+    used = drive(move, ends_of(move), x, dt);
+  }
   distance_ = left_ + move.to_move_end;
   if (law_lost_) {
     raise(faults, Fault::path_starved_internal, -1, 0, 0, span.tag);

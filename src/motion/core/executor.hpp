@@ -127,6 +127,10 @@ class Executor {
   [[nodiscard]] double wanted_in_thread(const Span& span, const PathSpan& move,
                                         const PathInputs& in, FaultList& faults) noexcept;
   void foresee_thread() noexcept;
+  [[nodiscard]] double thread_jerk(const Span& span, const PathSpan& move, double done, double dt,
+                                   FaultList& faults) noexcept;
+  double run_thread(const Span& span, const PathSpan& move, const PathInputs& in, double dt,
+                    FaultList& faults) noexcept;
   [[nodiscard]] bool held_before_sync(const PathInputs& in) noexcept;
   [[nodiscard]] Outcome wait_for_spindle(const Span& span, const Synchroniser::Wish& wish,
                                          FaultList& faults) noexcept;
@@ -171,6 +175,8 @@ class Executor {
   [[nodiscard]] double run_curved(const PathSpan& move, const Ends& ends, double x_wanted,
                                   double dt) noexcept;
   double drive(const PathSpan& move, const Ends& ends, double x_wanted, double dt) noexcept;
+  /// Pose and speed from what is left of the stretch.
+  void show_place(const PathSpan& move) noexcept;
   // executor_jerk.cpp: with jerk limits
   [[nodiscard]] double run_ramps(const PathSpan& move, double x_wanted, double dt) noexcept;
   [[nodiscard]] bool law_drives(const PathSpan& move, double x_wanted) noexcept;
@@ -206,6 +212,8 @@ class Executor {
   OutputBank& outputs_;
   Synchroniser sync_;
   std::uint64_t thread_seq_{0};  ///< the item that began the thread in execution
+  double thread_yields_s_{0};    ///< above 0: the path ahead decides, not the spindle
+  double thread_level_{0};       ///< x that is wanted meanwhile
   path::AxisLimits limits_;
   double max_override_{1}, max_adaptive_{1};
   bool adaptive_reverses_{true};

@@ -12,26 +12,10 @@ namespace {
 constexpr double kSamePlace = 1e-9;
 /// Phases shorter than this belong to the next one (s).
 constexpr double kLeastPhase = 1e-9;
-constexpr int kSteps = 60;
 /// A leg goes on that long before what lies ahead is looked at again; changes of override and holds end it at once.
 constexpr double kKeep = 0.008;
 /// A cap that has risen by less is not worth a look.
 constexpr double kWorth = 1.05;
-
-/// When `way` has been driven on the ramp; the speed is never negative on it. Newton, kept between bounds.
-double time_at(const Ramp& ramp, RampState from, double way, double most) noexcept {
-  double low = 0, high = most, t = from.speed > 0 ? std::min(way / from.speed, most) : most;
-  for (int i = 0; i < kSteps; ++i) {
-    RampState s = from;
-    const double off = ramp.advance(s, t) - way;
-    (off < 0 ? low : high) = t;
-    double next = s.speed > 0 ? t - off / s.speed : -1.0;
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (std::abs(next - t) <= 1e-15) break;
-    t = next;
-  }
-  return t;
-}
 
 /// What is left of the ramp after t.
 void shorten(Ramp& ramp, double t) noexcept {
@@ -95,9 +79,9 @@ bool Executor::begin_leg(const PathSpan& move, RampState state, double x_wanted,
                          double dt) noexcept {
   const bool rests = state.speed == 0 && state.acc == 0;
   const double keep = std::max(dt, kKeep);
-  const Course course = track_.on
-                            ? track_course(state, cap, keep)
-                            : course_ahead(slots_, move.number, left_, state, cap, scale_, keep);
+  const Course course = track_.on ? track_course(state, cap, keep)
+                                  : course_ahead(slots_, move.number, left_, state, cap,
+                                                 move.speed.sync ? FeedScale{} : scale_, keep);
   double target = course.target;
   if (rests && target <= 0 && left_ > kSamePlace) return false;
   leg_ = Leg{};

@@ -4,6 +4,12 @@
 #include "motion/core/executor.hpp"
 
 namespace kerf::motion {
+namespace {
+/// What the path asks for is done for so long before the spindle is asked again (s).
+constexpr double kYields = 0.008;
+/// A speed that is none (sigma/s), and an acceleration, as a share of what a cycle of jerk changes.
+constexpr double kStands = 1e-9, kStill = 1e-3;
+}  // namespace
 
 /// Manual, motion(9): holds wait for the end of a synchronised move; before one they count.
 bool Executor::held_before_sync(const PathInputs& in) noexcept {
@@ -58,9 +64,11 @@ Executor::Outcome Executor::join_thread(const Span& span, const PathSpan& move,
   }
   if (!sync_.following(sync.spindle) || sync.first) {
     if (held_before_sync(in)) return Outcome::blocked;
+    thread_yields_s_ = 0;
     Synchroniser::Wish wish;
     wish.per_rev = sync.per_rev;
     wish.acc = sync.acc;
+    wish.jerk = move.even_jerk > 0 ? sync.jerk : 0.0;
     wish.speed = std::sqrt(move.speed.cap);
     wish.to_end = sync.to_end;
     wish.mm = sync.mm;
@@ -68,9 +76,66 @@ Executor::Outcome Executor::join_thread(const Span& span, const PathSpan& move,
     const Outcome ready = wait_for_spindle(span, wish, faults);
     if (ready != Outcome::busy) return ready;
   }
-  if (sync_.thread_speed(sync, 0, span.tag, faults) > 0) return Outcome::busy;
+  const bool begins = move.even_jerk > 0 ? thread_jerk(span, move, 0, period_, faults) > 0
+                                         : sync_.thread_speed(sync, 0, span.tag, faults) > 0;
+  if (begins) return Outcome::busy;
   blocked(sync_.moving() ? PathWait::spindle_turning : PathWait::spindle_index, sync.spindle);
   return Outcome::blocked;
+}
+
+double Executor::thread_jerk(const Span& span, const PathSpan& move, double done, double dt,
+                             FaultList& faults) noexcept {
+  const FollowLimits limits{move.even_acc, move.even_jerk, 0, std::sqrt(move.speed.cap)};
+  return sync_.thread_jerk(move.sync, done, {sigma_speed_, sigma_acc_}, limits, period_ - dt, dt,
+                           span.tag, faults);
+}
+
+/// With jerk limits: what the spindle asks for as long as the path ahead can be driven behind it; else what that asks for, for some cycles.
+double Executor::run_thread(const Span& span, const PathSpan& move, const PathInputs& in, double dt,
+                            FaultList& faults) noexcept {
+  requested_ = move.requested;
+  commanded_feed_ = 0;
+  const double jerk = thread_jerk(span, move, move.length - left_, dt, faults);
+  if (in.stop) blocked(PathWait::hold);
+  if (in.stop || ending_ || failing_) return run_ramps(move, 0, dt);
+  const RampState from{sigma_speed_, sigma_acc_};
+  if (at_rest() && !(jerk > 0)) {
+    blocked(PathWait::spindle_turning, move.sync.spindle);
+    return dt;
+  }
+  if (thread_yields_s_ > 0) {
+    const double used = run_ramps(move, thread_level_, dt);
+    thread_yields_s_ -= used;
+    return used;
+  }
+  Ramp ramp;
+  ramp.seconds[0] = dt;
+  ramp.jerk[0] = jerk;
+  RampState next = from;
+  double t = dt, way = ramp.advance(next, t);
+  if (way >= left_) {
+    t = time_at(ramp, from, left_, dt);
+    next = from;
+    (void)ramp.advance(next, t);
+    way = left_;
+  }
+  const double left = way == left_ ? 0.0 : left_ - way;
+  // Holds and overrides wait for its end.
+  const Course course =
+      course_ahead(slots_, move.number, left, next, std::sqrt(move.speed.cap), FeedScale{}, dt);
+  if (!course.feasible) {
+    thread_yields_s_ = kYields;
+    const double level = std::max(from.speed, next.speed);
+    thread_level_ = level * level;
+    return run_ramps(move, thread_level_, dt);
+  }
+  const bool stands =
+      next.speed <= kStands && !(jerk > 0) && std::abs(next.acc) <= kStill * move.even_jerk * dt;
+  if (stands || next.speed < 0) next = {};
+  left_ = left;
+  sigma_speed_ = next.speed;
+  sigma_acc_ = next.acc;
+  return t;
 }
 
 /// x that is wanted in this cycle.
@@ -101,6 +166,7 @@ Executor::Outcome Executor::begin_tap(const Span& span, const TapSpan& tap, cons
   Synchroniser::Wish wish;
   wish.per_rev = tap.per_rev;
   wish.acc = tap.acc;
+  wish.jerk = tap.jerk;
   wish.speed = tap.speed;
   wish.to_end = tap.depth;
   wish.factor = tap.return_factor > 1 ? tap.return_factor : 1;

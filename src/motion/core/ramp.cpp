@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/core/false_position.hpp"
+
 namespace kerf::motion {
 namespace {
 
@@ -12,6 +14,7 @@ constexpr double kRounding = 1e-13;
 constexpr double kStillMet = 1e-8;
 constexpr double kShare = 1e-14;
 constexpr int kHalvings = 52;
+constexpr int kTimeSteps = 60;
 /// A peak is sought this finely: it costs time only (mm/s).
 constexpr double kSameSpeed = 1e-12;
 
@@ -28,34 +31,6 @@ double largest(double low, double high, F&& holds) noexcept {
   for (int i = 0; i < kHalvings && high - low > kSameSpeed * high; ++i) {
     const double middle = 0.5 * (low + high);
     (holds(middle) ? low : high) = middle;
-  }
-  return low;
-}
-
-/// The largest speed in [low, high] for which `way` is at most `allowed`, as it is at `low`; `way` grows with the speed. False position
-/// with halved weights (Illinois): a handful of steps where halving takes forty.
-template <class F>
-double largest_within(double low, double high, double allowed, F&& way) noexcept {
-  double below = way(low) - allowed, above = way(high) - allowed;
-  if (above <= 0) return high;
-  int side = 0;
-  for (int i = 0; i < kHalvings && high - low > kSameSpeed * std::abs(high); ++i) {
-    // `low` may miss by what rounding has taken from a way that was just met.
-    if (below >= -kRounding) break;
-    const double middle =
-        i % 8 == 7 ? 0.5 * (low + high) : low - below * (high - low) / (above - below);
-    const double off = way(middle) - allowed;
-    if (off <= 0) {
-      low = middle;
-      below = off;
-      if (side < 0) above *= 0.5;
-      side = -1;
-    } else {
-      high = middle;
-      above = off;
-      if (side > 0) below *= 0.5;
-      side = 1;
-    }
   }
   return low;
 }
@@ -103,6 +78,21 @@ double Ramp::advance(RampState& state, double t) const noexcept {
     t -= dt;
   }
   return way;
+}
+
+/// Newton, kept between bounds.
+double time_at(const Ramp& ramp, RampState from, double way, double most) noexcept {
+  double low = 0, high = most, t = from.speed > 0 ? std::min(way / from.speed, most) : most;
+  for (int i = 0; i < kTimeSteps; ++i) {
+    RampState s = from;
+    const double off = ramp.advance(s, t) - way;
+    (off < 0 ? low : high) = t;
+    double next = s.speed > 0 ? t - off / s.speed : -1.0;
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (std::abs(next - t) <= 1e-15) break;
+    t = next;
+  }
+  return t;
 }
 
 Ramp ramp_to(RampState from, double target, const RampLimits& limits) noexcept {

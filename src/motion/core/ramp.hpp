@@ -32,6 +32,9 @@ struct Ramp {
 [[nodiscard]] double ramp_distance(RampState from, double target,
                                    const RampLimits& limits) noexcept;
 
+/// When `way` has been driven on the ramp, between 0 and `most`; the speed is never negative on it.
+[[nodiscard]] double time_at(const Ramp& ramp, RampState from, double way, double most) noexcept;
+
 /// The speed at which acceleration 0 is reached when nothing else is done.
 [[nodiscard]] constexpr double speed_when_released(RampState s, double jerk) noexcept {
   return s.speed + (s.acc < 0 ? -s.acc : s.acc) * s.acc / (2.0 * jerk);

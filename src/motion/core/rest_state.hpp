@@ -36,7 +36,7 @@ struct Controller::Rest {
   bool enabled{false}, armed{true}, closing_down{false}, single_step{false}, away{false},
       start_taken{false};
   bool jog_stop_before{false}, jog_dead_before{false}, probe_before{false};
-  std::int32_t led_cycles{0}, kind{0};
+  std::int32_t kind{0};
   MotionMode mode{MotionMode::free}, refused_mode{MotionMode::free};
   std::uint32_t enable_request{0}, acked_epoch{0};
   Pose pose, pose_fb, pose_before;

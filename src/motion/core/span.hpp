@@ -29,6 +29,7 @@ struct SpeedBounds {
 struct SyncBounds {
   double per_rev{0};  ///< sigma in one revolution; 0: the stretch follows no spindle
   double acc{0};      ///< of the whole move in sigma/s2, for planning how to come into step
+  double jerk{0};     ///< the same in sigma/s3; 0: not limited
   double mm{1};       ///< of one sigma
   double to_end{0};   ///< sigma from the start of the stretch to the end of the thread
   std::int32_t spindle{0};
@@ -66,6 +67,7 @@ struct TapSpan {
   path::Vec direction;  ///< of one mm
   double depth{0}, per_rev{0}, return_factor{1};
   double speed{0}, acc{0};  ///< limits along it
+  double jerk{0};           ///< the same; 0: none
   double low{0}, high{0};   ///< how far it may be carried
   std::int32_t spindle{0};
   std::int32_t reserved{0};

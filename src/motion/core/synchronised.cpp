@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/core/false_position.hpp"
+
 namespace kerf::motion {
 namespace {
 
@@ -16,8 +18,15 @@ constexpr double kCounterJump = 0.5;
 /// Residuals decay with this rate where they are small.
 constexpr double kGain = 150;  // 1/s
 constexpr double kGainPerCycle = 0.25;
-/// Share of the acceleration for coming into step; the rest is for the spindle's own.
-constexpr double kShare = 0.8;
+/// Share of acceleration and jerk for coming into step; the rest is for the spindle's own. A spindle that changes its speed leaves at least so much.
+constexpr double kShare = 0.8, kLeastShare = 0.2;
+/// A jerk is sought this finely, as a share of its limit.
+constexpr double kSameJerk = 1e-6;
+constexpr int kJerkSteps = 30;
+/// What takes less of the limits than that is done in proportion.
+constexpr double kNearShare = 0.1;
+/// Cycles in which acceleration is brought up at least, and half of a run-up.
+constexpr double kAccCycles = 4, kRunUpCycles = 5;
 /// In step, for the first time: this near to the reference, in seconds of its motion, or as near as a quarter of a count.
 constexpr double kInStep = 2e-5;
 constexpr double kNear = 1e-6;  // mm
@@ -80,10 +89,63 @@ double following_speed(double ahead, double ref_speed, double acc, double dt) no
   return ref_speed - std::copysign(towards, ahead);
 }
 
-double joining_distance(double ref_speed, double acc, double dt) noexcept {
+double joining_distance(double ref_speed, double acc, double jerk, double dt) noexcept {
+  // While it speeds up evenly it goes half as far as the reference.
+  if (jerk > 0) return level_distance(0, std::abs(ref_speed), {acc, jerk});
   const double gain = std::min(kGain, kGainPerCycle / dt), knee = acc / (gain * gain);
   const double v = std::abs(ref_speed);
   return v <= gain * knee ? v / gain : v * v / (2 * acc) + 0.5 * knee;
+}
+
+namespace {
+
+/// The acceleration after `dt` from which letting go of it ends at `room` above the present speed.
+double acc_that_leaves(double room, double acc, double jerk, double dt) noexcept {
+  const double square = 0.25 * dt * dt + 2 * (room - 0.5 * acc * dt) / jerk;
+  const double then = square > 0 ? jerk * (std::sqrt(square) - 0.5 * dt) : -jerk * dt;
+  if (then >= 0 || acc <= 0) return then;
+  // It goes through 0 within `dt`, and the highest speed is there.
+  return room > 0 ? std::min(then, acc - acc * acc * dt / (2 * room)) : acc - jerk * dt;
+}
+
+}  // namespace
+
+double joining_jerk(double jerk, double acc, double speed, double dt) noexcept {
+  return std::min(
+      {jerk, acc / (kAccCycles * dt), std::abs(speed) / (kRunUpCycles * kRunUpCycles * dt * dt)});
+}
+
+double following_jerk(const Reference& ref, RampState state, const FollowLimits& limits,
+                      double dt) noexcept {
+  const RampLimits own{std::max(kShare * limits.acc - std::abs(ref.acc), kLeastShare * limits.acc),
+                       kShare * limits.jerk};
+  // In the frame of the reference.
+  const double e = ref.ahead, w = state.speed - ref.speed, b = state.acc - ref.acc;
+  const double g = std::min(kGain, kGainPerCycle / dt);
+  double j = 0;
+  const double by_gain = g * (g * (g * std::abs(e) + 3 * std::abs(w)) + 3 * std::abs(b));
+  // What a cycle of jerk does is too coarse for what it leads to: it would go to and fro.
+  const double step = own.jerk * dt;
+  const bool coarse =
+      std::abs(b) <= step && std::abs(w) <= step * dt && std::abs(e) <= step * dt * dt;
+  if (coarse || by_gain <= kNearShare * std::min(own.jerk, g * own.acc)) {
+    j = -g * (g * (g * e + 3 * w) + 3 * b);
+  } else {
+    // More than the ramp behind it, so that what the division into cycles spoils is made good.
+    const double most = own.jerk / kShare;
+    const auto end = [&](double jerk) {
+      const RampState then{w + dt * (b + 0.5 * dt * jerk), b + dt * jerk};
+      return e + dt * (w + dt * (0.5 * b + dt * jerk * (1.0 / 6.0))) + ramp_distance(then, 0, own);
+    };
+    j = largest_within(-most, most, 0, end, {kSameJerk, 1e-13, kJerkSteps});
+    j = std::clamp(j, std::min(0.0, (-own.acc - b) / dt), std::max(0.0, (own.acc - b) / dt));
+  }
+  const double a = state.acc;
+  j = std::clamp(j, (-limits.acc - a) / dt, (limits.acc - a) / dt);
+  const double most = acc_that_leaves(limits.fastest - state.speed, a, limits.jerk, dt);
+  const double least = -acc_that_leaves(state.speed - limits.slowest, -a, limits.jerk, dt);
+  j = std::min(std::max(j, (least - a) / dt), (most - a) / dt);
+  return std::clamp(j, -limits.jerk, limits.jerk);
 }
 
 void SyncTracker::begin(double per_rev, double zero_revs, std::int32_t turning,
@@ -96,8 +158,9 @@ void SyncTracker::begin(double per_rev, double zero_revs, std::int32_t turning,
 }
 
 /// What stands can only be joined by a reference that is still behind it.
-void SyncTracker::choose_turn(double& ahead, double ref_speed, double acc, double dt) noexcept {
-  const double joins = joining_distance(ref_speed, kShare * acc, dt);
+void SyncTracker::choose_turn(double& ahead, double ref_speed, double acc, double jerk,
+                              double dt) noexcept {
+  const double joins = joining_distance(ref_speed, kShare * acc, kShare * jerk, dt);
   // Once chosen, only a spindle that has become faster makes it too late.
   const double least =
       chosen_ ? 0.7 * joins : joins + ref_speed * (2 * dt + std::max(kSettle - age_s_, 0.0));
@@ -120,18 +183,46 @@ double SyncTracker::speed(const SpindleObserver& spindle, double s, double acc,
   age_s_ += dt;
   if (!moving_) {
     if (!(ref_speed > 0)) return lag_ = 0;
-    choose_turn(ahead, ref_speed, acc, dt);
+    choose_turn(ahead, ref_speed, acc, 0, dt);
   }
   const double v = following_speed(ahead, ref_speed, kShare * acc, dt);
   if (!moving_ && !(v > 0)) return lag_ = 0;
+  note(spindle, s, ahead, ref_speed);
+  return v;
+}
+
+double SyncTracker::jerk(const SpindleObserver& spindle, double s, RampState state,
+                         const FollowLimits& limits, double into, double dt) noexcept {
+  const double k = per_rev_ * turning_;
+  Reference ref;
+  ref.acc = k * spindle.acc();
+  ref.speed = k * spindle.rps_after(into);
+  ref.ahead =
+      s - k * (spindle.angle() - zero_ + into * (spindle.rps() + 0.5 * spindle.acc() * into));
+  age_s_ += dt;
+  if (!moving_) {
+    lag_ = 0;
+    if (!(ref.speed > 0)) return 0;
+    begins_with_ = ref.speed;
+  }
+  FollowLimits used = limits;
+  used.jerk = joining_jerk(limits.jerk, limits.acc, begins_with_, dt);
+  if (!moving_) choose_turn(ref.ahead, ref.speed, limits.acc, used.jerk, dt);
+  const double j = following_jerk(ref, state, used, dt);
+  if (!moving_ && !(j > 0)) return 0;
+  note(spindle, s, ref.ahead, ref.speed);
+  return j;
+}
+
+void SyncTracker::note(const SpindleObserver& spindle, double s, double ahead,
+                       double ref_speed) noexcept {
   moving_ = true;
   lag_ = -ahead;
-  if (!joined_ &&
-      std::abs(ahead) <= kInStep * std::abs(ref_speed) + per_rev_ * spindle.noise() + kNear) {
-    joined_ = true;
-    run_in_ = s;
-  }
-  return v;
+  if (joined_ ||
+      std::abs(ahead) > kInStep * std::abs(ref_speed) + per_rev_ * spindle.noise() + kNear)
+    return;
+  joined_ = true;
+  run_in_ = s;
 }
 
 void Synchroniser::observe(const SpindleInputs* in, double dt) noexcept {
@@ -200,8 +291,13 @@ Synchroniser::Ready Synchroniser::prepare(const Wish& wish, PathWait& why, const
     raise(faults, Fault::sync_too_fast, n, v * wish.factor * wish.mm, wish.speed * wish.mm, tag);
     return Ready::refused;
   }
-  const double in = v * v / (2 * kShare * wish.acc) + std::max(kTail, kTailCycles * dt_) * v;
-  const double need = wish.ends ? in + v * v / (2 * wish.acc) : in;
+  const bool jerks = wish.jerk > 0;
+  const double jerk = joining_jerk(wish.jerk, wish.acc, v, dt_);
+  const double joins = jerks ? joining_distance(v, kShare * wish.acc, kShare * jerk, dt_)
+                             : v * v / (2 * kShare * wish.acc);
+  const double in = joins + std::max(kTail, kTailCycles * dt_) * v;
+  const double out = jerks ? stopping_distance(v, {wish.acc, wish.jerk}) : v * v / (2 * wish.acc);
+  const double need = wish.ends ? in + out : in;
   if (need > wish.to_end) {
     raise(faults, Fault::sync_too_short, n, need * wish.mm, wish.to_end * wish.mm, tag);
     return Ready::refused;
@@ -260,16 +356,29 @@ double Synchroniser::thread_speed(const SyncBounds& sync, double done, const Sou
                                   FaultList& faults) noexcept {
   mm_ = sync.mm;
   const double v = tracker_.speed(observer_[spindle_], passed_ + done, sync.acc, dt_);
-  // Behind the run-out nobody is in step.
-  const double braking = v * v / (2 * sync.acc);
+  watch_thread(sync, done, v * v / (2 * sync.acc), tag, faults);
+  return std::max(v, 0.0);
+}
+
+double Synchroniser::thread_jerk(const SyncBounds& sync, double done, RampState state,
+                                 const FollowLimits& limits, double into, double dt,
+                                 const SourceTag& tag, FaultList& faults) noexcept {
+  mm_ = sync.mm;
+  const double j = tracker_.jerk(observer_[spindle_], passed_ + done, state, limits, into, dt);
+  watch_thread(sync, done, stopping_distance(state.speed, {limits.acc, limits.jerk}), tag, faults);
+  return j;
+}
+
+/// Behind the run-out nobody is in step.
+void Synchroniser::watch_thread(const SyncBounds& sync, double done, double braking,
+                                const SourceTag& tag, FaultList& faults) noexcept {
   if (sync.to_end - done > 1.5 * braking + sync.mm * 1e-3)
     watch_lag(std::max(kLagShare * sync.per_rev * mm_, kLeastLag), tag, faults);
-  return std::max(v, 0.0);
 }
 
 void Synchroniser::begin_tap() noexcept {
   phase_ = TapPhase::in;
-  place_ = speed_ = stopping_s_ = 0;
+  place_ = speed_ = acc_ = stopping_s_ = 0;
 }
 
 /// Towards `wanted` as fast as the limits allow, and never nearer to an end of the range than it can stop.
@@ -284,19 +393,73 @@ void Synchroniser::move_tap(const TapSpan& tap, double wanted, double dt) noexce
   place_ += 0.5 * (before + speed_) * dt;
 }
 
+/// With jerk limits: the wish where a stop behind it stays within the range; else to rest.
+void Synchroniser::ramp_tap(const TapSpan& tap, double jerk, double dt) noexcept {
+  const RampLimits limits{tap.acc, tap.jerk};
+  const RampState then{speed_ + dt * (acc_ + 0.5 * dt * jerk), acc_ + dt * jerk};
+  const double place = place_ + dt * (speed_ + dt * (0.5 * acc_ + dt * jerk * (1.0 / 6.0)));
+  const double rest = place + ramp_distance(then, 0, limits);
+  if (std::min(place, rest) >= tap.low && std::max(place, rest) <= tap.high) {
+    place_ = place;
+    speed_ = then.speed;
+    acc_ = then.acc;
+  } else {
+    brake_tap(tap, dt);
+  }
+}
+
+void Synchroniser::brake_tap(const TapSpan& tap, double dt) noexcept {
+  RampState s{speed_, acc_};
+  const Ramp ramp = ramp_to(s, 0, {tap.acc, tap.jerk});
+  place_ += ramp.advance(s, dt);
+  if (ramp.duration() <= dt) s = {};
+  speed_ = s.speed;
+  acc_ = s.acc;
+}
+
+void Synchroniser::follow_spindle(const TapSpan& tap, double dt) noexcept {
+  const SpindleObserver& o = observer_[spindle_];
+  if (tap.jerk > 0) {
+    const double j =
+        tracker_.jerk(o, place_, {speed_, acc_}, {tap.acc, tap.jerk, -tap.speed, tap.speed}, 0, dt);
+    if (tracker_.moving()) ramp_tap(tap, j, dt);
+    return;
+  }
+  const double wanted = tracker_.speed(o, place_, tap.acc, dt);
+  move_tap(tap, tracker_.moving() ? wanted : 0.0, dt);
+}
+
+/// True: it is there.
+bool Synchroniser::comes_home(const TapSpan& tap, double dt) noexcept {
+  const double step = (tap.jerk > 0 ? tap.jerk * dt : tap.acc) * dt, still = kLanding * step;
+  const double before = speed_, acc_before = acc_;
+  if (tap.jerk > 0)
+    ramp_tap(tap,
+             following_jerk({place_, 0, 0}, {speed_, acc_},
+                            {tap.acc, tap.jerk, -tap.speed, tap.speed}, dt),
+             dt);
+  else
+    move_tap(tap, following_speed(place_, 0, kShare * tap.acc, dt), dt);
+  return std::max(std::abs(before), std::abs(speed_)) <= still && std::abs(place_) <= still * dt &&
+         std::max(std::abs(acc_before), std::abs(acc_)) <= still / dt;
+}
+
 Synchroniser::Tap Synchroniser::stop_tap(const TapSpan& tap, double dt) noexcept {
   const SpindleObserver& o = observer_[spindle_];
   if (stopping_s_ == 0) stop_rps_ = std::abs(o.rps());
   stopping_s_ += dt;
   const double most = stop_rps_ * (1 - (stopping_s_ - kGrace) / kLongestStop);
   const bool slows = std::abs(o.rps()) <= most + kStands;
-  double wanted = 0;
-  if (following_ && phase_ != TapPhase::home && slows && tracker_.moving())
-    wanted = tracker_.speed(o, place_, tap.acc, dt);
-  if (std::abs(o.rps()) < kStands) wanted = 0;
-  move_tap(tap, wanted, dt);
-  if (wanted != 0 || speed_ != 0) return Tap::goes_on;
-  return Tap::stopped;
+  if (following_ && phase_ != TapPhase::home && slows && tracker_.moving() &&
+      std::abs(o.rps()) >= kStands) {
+    follow_spindle(tap, dt);
+    return Tap::goes_on;
+  }
+  if (tap.jerk > 0)
+    brake_tap(tap, dt);
+  else
+    move_tap(tap, 0, dt);
+  return speed_ != 0 || acc_ != 0 ? Tap::goes_on : Tap::stopped;
 }
 
 Synchroniser::Tap Synchroniser::tap(const TapSpan& tap, bool stop, double dt, const SourceTag& tag,
@@ -304,16 +467,11 @@ Synchroniser::Tap Synchroniser::tap(const TapSpan& tap, bool stop, double dt, co
   if (stop) return stop_tap(tap, dt);
   const SpindleObserver& o = observer_[spindle_];
   if (phase_ == TapPhase::home) {
-    const double before = speed_, still = kLanding * tap.acc * dt;
-    move_tap(tap, following_speed(place_, 0, kShare * tap.acc, dt), dt);
-    if (std::max(std::abs(before), std::abs(speed_)) > still || std::abs(place_) > still * dt)
-      return Tap::goes_on;
-    place_ = speed_ = 0;
+    if (!comes_home(tap, dt)) return Tap::goes_on;
+    place_ = speed_ = acc_ = 0;
     return Tap::done;
   }
-  double wanted = tracker_.speed(o, place_, tap.acc, dt);
-  if (!tracker_.moving()) wanted = 0;
-  move_tap(tap, wanted, dt);
+  follow_spindle(tap, dt);
   watch_lag(std::max(kLagShare * tap.per_rev, kLeastLag), tag, faults);
   const double turning = o.rps() * turning_;
   switch (phase_) {

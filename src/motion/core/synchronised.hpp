@@ -4,8 +4,10 @@
 // started at full speed in the very moment of the index. The axis stands until the reference comes so near that it joins it just as it
 // has speeded up (SyncTracker::speed): no catching up, and the run-in is v^2/2a. Angle and speed come from an observer, not from
 // differences of counts. Reference and limits are separate: the tracker only wishes a speed, the executor keeps the limits.
+// With jerk limits the tracker wishes a jerk: what a triple integrator needs to come to rest on its reference in the least time.
 // Sources: fading-memory (g-h-k) filter: Morrison, Introduction to Sequential Smoothing and Prediction; switching curve of the double
-// integrator with a linear part at its end.
+// integrator and switching surface of the triple one, with a linear part at their end (Pao and Franklin, Proximate time-optimal control of
+// third-order servomechanisms, 1993).
 #pragma once
 
 #include <algorithm>
@@ -13,6 +15,7 @@
 #include <iterator>
 
 #include "motion/core/io.hpp"
+#include "motion/core/ramp.hpp"
 #include "motion/core/span.hpp"
 #include "motion/core/spindles.hpp"
 
@@ -33,6 +36,7 @@ class SpindleObserver {
   [[nodiscard]] double rps_after(double t) const noexcept { return rps_ + acc_ * t; }
   /// In the last step the counter was not where a spindle can have brought it.
   [[nodiscard]] bool jumped() const noexcept { return jumped_; }
+  [[nodiscard]] double acc() const noexcept { return acc_; }  ///< revolutions/s2
 
  private:
   double angle_{0}, rps_{0}, acc_{0}, noise_{0};
@@ -45,8 +49,27 @@ class SpindleObserver {
 /// that the two meet with equal speeds; near 0 in proportion.
 [[nodiscard]] double following_speed(double ahead, double ref_speed, double acc,
                                      double dt) noexcept;
-/// What stands joins a reference that moves with `ref_speed` when it is this far behind.
-[[nodiscard]] double joining_distance(double ref_speed, double acc, double dt) noexcept;
+/// What stands joins a reference that moves with `ref_speed` when it is this far behind. `jerk` 0: not limited.
+[[nodiscard]] double joining_distance(double ref_speed, double acc, double jerk,
+                                      double dt) noexcept;
+
+/// What of a jerk limit is used to come to `speed`: acceleration builds up over some cycles at least, and so does the speed.
+[[nodiscard]] double joining_jerk(double jerk, double acc, double speed, double dt) noexcept;
+
+/// A reference at this moment, as seen from a place on its line.
+struct Reference {
+  double ahead{0};  ///< of it, the place is; negative: behind
+  double speed{0}, acc{0};
+};
+/// What a place may do.
+struct FollowLimits {
+  double acc{1}, jerk{1};         ///< both above 0
+  double slowest{0}, fastest{0};  ///< speeds, never passed
+};
+/// The jerk for the next `dt` seconds, within the limits, that brings a place at `state` onto its reference in the least time: such that
+/// bringing the difference of speeds to 0 from there on as fast as possible ends on the reference; near to it in proportion.
+[[nodiscard]] double following_jerk(const Reference& ref, RampState state,
+                                    const FollowLimits& limits, double dt) noexcept;
 
 /// The reference of one thread: per_rev * (turns since the index), and how it is come into step with.
 class SyncTracker {
@@ -58,6 +81,9 @@ class SyncTracker {
   /// motion the reference is put back by whole turns as long as it is too near to be joined.
   [[nodiscard]] double speed(const SpindleObserver& spindle, double s, double acc,
                              double dt) noexcept;
+  /// The same with a jerk limit: the jerk for `dt` seconds from `into` seconds after the observer's moment on, at place `s` then.
+  [[nodiscard]] double jerk(const SpindleObserver& spindle, double s, RampState state,
+                            const FollowLimits& limits, double into, double dt) noexcept;
   [[nodiscard]] double lag() const noexcept { return lag_; }  ///< behind the reference
   [[nodiscard]] bool moving() const noexcept { return moving_; }
   /// In step since it came into it; false while catching up or not yet begun.
@@ -67,10 +93,12 @@ class SyncTracker {
   static constexpr double kSettle = 0.06;  // s
 
  private:
-  void choose_turn(double& ahead, double ref_speed, double acc, double dt) noexcept;
+  void choose_turn(double& ahead, double ref_speed, double acc, double jerk, double dt) noexcept;
+  void note(const SpindleObserver& spindle, double s, double ahead, double ref_speed) noexcept;
 
   double per_rev_{0}, zero_{0}, lag_{0}, run_in_{0}, age_s_{0};
   std::int32_t turning_{1};
+  double begins_with_{0};  ///< speed of the reference when it was chosen
   bool chosen_{false}, moving_{false}, joined_{false};
 };
 
@@ -104,7 +132,7 @@ class Synchroniser {
   /// At rest before it: waits for the spindle to turn, to be at speed and to pass its index. `why` while it waits; a fault when it
   /// cannot be.
   struct Wish {
-    double per_rev{0}, acc{0}, speed{0}, to_end{0}, mm{1}, factor{1};
+    double per_rev{0}, acc{0}, jerk{0}, speed{0}, to_end{0}, mm{1}, factor{1};
     std::int32_t spindle{0};
     bool ends{true};  ///< it has to stop at `to_end`
   };
@@ -129,6 +157,10 @@ class Synchroniser {
   /// path falls behind.
   [[nodiscard]] double thread_speed(const SyncBounds& sync, double done, const SourceTag& tag,
                                     FaultList& faults) noexcept;
+  /// With jerk limits: the jerk that is wanted for `dt` seconds from `into` seconds of this cycle on.
+  [[nodiscard]] double thread_jerk(const SyncBounds& sync, double done, RampState state,
+                                   const FollowLimits& limits, double into, double dt,
+                                   const SourceTag& tag, FaultList& faults) noexcept;
   /// A stretch of `length` sigma was driven to its end.
   void passed(double length) noexcept { passed_ += following_ ? length : 0.0; }
 
@@ -151,7 +183,13 @@ class Synchroniser {
   void arm(std::int32_t spindle) noexcept;
   void follow() noexcept;
   void watch_lag(double bound, const SourceTag& tag, FaultList& faults) noexcept;
+  void watch_thread(const SyncBounds& sync, double done, double braking, const SourceTag& tag,
+                    FaultList& faults) noexcept;
   void move_tap(const TapSpan& tap, double wanted, double dt) noexcept;
+  void ramp_tap(const TapSpan& tap, double jerk, double dt) noexcept;
+  void brake_tap(const TapSpan& tap, double dt) noexcept;
+  void follow_spindle(const TapSpan& tap, double dt) noexcept;
+  [[nodiscard]] bool comes_home(const TapSpan& tap, double dt) noexcept;
   [[nodiscard]] Tap stop_tap(const TapSpan& tap, double dt) noexcept;
 
   Spindles& spindles_;
@@ -172,7 +210,7 @@ class Synchroniser {
   double mm_{1}, run_in_mm_{0};
 
   TapPhase phase_{TapPhase::in};
-  double place_{0}, speed_{0}, stopping_s_{0}, stop_rps_{0};
+  double place_{0}, speed_{0}, acc_{0}, stopping_s_{0}, stop_rps_{0};
   std::int32_t turning_{1};
 };
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "motion/api/faults.hpp"
+#include "property/motion/random_program.hpp"
 #include "spindle_rig.hpp"
 
 namespace kerf::motion {
@@ -114,6 +115,61 @@ TEST(SyncTracker, JoinsWithoutOvershootWithinItsShareOfTheAcceleration) {
   }
 }
 
+/// Random references with noise, random limits: within them in every cycle, and on the reference in the time that limits allow.
+TEST(SyncTracker, KeepsItsJerkAndJoinsInTheLeastTime) {
+  double slowest = 0, farthest = 0;
+  for (unsigned seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE(seed);
+    test::Random r(seed);
+    const double dt = std::array{0.00025, 0.001, 0.002, 0.004}[seed % 4];
+    FollowLimits limits{r.log(100, 5000), 0, 0, r.log(20, 300)};
+    limits.jerk = limits.acc / r.log(0.004, 0.5);
+    const double speed = limits.fastest * r.uniform(0.02, 0.8);
+    limits.jerk = joining_jerk(limits.jerk, limits.acc, speed, dt);
+    const RampLimits own{0.8 * limits.acc, 0.8 * limits.jerk};
+    const double joins = joining_distance(speed, own.acc, own.jerk, dt);
+    RampState s;
+    Reference ref{joins + r.uniform(1, 20) * speed * dt, speed, 0};
+    double place = 0, at = -ref.ahead, begun = -1, in_step = -1, overshoot = 0, off = 0,
+           jerk_before = 0;
+    for (int i = 0; i * dt < 60 && (in_step < 0 || i * dt < begun + in_step + 0.2); ++i) {
+      ref.ahead = place - at;
+      const double j = following_jerk(ref, s, limits, dt);
+      ASSERT_LE(std::abs(j), limits.jerk * (1 + 1e-9));
+      if (begun < 0 && j > 0) begun = i * dt;
+      if (begun < 0) {
+        ASSERT_EQ(j, 0);
+      }
+      place += dt * (s.speed + dt * (0.5 * s.acc + dt * j / 6));
+      s.speed += dt * (s.acc + 0.5 * dt * j);
+      s.acc += dt * j;
+      ASSERT_LE(std::abs(s.acc), limits.acc * (1 + 1e-9));
+      ASSERT_LE(s.speed, limits.fastest * (1 + 1e-9));
+      ASSERT_GE(s.speed, -1e-9);
+      at += speed * dt;
+      overshoot = std::max(overshoot, s.speed - speed);
+      if (begun >= 0 && i * dt > begun + ramp_to({}, speed, own).duration() + 2 * dt)
+        off = std::max(off, std::abs(place - at));
+      if (in_step < 0 && begun >= 0 && std::abs(place - at) < 2e-5 * speed + 1e-6)
+        in_step = i * dt - begun;
+      jerk_before = j;
+    }
+    ASSERT_GE(in_step, 0) << "ahead " << place - at << " speed " << s.speed << " of " << speed
+                          << " jerk " << jerk_before;
+    const double least = ramp_to({}, speed, own).duration();
+    const double tail = std::max(0.1, 50 * dt);
+    slowest = std::max(slowest, (in_step - least) / tail);
+    EXPECT_LE(in_step, least + tail) << least;
+    farthest = std::max(farthest, off / (speed * dt));
+    EXPECT_LE(off, std::max(0.25 * speed * dt, 0.001));
+    EXPECT_LE(overshoot, 0.02 * speed + 0.01 * own.jerk * dt);
+  }
+  std::printf(
+      "result: 2 cycles after the least time at most %.2f of a cycle's way off, in step %.2f tails "
+      "after it\n",
+      farthest, slowest);
+}
+
 /// Z against the spindle in a thread to Z-20, from where the machine says that it is in step.
 struct Trace {
   double phase{
@@ -125,13 +181,16 @@ Trace cut(SpindleRig& rig, const Pose& end, double pitch) {
   Trace out;
   rig.thread(end, pitch);
   double low = 1e9, high = -1e9;
+  const double jerk = rig.config.joint[2].max_jerk;
+  const RampLimits limits{1000, jerk > 0 ? jerk : 1e12};
   rig.run_until(
       [&] {
         const MotionStatus& s = rig.status();
         const double from_end = s.pos_cmd.z - end.z;
         const double v = rig.rps * pitch;
         out.joined = out.joined || s.sync_in_step;
-        if (s.sync_in_step && s.vel_mm_s > 0 && from_end > 1.2 * v * v / 2000 + 0.05) {
+        if (s.sync_in_step && s.vel_mm_s > 0 &&
+            from_end > 1.2 * stopping_distance(v, limits) + 0.05) {
           const double turns = rig.angle - rig.index_at;
           const double at = s.pos_cmd.z + turns * pitch;
           const double phase = at - std::floor(at / pitch + 0.5) * pitch;

@@ -75,6 +75,8 @@ bool ProgramPath::create(Memory& memory, std::size_t moves) noexcept {
 
 /// Two lines whose corner would make a blend of its own, which is so narrow that standing takes less time.
 bool ProgramPath::sharp(const Move& a, const Move& b) const noexcept {
+  // A thread that stood in its middle would be out of step.
+  if (a.piece.feed.sync) return false;
   const Vec kink = b.piece.first(0) - a.piece.first(a.piece.length);
   const double share = a.mode.tolerance.share(kink);
   if (!(share > 0)) return false;

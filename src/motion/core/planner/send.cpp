@@ -295,13 +295,13 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   if (meta.even_acc > 0) {
     speed.cap = meta.cap;
     body.even_acc = meta.even_acc;
-    body.even_jerk = piece.feed.sync ? 0.0 : meta.even_jerk;
+    body.even_jerk = meta.even_jerk;
   } else if (mixed_) {
     speed.cap = box_.cap;
     body.even_acc = box_.acc;
   } else {
     speed.cap = axis_cap = path::axis_cap(piece, from, to, limits_);
-    if (limits_.jerks && !piece.feed.sync) {
+    if (limits_.jerks) {
       const path::Box& box = boxes_[piece_];
       body.even_acc = box.acc;
       body.even_jerk = box.jerk;
@@ -316,7 +316,7 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   body.requested = piece.feed.speed < path::kNoLimit
                        ? piece.feed.speed
                        : std::sqrt(speed.cap) * path::slope_of(piece, from, to);
-  body.by_law = laws_.on() && axis_cap > 0 && body.even_jerk > 0 && !meta.probe &&
+  body.by_law = laws_.on() && axis_cap > 0 && body.even_jerk > 0 && !meta.probe && !speed.sync &&
                 meta.kind != MotionKind::index_rotary;
   if (laws_.on()) {
     LawMaker::Stretch stretch{piece,         from,           body.length, speed,
@@ -336,7 +336,7 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   ahead.acc.set(body.even_acc);
   ahead.jerk.set(body.even_jerk);
   ahead.cap.set(speed.cap);
-  ahead.feed_cap.set(speed.feed_cap);
+  ahead.feed_cap.set(speed.sync ? path::kNoLimit : speed.feed_cap);
   ahead.slope.set(speed.slope);
   ahead.rps.set(speed.rps);
   ahead.rapid.set(speed.rapid ? 1 : 0);
@@ -420,7 +420,7 @@ bool Planner::plan_ramps(std::uint64_t n, int& unchanged) noexcept {
     }
   }
   rtapi::Word<double>& slot = slots_.hard[n % kSpans];
-  slots_.soft[n % kSpans].set(single_step_ && s.block_end ? 0.0 : path::kNoLimit);
+  slots_.soft[n % kSpans].set(single_step_ && s.block_end && !s.speed.sync ? 0.0 : path::kNoLimit);
   const bool same = group_end && n < first_new_ && slot.get() == hard;
   if (group_end) unchanged = same ? unchanged + 1 : 0;
   // Release, last span first: see PlanSlots.
