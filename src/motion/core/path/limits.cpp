@@ -83,14 +83,6 @@ double straight_acc(const Piece& piece, const AxisLimits& limits) noexcept {
   return xyz > 0 ? std::min(acc, limits.path_acc / xyz) : acc;
 }
 
-double straight_jerk(const Piece& piece, const AxisLimits& limits) noexcept {
-  double jerk = kNoLimit;
-  for (std::size_t i = 0; i < kAxes; ++i)
-    if (piece.b[i] != 0) jerk = std::min(jerk, limits.jerk[i] / std::abs(piece.b[i]));
-  const double xyz = norm3(piece.b, 0);
-  return xyz > 0 ? std::min(jerk, limits.path_jerk / xyz) : jerk;
-}
-
 void rows_of(const Piece& piece, double s0, double s1, const AxisLimits& limits,
              Rows& out) noexcept {
   const Slopes s = slopes_of(piece, s0, s1);

@@ -50,8 +50,6 @@ struct Rows {
 [[nodiscard]] double slope_of(const Piece& piece, double s0, double s1) noexcept;
 /// Straights only: the largest |u|.
 [[nodiscard]] double straight_acc(const Piece& piece, const AxisLimits& limits) noexcept;
-/// The same for jerk; kNoLimit where no axis that moves has one.
-[[nodiscard]] double straight_jerk(const Piece& piece, const AxisLimits& limits) noexcept;
 /// The acceleration rows of [s0, s1], s1 > s0.
 void rows_of(const Piece& piece, double s0, double s1, const AxisLimits& limits,
              Rows& out) noexcept;

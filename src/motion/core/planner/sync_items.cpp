@@ -73,7 +73,7 @@ bool Planner::join_thread(const SyncMove& sync, path::Piece& piece, Meta& meta,
   if (meta.even_acc > 0)
     meta.sync.jerk = meta.even_jerk;
   else if (limits_.jerks)
-    meta.sync.jerk = path::straight_jerk(piece, limits_);
+    meta.sync.jerk = path::straight_box(piece, limits_).jerk;
   meta.sync.mm = way / length;
   meta.sync.spindle = sync.spindle;
   meta.sync.first = thread_first_;
@@ -128,7 +128,7 @@ Planner::Take Planner::take_tap(const PathItem& item, const TapMove& tap,
   const path::Piece piece = path::straight_piece(from, span.direction, span.depth, path::Feed{});
   span.speed = std::sqrt(plain_ ? path::axis_cap(piece, 0, span.depth, limits_) : meta.cap);
   span.acc = plain_ ? path::straight_acc(piece, limits_) : meta.even_acc;
-  const double jerk = plain_ ? path::straight_jerk(piece, limits_) : meta.even_jerk;
+  const double jerk = plain_ ? path::straight_box(piece, limits_).jerk : meta.even_jerk;
   span.jerk = limits_.jerks && jerk < path::kNoLimit ? jerk : 0.0;
   span.per_rev = tap.per_rev_mm;
   span.return_factor = tap.return_factor;
