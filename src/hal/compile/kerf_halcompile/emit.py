@@ -73,7 +73,12 @@ class Writer:
         for item in comp.items:
             ctype = TYPES[item.type][1]
             star = " *" if item.kind == "pin" and not item.is_new else " "
-            self.put(f"  {ctype}{star}{item.c_name}_p{f'[{item.size}]' if item.is_array else ''};")
+            size = f"[{item.size}]" if item.is_array else ""
+            if comp.option("no_convenience_defines") and not item.is_new:
+                # Code for 2.9 names its members as the items, the newest with _p.
+                self.put(f"  union {{\n    {ctype}{star}{item.c_name}_p{size};\n    {ctype}{star}{item.c_name}{size};\n  }};")
+            else:
+                self.put(f"  {ctype}{star}{item.c_name}_p{size};")
         for variable in comp.variables:
             sizes = "".join(f"[{size}]" for size in variable.sizes)
             self.from_source(variable.offset, f"  {variable.type} {variable.stars}{variable.name}{sizes};")

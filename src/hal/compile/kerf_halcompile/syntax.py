@@ -421,10 +421,11 @@ class Parser:
         if comp.functions and "FUNCTION" not in comp.body and not one and not comp.option("no_convenience_defines"):
             lex.fail("Must use FUNCTION() when more than one function is defined",
                      f"Write after ;; : FUNCTION({comp.functions[0].c_name}) {{ ... }}", comp.functions[1].offset)
-        # Code in a file of its own is not looked into.
-        if "FUNCTION" in comp.body and not re.search(r'^\s*#\s*include\s*"', comp.body, re.M):
+        # Code in a file of its own is not looked into, nor what macros make.
+        looked_into = not comp.option("no_convenience_defines") and "##" not in comp.body
+        if looked_into and "FUNCTION" in comp.body and not re.search(r'^\s*#\s*include\s*"', comp.body, re.M):
             for function in comp.functions:
-                if not re.search(rf"\bFUNCTION\s*\(\s*{function.c_name}\s*\)", comp.body):
+                if not re.search(rf"\b\w+\s*\(\s*{function.c_name}\s*\)", comp.body):
                     lex.fail(f"Function {function.name} is declared and not defined",
                              f"Write after ;; : FUNCTION({function.c_name}) {{ ... }}", function.offset)
             for option, macro in (("extra_setup", "EXTRA_SETUP"), ("extra_cleanup", "EXTRA_CLEANUP"), ("post_export", "POST_EXPORT")):
