@@ -17,13 +17,16 @@ class CounterChannel : public hal::Channel {
       zero_ = raw_;
       index_enable_ = false;
     }
-    if (reset_) raw_ = zero_ = captured_ = 0;
     a_before_ = a;
     z_before_ = z;
     rawcounts_ = static_cast<std::int32_t>(raw_);
   }
 
   void capture_position(const hal::Period& period) noexcept {
+    if (reset_) {
+      raw_ = zero_ = captured_ = 0;
+      rawcounts_ = 0;
+    }
     double scale = position_scale_;
     if (std::fabs(scale) < 1e-20) position_scale_ = scale = 1.0;
     counts_ = static_cast<std::int32_t>(raw_ - zero_);

@@ -25,6 +25,13 @@ class EncoderRatioChannel : public hal::Channel {
       : Channel(b, list.name(b, index)) {}
 
   void sample(const hal::Period&) noexcept {
+    if (first_) {
+      // Where the encoders stand is no count.
+      first_ = false;
+      (void)slave_phases_.step(slave_a_, slave_b_);
+      (void)master_phases_.step(master_a_, master_b_);
+      return;
+    }
     slave_ += slave_phases_.step(slave_a_, slave_b_);
     const std::int64_t master = master_phases_.step(master_a_, master_b_);
     if (enable_) master_ += master;
@@ -59,6 +66,7 @@ class EncoderRatioChannel : public hal::Channel {
       pin<hal::Io<std::uint32_t>>("slave-teeth", "Teeth of the slave's gear", 0)};
 
   Quadrature slave_phases_, master_phases_;
+  bool first_{true};
   std::int64_t slave_{0}, master_{0};  // since the last update
   double error_now_{0.0};
 };

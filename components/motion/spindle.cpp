@@ -102,29 +102,33 @@ class Spindle final : public hal::Component<Spindle> {
     limited_ = limited;
     const double wanted = std::copysign(size, commanded_speed_);
     const double base = simulated ? speed_ : now;
+    // Beside an encoder the steps are speeds, so that the acceleration depends on the load.
+    const double per_step = simulated ? dt : 1.0;
     // Slowing down ends at standstill: the other direction begins with acceleration.
     const bool slows = (base > 0.0 && wanted < base) || (base < 0.0 && wanted > base);
     double next = wanted;
     if (slows) {
-      const double step = gear.decel * dt;
+      const double step = gear.decel * per_step;
       next = base > 0.0 ? std::max(base - step, std::max(wanted, 0.0))
                         : std::min(base + step, std::min(wanted, 0.0));
     } else {
-      const double step = gear.accel * dt;
+      const double step = gear.accel * per_step;
       next = rtapi::limited(wanted, base - step, base + step);
     }
     brake_ = slows;
-    speed_ = next;
+    // The simulation goes on where the encoder left off.
+    speed_ = simulated ? next : now;
     spindle_rpm_ = simulated ? next : now;
     const double size_now = std::fabs(now);
-    const bool at_speed = std::fabs(wanted - now) <= gear.speed_tolerance;
-    at_speed_ = at_speed;
+    const bool was_at_speed = at_speed_.last();
+    at_speed_ = std::fabs(wanted - now) <= gear.speed_tolerance;
     zero_speed_ = size_now <= gear.zero_tolerance;
     const double smooth = spindle_lpf_;
-    shown_ = at_speed && smooth > 0.0 ? shown_ + (size_now - shown_) * std::min(1.0, smooth * dt)
-                                      : size_now;
+    shown_ = was_at_speed && smooth > 0.0
+                 ? shown_ + (size_now - shown_) * std::min(1.0, smooth * dt)
+                 : size_now;
     spindle_rpm_abs_ = shown_;
-    forward_ = enable_ && next > 0.0;
+    forward_ = next > 0.0;
     reverse_ = enable_ && next < 0.0;
     output_ = (std::fabs(next) + gear.offset) * gear.scale;
   }
