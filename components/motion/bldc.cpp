@@ -40,8 +40,11 @@ int sector_of(std::uint32_t pattern, unsigned code) noexcept {
     if (row[i] == code) return (i + 1) % 6;
   return -1;
 }
+/// Without a sector one that the pattern does not have.
 unsigned code_of(std::uint32_t pattern, int sector) noexcept {
-  return kPatterns[pattern % 48][(sector + 5) % 6];
+  unsigned none = 0;
+  while (sector < 0 && sector_of(pattern, none) >= 0) ++none;
+  return sector < 0 ? none : kPatterns[pattern % 48][(sector + 5) % 6];
 }
 
 /// Part of a turn, from 0 up to 1.
@@ -49,6 +52,11 @@ double within_turn(double turns) noexcept {
   if (!std::isfinite(turns)) return 0.0;
   const double rest = turns - std::floor(turns);
   return rest < 1.0 ? rest : 0.0;
+}
+/// The sector from 0 (B to C) to 5 that drives a rotor onwards, a quarter of a turn ahead of it. A
+/// border belongs to the sector before it.
+int sector_at(double rotor) noexcept {
+  return (static_cast<int>(std::ceil(rotor * 6.0 + 0.5)) + 6) % 6;
 }
 double wave(double turns) noexcept { return std::cos(2.0 * std::numbers::pi * turns); }
 
@@ -92,6 +100,7 @@ class BldcChannel : public hal::Channel {
         case 'T': wiring_.trapezoidal = true; break;
         default: return false;
       }
+    if (wiring_.hall && !wiring_.quadrature && (wiring_.absolute || wiring_.index)) begins_ = 2;
     return !letters.empty();
   }
   template <class Pin>
@@ -186,12 +195,14 @@ class BldcChannel : public hal::Channel {
   hal::RoParam<std::int32_t> offset_measured_;
   Phase phase_[3];
 
+  /// Cycles without output; with Hall signals beside an absolute encoder or an index one more.
+  int begins_{1};
   bool begun_{false}, code_seen_{false}, homed_{false}, init_before_{false};
   Align align_{Align::waits};
   unsigned code_{0};
   int sector_{-1};
   double rotor_{0.0}, field_{0.0}, current_{0.0};
-  std::int64_t counts_before_{0}, offset_{0};
+  std::int64_t counts_before_{0}, offset_{0}, aligned_for_{0};
 
   [[nodiscard]] double counts_of_turn() const noexcept {
     const double pairs = std::fabs(poles_.get() * 0.5);
@@ -208,7 +219,8 @@ class BldcChannel : public hal::Channel {
     const bool changed = code_seen_ && code != code_;
     sector_ = sector_of(pattern_, code);
     const int step = (sector_ - before + 6) % 6;
-    if (changed && (sector_ < 0 || before < 0 || (step != 1 && step != 5))) hall_error_ = true;
+    if (code_seen_ && sector_ < 0) hall_error_ = true;
+    if (changed && (before < 0 || (step != 1 && step != 5))) hall_error_ = true;
     if (changed && wiring_.quadrature && !homed_ && !wiring_.index && sector_ >= 0 && before >= 0) {
       // The edge between the two sectors.
       rotor_ = within_turn((step == 1 ? before + 0.5 : sector_ + 0.5) / 6.0);
@@ -222,39 +234,66 @@ class BldcChannel : public hal::Channel {
     code_ = code;
     code_seen_ = true;
   }
-  /// Turns or pulls the rotor to a known place. False: nothing is known yet.
+  /// Turns the rotor to a known place, one step for each cycle with init. False: nothing is known yet.
   bool align(double dt, std::int64_t counts) noexcept {
-    const bool init = init_;
-    if (init && !init_before_) {
-      align_ = Align::runs;
-      init_done_ = false;
-      field_ = 0.0;
-      current_ = 0.0;
-    }
+    const bool init = init_, rises = init && !init_before_;
     init_before_ = init;
-    if (align_ == Align::done) return true;
-    if (align_ == Align::waits || !init) return false;
-    const double current = initvalue_;
-    if (wiring_.index) {
-      current_ = current;
-      field_ = within_turn(field_ + (rev_ ? -dt : dt));
-      if (index_enable_) return false;
-      offset_ = counts + encoder_offset_;
-    } else {
-      // The current grows for two fifths of a second, and the rotor swings to the field of phase A.
-      constexpr double kGrowsSeconds = 0.4;
-      const double step = current / kGrowsSeconds * dt;
-      if (std::fabs(current_ + step) < std::fabs(current)) {
-        current_ += step;
-        return false;
-      }
-      current_ = current;
-      offset_ = counts + std::llround(drive_offset_ / 360.0 * counts_of_turn());
+    if (align_ == Align::done) {
+      if (!rises) return true;
+      align_ = Align::waits;
+      init_done_ = false;
+      return false;
     }
+    if (!init) return false;
+    if (align_ == Align::waits) {
+      align_ = Align::runs;
+      field_ = 0.0;
+      aligned_for_ = 0;
+    }
+    if (wiring_.index) {
+      current_ = std::fabs(initvalue_);
+      field_ = within_turn(field_ + ((initvalue_ < 0.0) != rev_.get() ? -dt : dt));
+      if (!index_enable_) return found(counts + encoder_offset_);
+      apply_alignment(field_);
+      return false;
+    }
+    // The current grows; then the field swings to both sides and back, so that the rotor comes loose
+    // wherever it stands; then it settles.
+    constexpr double kPartSeconds = 0.4;
+    const double parts = static_cast<double>(aligned_for_++) * dt / kPartSeconds;
+    constexpr double kRounding = 1e-9;
+    if (parts >= 6.0 - kRounding) return found(counts);
+    current_ = initvalue_ * std::fmin(parts, 1.0);
+    field_ = within_turn(swing(parts));
+    apply_alignment(within_turn(field_ - drive_offset_ / 360.0));
+    return false;
+  }
+  /// The field during the alignment [turns], after parts of 0.4 s.
+  static double swing(double parts) noexcept {
+    if (parts < 1.0) return 0.0;
+    if (parts < 3.0) return (1.0 - parts) / 8.0;
+    if (parts < 4.0) return (parts - 3.5) / 2.0;
+    if (parts < 5.0) return (5.0 - parts) / 4.0;
+    return 0.0;
+  }
+  bool found(std::int64_t offset) noexcept {
+    offset_ = offset;
     offset_measured_ = static_cast<std::int32_t>(offset_);
     align_ = Align::done;
     init_done_ = true;
-    return true;
+    return false;
+  }
+  void apply_alignment(double rotor) noexcept {
+    out_ = current_;
+    out_abs_ = std::fabs(current_);
+    phase_angle_ = field_;
+    rotor_angle_ = rotor;
+    const int sector = sector_at(rotor);
+    if (wiring_.trapezoidal)
+      trapezoid(sector, current_);
+    else
+      sinusoidal(field_, std::fabs(current_));
+    commutate(sector, current_, rotor);
   }
 
   void update(const hal::Period& period) noexcept {
@@ -266,21 +305,13 @@ class BldcChannel : public hal::Channel {
     const std::int64_t counts = w.counts() ? rawcounts_.get() : 0;
     const std::int64_t moved = counts - counts_before_;
     counts_before_ = counts;
-    if (!begun_) {
+    if (begins_ != 0) {
+      --begins_;
+      if (w.index && !begun_) index_enable_ = true;
       begun_ = true;
-      if (w.index) index_enable_ = true;
       return;
     }
-    if (w.aligns() && !w.absolute && !align(period.seconds(), counts)) {
-      if (align_ != Align::runs || !init_) return;
-      out_ = current_;
-      out_abs_ = std::fabs(current_);
-      rotor_angle_ = field_;
-      phase_angle_ = field_;
-      sinusoidal(field_, current_);
-      commutate(static_cast<int>(field_ * 6.0) % 6, current_, field_);
-      return;
-    }
+    if (w.aligns() && !w.absolute && !align(period.seconds(), counts)) return;
     double lead = 0.25;
     bool by_sector = w.trapezoidal;
     if (w.hall && !homed_ && !w.absolute) {
@@ -300,7 +331,7 @@ class BldcChannel : public hal::Channel {
       commutate(sector_, out, rotor_);
       return;
     }
-    if (w.hall) check_halls();
+    if (w.hall && !w.absolute) check_halls();
     if (w.counts()) {
       if (w.absolute) offset_ = encoder_offset_;
       rotor_ = by_counts(counts, moved);
@@ -310,17 +341,17 @@ class BldcChannel : public hal::Channel {
           (gray_[0] ? 1U : 0U) + (gray_[1] ? 2U : 0U) + (gray_[2] ? 4U : 0U) + (gray_[3] ? 8U : 0U);
       code ^= code >> 2U;
       code ^= code >> 1U;
-      rotor_ = code / 16.0;
+      // The middle of where the code is.
+      rotor_ = (code + 0.5) / 16.0;
     } else {
       rotor_ = within_turn(rotor_ + frequency_ * period.seconds());
       lead = 0.0;
     }
-    const double ahead = within_turn(rotor_ + lead);
     const double field = within_turn(out < 0.0 && !by_sector ? rotor_ - lead : rotor_ + lead);
     out_ = out;
     rotor_angle_ = rotor_;
     phase_angle_ = field;
-    const int sector = static_cast<int>(ahead * 6.0) % 6;
+    const int sector = sector_at(rotor_);
     if (by_sector)
       trapezoid(sector, out);
     else
@@ -357,22 +388,23 @@ class BldcChannel : public hal::Channel {
     const Wiring& w = wiring_;
     if (w.bits && !w.hall_out && !w.fanuc_out) {
       for (std::size_t i = 0; i < 3; ++i) {
-        const double v = sector < 0 ? 0.0 : out * kDriven[sector][i];
+        const int driven = sector < 0 ? 0 : out < 0.0 ? -kDriven[sector][i] : kDriven[sector][i];
         if (w.six) {
-          phase_[i].high_on = v > 0.0;
-          phase_[i].low_on = v < 0.0;
-        } else if (v != 0.0) {
+          phase_[i].high_on = driven > 0;
+          phase_[i].low_on = driven < 0;
+        } else if (driven != 0) {
           // A phase without current stays at the side where it was.
-          phase_[i].on = v > 0.0;
+          phase_[i].on = driven > 0;
         }
       }
     }
-    if (w.hall_out && sector >= 0) {
+    if (w.hall_out) {
       const unsigned code = code_of(output_pattern_, sector);
       for (unsigned i = 0; i < 3; ++i) hall_out_[i] = (code >> (2U - i) & 1U) != 0;
     }
     if (w.fanuc_out) {
-      const auto at = static_cast<unsigned>(rotor * 16.0) & 15U;
+      const double end = std::ceil(rotor * 16.0);
+      const unsigned at = end > 0.0 ? static_cast<unsigned>(end - 1.0) & 15U : 0U;
       const unsigned gray = at ^ at >> 1U;
       for (unsigned i = 0; i < 4; ++i) gray_out_[i] = (gray >> i & 1U) != 0;
     }
