@@ -13,7 +13,9 @@ class MillTurn final : public SwitchableModule<MillTurn> {
       .notes =
           "Joints 0 to 3 are X Y Z A of the mill. In kind 1 of motion.switchkins-type, turning, "
           "joint "
-          "0 is Z, joint 1 is -Y and joint 2 is X; joint 3 stays A, and its motor is the spindle.",
+          "0 is Z, joint 1 is -Y and joint 2 is X; joint 3 stays A, and its motor is the spindle. "
+          "The "
+          "pin and the function are not part of the kinematics.",
       .singleton = true};
   explicit MillTurn(kerf::hal::Builder& b) noexcept
       : SwitchableModule(b, {.own = "xyza", .needed = "xyza", .identity_first = true, .kinds = 2}) {
@@ -42,6 +44,12 @@ class MillTurn final : public SwitchableModule<MillTurn> {
     const std::int32_t axis = map().axis_of(joint);
     return axis >= 0 && axis < 4 ? kTurned[axis] : axis;
   }
+
+ private:
+  kerf::hal::Out<std::int32_t> fpin_{builder(), "millturn.0.fpin", "How often fdemo ran"};
+  void demo(const kerf::hal::Period&) noexcept { fpin_ = fpin_.last() + 1; }
+  kerf::hal::Function demo_{
+      function_named<&MillTurn::demo>("millturn.0.fdemo", "Counts its calls in fpin")};
 };
 
 }  // namespace

@@ -40,10 +40,10 @@ class XhcHb04Util final : public hal::Component<XhcHb04Util> {
     if (pressed && !pressed_before_) {
       if (is_idle_)
         run_ = true;
-      else if (is_paused_)
-        resume_ = true;
       else if (is_running_)
         pause_ = true;
+      else if (is_paused_)
+        resume_ = true;
     } else if (!pressed) {
       run_ = false;
       resume_ = false;

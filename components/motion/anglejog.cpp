@@ -13,7 +13,9 @@ class Anglejog final : public hal::Component<Anglejog> {
       .name = "anglejog",
       .summary = "Jogs two axes along a line at an angle",
       .notes =
-          "scale-in, angle-degrees-in and iscale-factor are read while enable-in is false. The "
+          "scale-in, angle-degrees-in and iscale-factor are read while enable-in is false and the "
+          "last jog "
+          "has come to rest. The "
           "counts for the two axes are iscale-factor times as fine as those of the wheel, and "
           "current-scale-out is their scale."};
   using Component::Component;
@@ -58,32 +60,37 @@ class Anglejog final : public hal::Component<Anglejog> {
   double scale_{0.0}, cosine_{1.0}, sine_{0.0}, target_{0.0}, way_{0.0}, speed_{0.0},
       counts_before_{0.0};
   std::int32_t fine_{1};
+  bool enabled_before_{false};
 
   void update(const hal::Period& period) noexcept {
     const double dt = period.seconds();
     const bool enable = enable_in_;
     const std::int32_t counts = counts_in_;
-    if (!enable) {
+    // The last jog is slowed down first.
+    const bool stands = !enable && speed_ == 0.0;
+    if (stands) {
       scale_ = scale_in_;
       fine_ = iscale_factor_ > 1 ? iscale_factor_.get() : 1;
+      current_scale_ = scale_;
+      current_scale_out_ = scale_ / fine_;
+      target_ = way_;
+    }
+    if (!enable) {
       const double radians = angle_degrees_in_ * (3.14159265358979323846 / 180.0);
       cosine_ = std::cos(radians);
       sine_ = std::sin(radians);
       current_angle_degrees_ = angle_degrees_in_.get();
-      current_scale_ = scale_;
-      current_scale_out_ = scale_ / fine_;
-      target_ = way_;
-      speed_ = 0.0;
-    } else {
+    } else if (enable && enabled_before_) {
       target_ += (static_cast<double>(counts) - counts_before_) * scale_;
     }
     counts_before_ = counts;
+    enabled_before_ = enable;
     enable_out_ = enable;
     cos_accel_fraction_ = std::fabs(cosine_) * accel_fraction_in_;
     sin_accel_fraction_ = std::fabs(sine_) * accel_fraction_in_;
     const double accel = std::fabs(max_accel_), step = accel * dt, missing = target_ - way_;
     double wanted = 0.0;
-    if (std::fabs(missing) > step * dt * 0.001)
+    if (enable && std::fabs(missing) > step * dt * 0.001)
       wanted =
           std::copysign(std::sqrt(2.0 * accel * std::fabs(missing) + step * step) - step, missing);
     wanted = rtapi::limited(wanted, -std::fabs(max_vel_), std::fabs(max_vel_));

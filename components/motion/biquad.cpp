@@ -65,11 +65,12 @@ class Biquad final : public hal::Component<Biquad> {
     const double in = in_;
     const bool enable = enable_;
     if (enable && !before_) {
-      if (type_ != 0) {
+      const bool valid = set_up(period.seconds());
+      valid_ = valid;
+      if (type_ != 0 && valid) {
         s1_ = 0.0;
         s2_ = 0.0;
       }
-      valid_ = set_up(period.seconds());
     }
     before_ = enable;
     if (!enable) {

@@ -1,5 +1,6 @@
 // knob2float: makes a value of the counts of a knob.
 #include "hal/component.hpp"
+#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -24,11 +25,8 @@ class Knob2float final : public hal::Component<Knob2float> {
     const auto moved = static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) -
                                                  static_cast<std::uint32_t>(before_));
     before_ = counts;
-    double out = out_.last();
-    if (enable_) out += scale_ * moved;
-    if (out > max_out_) out = max_out_;
-    if (out < min_out_) out = min_out_;
-    out_ = out;
+    if (enable_)
+      out_ = rtapi::limited(out_.last() + scale_ * moved, min_out_.get(), max_out_.get());
   }
   hal::Function update_{function<&Knob2float::update>("", "Computes the outputs from the inputs")};
 };

@@ -60,9 +60,11 @@ class PidChannel : public hal::Channel {
       error = 0.0;
     error = limited(error, maxerror_);
     if (!enable) error_i_ = 0.0;
-    // An integral that is held while the output is at its limit does not wind up.
-    else if (!tune_mode_ && limit_state_ * error <= 0.0)
-      error_i_ = limited(error_i_ + error * dt, max_error_i_);
+    if (enable && !tune_mode_) {
+      // An integral that is held while the output is at its limit does not wind up.
+      if (limit_state_ * error <= 0.0) error_i_ += error * dt;
+      error_i_ = limited(error_i_, max_error_i_);
+    }
     command_d_before_ = command_d_;
     if (!indexed) command_d_ = (command - command_before_) / dt;
     if (linked(command_deriv_, own_command_deriv_)) command_d_ = command_deriv_;

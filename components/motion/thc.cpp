@@ -1,4 +1,6 @@
 // thc: torch height control by the arc voltage.
+#include <cmath>
+
 #include "hal/component.hpp"
 #include "torch_offset.hpp"
 
@@ -53,7 +55,7 @@ class Thc final : public hal::Component<Thc> {
   void update(const hal::Period&) noexcept {
     const double z = z_pos_in_;
     offset_.follow(z);
-    const double volts = (encoder_vel_ - scale_offset_) * vel_scale_;
+    const double volts = std::fmax((encoder_vel_ - scale_offset_) * vel_scale_, 0.0);
     volts_ = volts;
     if (enable_) vel_status_ = at_cutting_speed(current_vel_, requested_vel_, velocity_tol_);
     const bool at_speed = vel_status_.last();

@@ -46,14 +46,21 @@ class ToAndFro final : public hal::Component<ToAndFro> {
       param<hal::Param<double>>("epsilon", "Distance at which an end counts as reached", 0.001)};
   hal::RoParam<double> elapsed_{
       param<hal::RoParam<double>>("elapsed", "Time waited at this end [s]")};
-  bool started_{false}, to_high_{false};
+  bool started_{false}, returns_{false}, to_high_{false};
   double waited_s_{0.0};
 
   void update(const hal::Period& period) noexcept {
     const double at = position_fb_, maxvel = maxvel_;
-    if (!run_) {
-      running_ = false;
+    if (started_ && !run_) returns_ = true;
+    if (returns_) {
+      // The way back ends it.
       started_ = false;
+      position_cmd_ = run_start_.last();
+      returns_ = run_ || std::fabs(at - run_start_.last()) >= epsilon_;
+      running_ = returns_;
+      return;
+    }
+    if (!run_) {
       double command = at;
       // So far ahead that the generator, or what limits the axis behind axistest, keeps its speed.
       const double ahead = kStepper ? 2.0 * maxvel * period.seconds() : 10.0;
@@ -74,10 +81,11 @@ class ToAndFro final : public hal::Component<ToAndFro> {
     }
     const double end = to_high_ ? run_high_.last() : run_low_.last();
     if (std::fabs(at - end) < epsilon_) {
-      waited_s_ += period.seconds();
       if (waited_s_ > pause_) {
         to_high_ = !to_high_;
         waited_s_ = 0.0;
+      } else {
+        waited_s_ += period.seconds();
       }
     }
     elapsed_ = waited_s_;

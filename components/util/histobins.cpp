@@ -33,7 +33,7 @@ class Histobins final : public hal::Component<Histobins> {
       pin<hal::Out<std::int32_t>>("check", "The index that binvalue belongs to")};
   hal::In<bool> reset_{pin<hal::In<bool>>("reset", "True starts anew")};
   hal::In<bool> method_{pin<hal::In<bool>>(
-      "method", "False: variance from sums; true: running variance, better for many samples")};
+      "method", "False: running mean and variance, better for many samples; true: from sums")};
   hal::Out<bool> input_error_{
       pin<hal::Out<bool>>("input-error", "True: the settings break the rules")};
   hal::Out<double> binvalue_{
@@ -51,7 +51,7 @@ class Histobins final : public hal::Component<Histobins> {
   static constexpr std::uint32_t kBins = 200;
   void start() noexcept {
     for (double& bin : bins_) bin = 0.0;
-    above_ = below_ = samples_ = sum_ = squares_ = running_mean_ = running_squares_ = 0.0;
+    above_ = below_ = samples_ = sum_ = squares_ = running_squares_ = 0.0;
     mean_ = 0.0;
     variance_ = 0.0;
   }
@@ -67,11 +67,11 @@ class Histobins final : public hal::Component<Histobins> {
     if (value < input_min_.last()) input_min_ = value;
     if (value > input_max_.last()) input_max_ = value;
     samples_ += 1.0;
-    if (method_) {
-      const double before = running_mean_;
-      running_mean_ += (value - before) / samples_;
-      running_squares_ += (value - before) * (value - running_mean_);
-      mean_ = running_mean_;
+    if (!method_) {
+      const double before = mean_.last();
+      const double mean = before + (value - before) / samples_;
+      running_squares_ += (value - before) * (value - mean);
+      mean_ = mean;
       variance_ = running_squares_ / (samples_ - 1.0);
     } else {
       sum_ += value;
@@ -89,7 +89,7 @@ class Histobins final : public hal::Component<Histobins> {
   }
   double bins_[kBins]{};
   double above_{0.0}, below_{0.0}, samples_{0.0}, sum_{0.0}, squares_{0.0};
-  double running_mean_{0.0}, running_squares_{0.0};
+  double running_squares_{0.0};
   double old_size_{0.0}, old_min_{0.0};
   std::uint32_t old_bins_{0};
   bool first_{true};
