@@ -115,6 +115,28 @@ TEST(Modes, SeveralClientsAtOnceChangeNothingOfARunningProgram) {
   EXPECT_NEAR(time[0], time[1], 0.05) << "and it takes as long";
 }
 
+TEST(Modes, AStepBeginsNothingWhileTheMachineJogsOrHomes) {
+  auto m = homed_machine();
+  ASSERT_TRUE(m->does({"open", m->write_program("G0 X20\nG0 X30\nM2\n")}));
+  ASSERT_TRUE(m->does({"mode", "manual"}));
+  for (const std::vector<std::string>& other :
+       {std::vector<std::string>{"jog", "y", "10"}, std::vector<std::string>{"home", "-1"}}) {
+    m->send(other);
+    m->run_for(0.2);
+    for (const char* begin : {"step", "run"}) {
+      const auto reply = m->command({begin}, 5);
+      EXPECT_EQ(reply.state, CommandState::error) << begin;
+      EXPECT_NE(reply.text, "");
+    }
+    EXPECT_EQ(m->task().mode, TaskMode::manual);
+    EXPECT_FALSE(m->task().single_step);
+    EXPECT_TRUE(m->motion().jogging || m->motion().homing_active) << "it goes on";
+    EXPECT_TRUE(m->does({"jog-stop"}));
+    EXPECT_TRUE(m->run_until([&] { return m->task().idle; }, 30));
+  }
+  EXPECT_TRUE(m->does({"step"})) << m->errors();
+}
+
 TEST(Modes, MdiFromIdleComesByPolicyAndGoesBackByNobody) {
   auto m = homed_machine();
   ASSERT_TRUE(m->does({"mode", "manual"}));

@@ -9,8 +9,7 @@ namespace kerf::task {
 using motion::JogIntent;
 
 namespace {
-constexpr double kThere = 1e-7;             ///< mm, degrees
-constexpr std::uint64_t kCyclesToTake = 3;  ///< of motion: by then it has taken an order
+constexpr double kThere = 1e-7;  ///< mm, degrees
 }  // namespace
 
 bool CommandParticipant::refuse_away(Ticket ticket) {

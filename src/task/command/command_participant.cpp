@@ -218,10 +218,32 @@ std::string CommandParticipant::homing_failure(const Pending& pending) const {
                            : "joint " + std::to_string(pending.joint) + " was not homed";
 }
 
+bool CommandParticipant::homing(Ticket but) const {
+  return status_.homing_active ||
+         std::any_of(pending_.begin(), pending_.end(), [&](const auto& entry) {
+           return entry.first != but && entry.second.command == CommandId::home &&
+                  entry.second.epoch == epoch_;
+         });
+}
+
+bool CommandParticipant::all_homed() const {
+  return status_.all_homed && std::none_of(pending_.begin(), pending_.end(), [](const auto& entry) {
+           return entry.second.command == CommandId::unhome;
+         });
+}
+
+bool CommandParticipant::moving_orders(Ticket but) const {
+  return std::any_of(pending_.begin(), pending_.end(), [&](const auto& entry) {
+    const Pending& pending = entry.second;
+    return entry.first != but && pending.order && pending.epoch == epoch_ &&
+           (is_program(pending.command) || pending.command == CommandId::mdi);
+  });
+}
+
 bool CommandParticipant::idle() const {
   for (const auto& [ticket, pending] : pending_)
     if (pending.order) return false;
-  return view_.idle && !aborting() && at_rest();
+  return view_.idle && !aborting() && at_rest() && !homing() && !jogs();
 }
 
 void CommandParticipant::update_pending() {
@@ -254,7 +276,7 @@ void CommandParticipant::update_pending() {
           reply(ticket, CommandState::aborted, "aborted");
           break;
         }
-        if (status_.cycle < pending.from_cycle + 3 || status_.homing_active) break;
+        if (status_.cycle < pending.from_cycle + kCyclesToTake || status_.homing_active) break;
         const bool homed =
             pending.joint < 0 ? status_.all_homed : status_.joint[pending.joint].homed;
         // As in LinuxCNC: who has homed all joints jogs axes from then on.
@@ -283,7 +305,7 @@ void CommandParticipant::update_pending() {
           reply(ticket, CommandState::done);
         break;
       case CommandId::unhome:
-        if (status_.cycle >= pending.from_cycle + 3) reply(ticket, CommandState::done);
+        if (status_.cycle >= pending.from_cycle + kCyclesToTake) reply(ticket, CommandState::done);
         break;
       default: break;
     }

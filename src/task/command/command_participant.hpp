@@ -75,6 +75,8 @@ class CommandParticipant final : public rtapi::Participant {
   static constexpr rtapi::Nanos kBusyTime = 5 * rtapi::kSecond;
   /// Motion has had its chance to turn the machine on.
   static constexpr std::uint64_t kCyclesToTurnOn = 50;
+  /// By then it has taken an order, and its status shows it.
+  static constexpr std::uint64_t kCyclesToTake = 3;
 
   /// What one wait can watch, with room for the rest.
   static constexpr std::size_t kMaxClients = 56;
@@ -134,6 +136,12 @@ class CommandParticipant final : public rtapi::Participant {
   [[nodiscard]] bool idle() const;
   /// The interpreter has not yet followed the newest abort.
   [[nodiscard]] bool aborting() const { return view_.settled_epoch != epoch_; }
+  /// What was asked for in this very moment shows in no status yet, and counts all the same: two clients may ask at once.
+  [[nodiscard]] bool homing(Ticket but = 0) const;
+  [[nodiscard]] bool all_homed() const;
+  [[nodiscard]] bool jogs() const { return status_.jogging || status_.cycle < jog_until_; }
+  /// A program or MDI line that is there or was just taken.
+  [[nodiscard]] bool moving_orders(Ticket but) const;
   [[nodiscard]] bool at_rest() const {
     return status_.path_empty && !status_.jogging && !status_.homing_active &&
            status_.acked_epoch == epoch_;
@@ -240,6 +248,7 @@ class CommandParticipant final : public rtapi::Participant {
   bool enabling_{false};   ///< drives asked for, not there yet
   bool resetting_{false};  ///< estop reset asked for
   bool was_jogging_{false};
+  std::uint64_t jog_until_{0};  ///< motion's cycle from which its status shows the last jog
   /// The way back to the path, in this order.
   enum class Returning : std::uint8_t { no, out, across, in, there };
   Returning returning_{Returning::no};

@@ -179,7 +179,7 @@ void CommandParticipant::do_state(Ticket ticket, const Request& request) {
 void CommandParticipant::set_mode(TaskMode mode) {
   mode_ = mode;
   const MotionMode motion_mode = mode != TaskMode::manual ? MotionMode::coordinated
-                                 : status_.all_homed      ? MotionMode::teleop
+                                 : all_homed()            ? MotionMode::teleop
                                                           : MotionMode::free;
   if (motion_mode != MotionMode::free) stop_jogs(kNobody);
   want_.mode = motion_mode;
@@ -219,7 +219,9 @@ void CommandParticipant::do_home(Ticket ticket, const Request& request) {
     return reply(ticket, CommandState::error,
                  "joint " + std::to_string(joint) + " does not exist: expected -1 to " +
                      std::to_string(p_.setup.motion.joints - 1));
-  if (!view_.idle || status_.homing_active || status_.jogging)
+  // A spindle's words move nothing, but while they are on the path it is not left.
+  const bool on_path = status_.mode == MotionMode::coordinated && other_orders(ticket);
+  if (!view_.idle || moving_orders(ticket) || on_path || homing(ticket) || jogs())
     return reply(ticket, CommandState::error, "can't home while something runs");
   mode_ = TaskMode::manual;
   want_.mode = MotionMode::free;
@@ -238,11 +240,13 @@ void CommandParticipant::do_unhome(Ticket ticket, const Request& request) {
     return reply(ticket, CommandState::error,
                  "joint " + std::to_string(joint) + " does not exist: expected -2 to " +
                      std::to_string(p_.setup.motion.joints - 1));
-  if (state_ == TaskState::on && status_.mode != MotionMode::free) {
+  if (state_ == TaskState::on &&
+      (status_.mode != MotionMode::free || want_.mode != MotionMode::free)) {
     const std::string text = "must be in joint mode or disabled to unhome";
     say(MessageKind::error, text);
     return reply(ticket, CommandState::error, text);
   }
+  if (homing()) return reply(ticket, CommandState::error, "can't unhome while the machine homes");
   want_.unhome_joint = joint;
   ++want_.unhome_seq;
   write_intent();
@@ -287,6 +291,7 @@ void CommandParticipant::do_jog(Ticket ticket, const Request& request, int clien
   if (axis && !away && want_.mode != MotionMode::teleop)
     return reply(ticket, CommandState::error,
                  "jogging an axis needs teleop mode and homed joints (home, teleop on)");
+  if (homing()) return reply(ticket, CommandState::error, "can't jog while the machine homes");
   if (!axis && want_.mode != MotionMode::free)
     return reply(ticket, CommandState::error, "jogging a joint needs joint mode (teleop off)");
   const bool rotary = axis ? rtapi::is_rotary(index) : p_.setup.motion.joint[index].rotary;
@@ -313,6 +318,7 @@ void CommandParticipant::do_jog(Ticket ticket, const Request& request, int clien
     jog->target = 0;
   }
   (axis ? axis_lease_[index] : joint_lease_[index]) = lease;
+  jog_until_ = status_.cycle + kCyclesToTake;
   write_intent();
   reply(ticket, CommandState::done);
 }
@@ -373,10 +379,10 @@ void CommandParticipant::stop_silent_jogs() {
 
 void CommandParticipant::do_teleop(Ticket ticket, const Request& request) {
   const bool on = request.flag("on");
-  if (!view_.idle)
+  if (!view_.idle || moving_orders(ticket) || (on && homing()))
     return reply(ticket, CommandState::error,
                  "can't change between joint and teleop mode while something runs; abort or wait");
-  if (on && !status_.all_homed)
+  if (on && !all_homed())
     return reply(ticket, CommandState::error, "teleop needs all joints homed");
   stop_jogs(kNobody);
   // Both belong to manual mode. Screens ask for them from idle MDI and auto mode too, before they start a program.
@@ -393,10 +399,10 @@ void CommandParticipant::do_motion_mode(Ticket ticket, const Request& request) {
                             : name == "teleop" ? MotionMode::teleop
                                                : MotionMode::coordinated;
   if (want_.mode == wanted) return reply(ticket, CommandState::done);
-  if (!view_.idle || status_.homing_active)
+  if (!view_.idle || moving_orders(ticket) || homing())
     return reply(ticket, CommandState::error,
                  "can't change the motion mode while something runs; abort or wait");
-  if (wanted != MotionMode::free && !status_.all_homed && !machine_.no_force_homing)
+  if (wanted != MotionMode::free && !all_homed() && !machine_.no_force_homing)
     return reply(ticket, CommandState::error, "motion mode " + name + " needs all joints homed");
   stop_jogs(kNobody);
   want_.mode = wanted;

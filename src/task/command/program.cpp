@@ -127,7 +127,7 @@ void CommandParticipant::post(Order::Kind kind, Ticket ticket, const std::string
 }
 
 bool CommandParticipant::refuse_unless_homed(Ticket ticket, const char* text) {
-  if (status_.all_homed || p_.setup.motion.no_force_homing) return false;
+  if (all_homed() || p_.setup.motion.no_force_homing) return false;
   say(MessageKind::error, text);
   reply(ticket, CommandState::error, text);
   return true;
@@ -173,7 +173,7 @@ void CommandParticipant::do_program(Ticket ticket, const Request& request) {
           std::all_of(pending_.begin(), pending_.end(), [ticket](const auto& p) {
             return p.first == ticket || !p.second.order || p.second.command == CommandId::open;
           });
-      if (!only_opens || status_.homing_active || status_.jogging)
+      if (!only_opens || homing() || jogs())
         return reply(ticket, CommandState::error, "can't run a program while something runs");
       set_mode(TaskMode::automatic);
       p_.exchange.stepping.set(0);
@@ -227,12 +227,12 @@ void CommandParticipant::do_step(Ticket ticket) {
     return p.second.order &&
            (p.second.command == CommandId::run || p.second.command == CommandId::step);
   });
+  if (!running && (!view_.idle || moving_orders(ticket) || homing() || jogs()))
+    return reply(ticket, CommandState::error, "can't step while something else runs");
   p_.exchange.stepping.set(1);
   // Whoever saw the last step stand may be quicker than this thread; motion has to see the hold between the two.
   finish_block_step();
   if (!running) {
-    if (!view_.idle)
-      return reply(ticket, CommandState::error, "can't step while something else runs");
     set_mode(TaskMode::automatic);
     journal_begin(0);
     post(Order::Kind::step, internal_ticket(CommandId::step), {});
@@ -283,9 +283,11 @@ void CommandParticipant::do_mdi(Ticket ticket, const std::string& text, bool by_
       return reply(ticket, CommandState::error, "can't issue MDI command while a program runs");
     if (!pending.begun) ++queued;
   }
-  if (!by_hand && (status_.homing_active || status_.jogging))
+  if (!by_hand && (homing() || jogs()))
     return reply(ticket, CommandState::error,
                  "can't issue MDI command while the machine homes or jogs");
+  if (by_hand && homing() && status_.mode == motion::MotionMode::coordinated)
+    return reply(ticket, CommandState::error, "the machine is just beginning to home");
   if (queued >= p_.setup.mdi_queue)
     return reply(
         ticket, CommandState::error,

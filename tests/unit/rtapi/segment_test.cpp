@@ -1,5 +1,6 @@
 #include "rtapi/shm/segment.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -121,6 +122,34 @@ TEST(Segment, LeftOverOfADeadOwnerIsReplaced) {
   ASSERT_TRUE(name_exists(instance));
   auto again = Segment::create(instance);
   EXPECT_TRUE(again.ok()) << again.error().message();
+}
+
+TEST(Segment, ThatOfAnotherBuildIsNamedWhileItLivesAndReplacedWhenItIsDead) {
+  const std::string instance = unique_instance("other");
+  {
+    auto made = Segment::create(instance);
+    ASSERT_TRUE(made.ok());
+    ++(*made)->header().abi;
+    const auto attached = Segment::attach(instance);
+    ASSERT_FALSE(attached.ok());
+    EXPECT_EQ(attached.error().code, Errc::protocol);
+    EXPECT_NE(attached.error().message().find(segment_name(instance)), std::string::npos);
+    EXPECT_NE(attached.error().message().find("another build"), std::string::npos);
+    const auto second = Segment::create(instance);
+    ASSERT_FALSE(second.ok());
+    EXPECT_EQ(second.error().code, Errc::busy);
+  }
+  // Left behind, too short for a header of today, or with nothing in it.
+  for (const off_t bytes : {off_t{0}, off_t{100}, off_t{4096}}) {
+    const int fd = shm_open(segment_name(instance).c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
+    ASSERT_GE(fd, 0);
+    ASSERT_EQ(ftruncate(fd, bytes), 0);
+    close(fd);
+    EXPECT_FALSE(Segment::attach(instance).ok()) << bytes;
+    const auto again = Segment::create(instance);
+    EXPECT_TRUE(again.ok()) << bytes << again.error().message();
+  }
+  EXPECT_FALSE(name_exists(instance));
 }
 
 TEST(Segment, BadInstanceName) {
