@@ -146,8 +146,6 @@ class Writer {
     add(line("S%d M3", 100 + dice_.below(300)));
     const double to = std::max(kLowZ, z_ - 6);
     if (z_ - to < 3) return;
-    const auto at = static_cast<int>(std::count(out_.text.begin(), out_.text.end(), '\n')) + 1;
-    out_.threads.insert({at, at + 1, at + 2});
     add(line("G33 Z%.3f K%.2f", to, dice_.between(0.2, 1.5)));
     z_ = to;
     add("M5\n");

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <set>
 #include <string>
 
 namespace kerf::soak {
@@ -32,8 +31,6 @@ struct Program {
   std::string text;
   bool is_sound{true};  ///< it runs to its end when nobody disturbs it
   bool asks{false};     ///< M0, M1: somebody has to resume it
-  /// Lines in which the spindle decides how the axes move (G33), and those right behind, in which they come back to their own laws.
-  std::set<int> threads{};
 };
 
 /// A whole program, some 5 to 60 blocks.

@@ -206,7 +206,6 @@ class Soak {
     const Program p = random_program(dice_);
     const std::string path = m_.write_program(p.text, "soak.ngc");
     if (verbose_) std::fprintf(stderr, "%s", numbered(p.text).c_str());
-    watch_.set_threads(p.threads);
     Operator& runner = anyone();
     runner.send({"open", path});
     runner.send({"run"});

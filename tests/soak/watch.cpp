@@ -50,7 +50,7 @@ void Watch::look_at_joint(const motion::MotionStatus& s, std::size_t j) {
     const double a = (v - vel_[j]) / kPeriod;
     if (moved_[j] && std::fabs(a) > kMaxAcc[j] * kAccelerationAllowance)
       complain(s, name + " accelerates with " + number(a) + " mm/s2");
-    if (max_jerk_ > 0 && pushed_[j] && !threads_.contains(s.current.line) &&
+    if (max_jerk_ > 0 && pushed_[j] &&
         std::fabs(a - acc_[j]) / kPeriod > max_jerk_ * kJerkAllowance)
       complain(s, name + " has a jerk of " + number((a - acc_[j]) / kPeriod) + " mm/s3");
     pushed_[j] = moved_[j];

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -20,8 +19,6 @@ class Watch {
   /// `max_jerk`: of all joints, 0 none.
   explicit Watch(double max_jerk) : max_jerk_(max_jerk) {}
   void look(const motion::MotionStatus& s);
-  /// Lines of the program that is run next in which jerk is not limited.
-  void set_threads(const std::set<int>& lines) { threads_ = lines; }
   /// From now on nothing may move and no spindle may turn.
   void expect_rest(bool on) { rest_ = on, rest_known_ = false; }
   /// What was broken since the last call, a line each.
@@ -37,7 +34,6 @@ class Watch {
   static constexpr double kPeriod = 0.001;
   std::vector<std::string> complaints_;
   double max_jerk_;
-  std::set<int> threads_;
   std::array<double, 3> last_{}, vel_{}, acc_{}, offset_{};
   std::array<bool, 3> known_{}, moved_{}, pushed_{}, offset_known_{};
   std::array<double, 3> rest_at_{};
