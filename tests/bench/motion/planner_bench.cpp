@@ -1,4 +1,4 @@
-// planner_bench [--seed N] [--quick] [--optima] [--count CYCLES] [--gcode FOLDER] [--pictures FOLDER]
+// planner_bench [--seed N] [--quick] [--optima] [--cost] [--count CYCLES] [--gcode FOLDER] [--pictures FOLDER]
 //
 // Runs generated programs through planner and servo cycle without HAL, one millisecond a cycle, limited in acceleration and in jerk, and
 // prints beside the goals: time, offline optimum and feed floor; the largest share of a joint limit in any cycle (by differences of the
@@ -237,13 +237,31 @@ int retraces(std::uint64_t seed) {
 }
 
 void throughput(bool quick, std::uint64_t seed) {
-  const bench::Program program = bench::freeform(quick ? 5000 : 50000, 0.01, 100, seed);
   std::printf("\nPlanning of short segments. Goal: at least 20 000 a second.\n");
-  for (const double jerk : {0.0, kJerk}) {
-    const bench::RunResult r = bench::run(program, {jerk});
-    std::printf("limited in %-12s %8.0f segments/s\n", jerk > 0 ? "jerk" : "acceleration",
-                static_cast<double>(r.moves) / r.planner_s);
-  }
+  const int lines = quick ? 5000 : 50000;
+  for (const bench::Program& program :
+       {bench::freeform(lines, 0.01, 100, seed), bench::relief(lines / 5, 0.01, 100, true, seed, 4),
+        bench::relief(lines / 5, 0.01, 100, false, seed, 4),
+        bench::relief(lines / 5, 0.01, 100, false, seed, 0.6),
+        bench::fractal(quick ? 4 : 6, 0.5, 0.05, 100)})
+    for (const double jerk : {0.0, kJerk}) {
+      const bench::RunResult r = bench::run(program, {jerk});
+      std::printf("%-22s limited in %-12s %8.0f segments/s, %.3f s for a second of motion\n",
+                  program.name.c_str(), jerk > 0 ? "jerk" : "acceleration",
+                  static_cast<double>(r.moves) / r.planner_s, r.planner_s / r.seconds);
+      if (!(jerk > 0)) continue;
+      for (const auto& [what, n] :
+           {std::pair{"from rest", r.laws.rests}, std::pair{"children", r.laws.children},
+            std::pair{"stops", r.laws.stops}}) {
+        const auto all = static_cast<double>(std::max<std::uint64_t>(n.all, 1));
+        std::printf(
+            "  %-10s %6.1f a second of motion, %d searched, %d not found: %6.0f intervals, %5.1f "
+            "iterations; %8.0f intervals x iterations a second of motion\n",
+            what, static_cast<double>(n.all) / r.seconds, static_cast<int>(n.searched),
+            static_cast<int>(n.failed), static_cast<double>(n.intervals) / all,
+            static_cast<double>(n.iterations) / all, static_cast<double>(n.work) / r.seconds);
+      }
+    }
 }
 
 int write_programs(const char* folder, std::uint64_t seed) {
@@ -265,7 +283,7 @@ int write_programs(const char* folder, std::uint64_t seed) {
 
 int main_of(int argc, char** argv) {
   std::uint64_t seed = 1, count = 0;
-  bool quick = false, optima = false;
+  bool quick = false, optima = false, cost = false;
   const char *gcode = nullptr, *pictures = nullptr;
   for (int i = 1; i < argc; ++i) {
     const bool value = i + 1 < argc;
@@ -277,17 +295,21 @@ int main_of(int argc, char** argv) {
       gcode = argv[++i];
     } else if (std::strcmp(argv[i], "--optima") == 0) {
       optima = true;
+    } else if (std::strcmp(argv[i], "--cost") == 0) {
+      cost = true;
     } else if (std::strcmp(argv[i], "--pictures") == 0 && value) {
       pictures = argv[++i];
     } else if (std::strcmp(argv[i], "--quick") == 0) {
       quick = true;
     } else {
       std::puts(
-          "Usage: planner_bench [--seed N] [--quick] [--optima] [--count CYCLES] [--gcode FOLDER] "
+          "Usage: planner_bench [--seed N] [--quick] [--optima] [--cost] [--count CYCLES] [--gcode "
+          "FOLDER] "
           "[--pictures FOLDER]\n"
           "Times of generated programs beside their optima, the shares of the joint limits they "
           "use, and what planning costs.\n"
-          "--optima: only the jerk-limited times beside their optima.\n"
+          "--optima: only the jerk-limited times beside their optima. --cost: only what planning "
+          "costs.\n"
           "--count: random programs with overrides, holds, aborts and resumes for that many servo "
           "cycles.");
       return std::strcmp(argv[i], "--help") == 0 ? 0 : 2;
@@ -305,6 +327,10 @@ int main_of(int argc, char** argv) {
     return r.exceptions == 0 ? 0 : 1;
   }
   std::vector<Entry> entries = families(quick, seed);
+  if (cost) {
+    throughput(quick, seed);
+    return 0;
+  }
   if (optima) {
     jerk_optima(families(true, seed), seed);
     return 0;

@@ -230,6 +230,7 @@ RunResult run(const Program& program, const RunOptions& options) {
   out.seconds = static_cast<double>(last_move - first_move + 1) * kT;
   out.moves = program.items.size() - 1;
   out.faults = rig.faults.size();
+  out.laws = rig.planner.law_counts();
   if (!speeds.empty()) {
     const auto quarter = static_cast<std::ptrdiff_t>(speeds.size() / 4);
     out.slowest = *std::min_element(speeds.begin() + quarter, speeds.end() - quarter);

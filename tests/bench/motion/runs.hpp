@@ -7,6 +7,7 @@
 
 #include "bench/motion/families.hpp"
 #include "motion/core/path/limits.hpp"
+#include "motion/core/planner/law_maker.hpp"
 #include "motion/core/span.hpp"
 
 namespace kerf::bench {
@@ -30,6 +31,7 @@ struct RunResult {
       0};  ///< of `timed` cycles; those in which the system took the processor away are left out
   double slowest{0};  ///< mm/s, the least speed in the middle half of the run
   std::size_t moves{0}, cycles{0}, timed{0}, faults{0};
+  motion::LawMaker::Counts laws;    ///< what was made
   std::uint64_t hash{0};            ///< of all commanded positions
   std::vector<motion::Pose> track;  ///< one of each cycle, where recorded
 };

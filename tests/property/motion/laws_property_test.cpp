@@ -63,14 +63,13 @@ TEST(TimeLaws, KeepTheLimitsAndAreFasterThanBoxes) {
     std::printf("%-30s %6d cycles, boxes %6d: %.3f\n", program.name.c_str(), t, t0,
                 static_cast<double>(t) / t0);
     const LawMaker::Counts& c = with.rig.planner.law_counts();
-    const auto all = static_cast<double>(c.rests + c.children + c.stops);
-    std::printf(
-        "  from rest %d (%d not found), children %d (%d), stops %d (%d); %.0f intervals, %.1f "
-        "iterations\n",
-        static_cast<int>(c.rests), static_cast<int>(c.rests_failed), static_cast<int>(c.children),
-        static_cast<int>(c.children_failed), static_cast<int>(c.stops),
-        static_cast<int>(c.stops_failed), static_cast<double>(c.intervals) / all,
-        static_cast<double>(c.iterations) / all);
+    for (const auto& [what, n] : {std::pair{"from rest", c.rests},
+                                  std::pair{"children", c.children}, std::pair{"stops", c.stops}}) {
+      const auto all = static_cast<double>(std::max<std::uint64_t>(n.all, 1));
+      std::printf("  %-10s %6d (%d not found): %6.0f intervals, %5.1f iterations\n", what,
+                  static_cast<int>(n.all), static_cast<int>(n.failed),
+                  static_cast<double>(n.intervals) / all, static_cast<double>(n.iterations) / all);
+    }
   }
   // Straights from rest to rest and what stops everywhere need none.
   EXPECT_GT(by_law, cycles / 2);

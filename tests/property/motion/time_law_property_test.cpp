@@ -208,17 +208,35 @@ double least_stop(double v, double a, double acc, double jerk) {
   return t + ramp + std::max(even / peak, 0.0) + peak / jerk;
 }
 
+struct Ratios {
+  int count{0};
+  double sum{0}, worst{0};
+  void note(double ratio) {
+    ++count;
+    sum += ratio;
+    worst = std::max(worst, ratio);
+  }
+  void add(const Ratios& more) {
+    count += more.count;
+    sum += more.sum;
+    worst = std::max(worst, more.worst);
+  }
+  [[nodiscard]] double mean() const { return count > 0 ? sum / count : 0; }
+};
+
 TEST(TimeLaw, StopsSoon) {
   Heap heap;
   TimeLaw law;
   ASSERT_TRUE(law.create(heap, kRoom));
   const int most = motion::test::property_count(25);
   Tally all;
+  Ratios all_braked;
   for (const bench::Program& program : programs(2)) {
     path::AxisLimits limits;
     const std::vector<motion::PathSpan> curve = bench::curve_of(program, 50'000, limits);
     limits.jerks = true;
     Tally stops;
+    Ratios braked;
     double worst = 0;
     for (std::size_t k = 0, begin = 0; k < curve.size() && stops.laws < most; ++k) {
       if (!curve[k].stop_at_end && k + 1 < curve.size() && k - begin < 250) continue;
@@ -232,6 +250,10 @@ TEST(TimeLaw, StopsSoon) {
         const LawStep& at = old[i];
         const motion::PathSpan& span = spans[at.span];
         ASSERT_TRUE(add(law, spans, limits, at.span, span.length - at.left - at.length, 1, 4));
+        const bool searched = law.search_stop({at.x, at.u}) == TimeLaw::Result::ok;
+        const double least = law.seconds();
+        const bool brakes = law.brake_stop({at.x, at.u}) == TimeLaw::Result::ok;
+        if (searched && brakes) braked.note(law.seconds() / least);
         const auto t0 = std::chrono::steady_clock::now();
         const TimeLaw::Result result = law.solve_stop({at.x, at.u});
         note(stops, law, result,
@@ -247,6 +269,10 @@ TEST(TimeLaw, StopsSoon) {
       }
     }
     print("stops", program.name, stops);
+    std::printf("%-22s %-26s %d without the solver: %.3f of the time that it finds, %.3f at most\n",
+                "", program.name.c_str(), braked.count, braked.mean(), braked.worst);
+    EXPECT_LE(braked.worst, 1.1);
+    all_braked.add(braked);
     if (worst > 0)
       std::printf("%-22s %-26s at most %.3f of the least time on straights\n", "",
                   program.name.c_str(), worst);
@@ -260,6 +286,9 @@ TEST(TimeLaw, StopsSoon) {
     EXPECT_LE(stops.peaks.gap, 1e-9);
   }
   EXPECT_GE(all.ok, 0.95 * all.laws);
+  // The rest is mostly next to the end of a law, where nothing stops sooner than the law itself.
+  EXPECT_GE(all_braked.count, 0.7 * all.laws);
+  EXPECT_LE(all_braked.mean(), 1.0);
 }
 
 TEST(TimeLaw, TakesShortWindowsAndAxesWithoutLimits) {

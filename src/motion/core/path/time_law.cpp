@@ -26,6 +26,8 @@ constexpr double kStopEnds[] = {1.0, 1.1, 1.3, 1.6};
 /// Windows this many times as long as a stop on a straight end soon enough; attempts at each of them.
 constexpr double kStopHere = 1.3;
 constexpr int kStopRounds = 2;
+/// Braking without the solver: steps on the way of a straight at least, and shares of the limits to keep to where possible, of jerk besides.
+constexpr double kBrakeSteps = 16, kBrakeShares[] = {0.985, 0.998}, kBrakeJerk = 0.97;
 /// A wish below this share of the start's x is far.
 constexpr double kFarBelow = 0.5;
 /// From rest the guess is made feasible from this attempt on.
@@ -46,6 +48,15 @@ double seconds_of(const LawStep& step, double x1) noexcept {
     return 2 * step.length / sum * (1 + z / 3 + z * z / 5);
   }
   return 2 / k * (step.w > 0 ? std::atanh(std::min(arg, 1 - 1e-15)) : std::atan(arg));
+}
+
+/// Between these coefficients, over the step's length.
+void spline(const double b[3], LawStep& step) noexcept {
+  const double d = step.length;
+  step.x = b[0];
+  step.u = (b[1] - b[0]) / d;
+  step.w = (b[2] - 2 * b[1] + b[0]) / (d * d);
+  step.seconds = seconds_of(step, b[2]);
 }
 
 /// With even jerk from the start of a step.
@@ -84,7 +95,7 @@ bool TimeLaw::create(Memory& memory, std::size_t intervals) noexcept {
   return rows_.create(memory, intervals) && newton_.create(memory, intervals) &&
          law_.create(memory, intervals) && kept_.create(memory, intervals) &&
          x_.create(memory, intervals + 1) && sums_.create(memory, intervals + 1) &&
-         way_.create(memory, intervals + 1);
+         way_.create(memory, intervals + 1) && stop_.create(memory, intervals);
 }
 
 void TimeLaw::begin(const AxisLimits& limits) noexcept {
@@ -237,6 +248,7 @@ TimeLaw::Result TimeLaw::attempt(const Start& start) noexcept {
     newton_.start(rests && round >= kShrinkFrom, aim);
     const bool ok = newton_.run(aim);
     iterations_ += newton_.iterations();
+    work_ += static_cast<std::uint64_t>(newton_.iterations()) * rows_.size();
     if (!ok || !certify(start)) continue;
     write(start);
     round_ = round;
@@ -259,17 +271,22 @@ bool TimeLaw::certify(const Start& start) noexcept {
   return newton_.node(n - 1) <= rows_.stop_cap() * (1 + kMostVel);
 }
 
+void TimeLaw::place(std::size_t i, LawStep& step) const noexcept {
+  const LawInterval& in = rows_[i];
+  const LawStretch& from = rows_.stretches()[in.stretch];
+  step.length = in.length;
+  step.span = from.number;
+  step.left = std::max(from.span_end - (in.from + in.length), 0.0);
+}
+
 void TimeLaw::write(const Start& start) noexcept {
   const std::size_t n = rows_.size();
   law_.clear();
   seconds_ = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const LawInterval& in = rows_[i];
-    const LawStretch& from = rows_.stretches()[in.stretch];
     LawStep step;
-    step.length = in.length;
-    step.span = from.number;
-    step.left = std::max(from.span_end - (in.from + in.length), 0.0);
+    place(i, step);
     if (i == 0 && start.x <= 0) {
       step.kind = LawStep::Kind::start;
       step.seconds = 3 * in.length / std::sqrt(newton_.node(1));
@@ -281,10 +298,7 @@ void TimeLaw::write(const Start& start) noexcept {
     } else {
       double b[3];
       newton_.coefficients(i, b);
-      step.x = b[0];
-      step.u = (b[1] - b[0]) / in.length;
-      step.w = (b[2] - 2 * b[1] + b[0]) / (in.length * in.length);
-      step.seconds = seconds_of(step, b[2]);
+      spline(b, step);
     }
     seconds_ += step.seconds;
     law_.push_back(step);
@@ -292,6 +306,45 @@ void TimeLaw::write(const Start& start) noexcept {
 }
 
 TimeLaw::Result TimeLaw::solve_stop(const Start& start) noexcept {
+  return brake_stop(start) == Result::ok ? Result::ok : search_stop(start);
+}
+
+TimeLaw::Result TimeLaw::brake_stop(const Start& start) noexcept {
+  iterations_ = 0;
+  if (rows_.stretches().empty() || !(start.x > 0)) return Result::failed;
+  const double straight = stop_way(start);
+  LawStop::Aim aim;
+  aim.widest = straight / kBrakeSteps;
+  aim.most = {kMostVel, kMostAcc, kMostJerk};
+  bool found = false;
+  for (const double share : kBrakeShares) {
+    aim.acc = share;
+    aim.jerk = share * kBrakeJerk;
+    found = found || stop_.run(rows_, start.x, start.u, aim);
+  }
+  if (!found) return Result::failed;
+  law_.clear();
+  seconds_ = 0;
+  for (std::size_t i = 0; i <= stop_.size(); ++i) {
+    double b[3];
+    stop_.coefficients(i, b);
+    LawStep step;
+    place(i, step);
+    spline(b, step);
+    if (i == stop_.size()) {
+      step.left += step.length - stop_.way();
+      step.length = stop_.way();
+      step.w = 0;
+      step.kind = LawStep::Kind::stop;
+      step.seconds = 3 * step.length / std::sqrt(step.x);
+    }
+    seconds_ += step.seconds;
+    law_.push_back(step);
+  }
+  return Result::ok;
+}
+
+TimeLaw::Result TimeLaw::search_stop(const Start& start) noexcept {
   iterations_ = 0;
   if (rows_.stretches().empty() || !(start.x > 0)) return Result::failed;
   // Down to a crawl as soon as limits allow; this, or the law that ends where the crawl begins, whichever stands first.

@@ -13,6 +13,7 @@
 #include "motion/core/path/piece.hpp"
 #include "motion/core/path/time_law_newton.hpp"
 #include "motion/core/path/time_law_rows.hpp"
+#include "motion/core/path/time_law_stop.hpp"
 
 namespace kerf::motion::path {
 
@@ -65,16 +66,21 @@ class TimeLaw {
 
   /// From `start` at the first node to rest at the end of the last interval.
   [[nodiscard]] Result solve(const Start& start) noexcept;
-  /// The soonest stop: to rest wherever within the window that is possible soonest. The window must be long enough (about 1.5 times the
-  /// stopping distance on a straight; the caller lengthens it when this fails). Ways: the nearest end for which solve() succeeds, growing by 1.1
-  /// from the straight's closed form; or one solve whose objective presses x down, cut at the first node at which a stop interval fits.
+  /// A stop as soon as possible: to rest wherever within the window that is soonest. The window must be long enough (about 1.5 times the
+  /// stopping distance on a straight; the caller lengthens it when this fails). By brake_stop(); where that finds none by search_stop().
   [[nodiscard]] Result solve_stop(const Start& start) noexcept;
+  /// Braking from node to node (time_law_stop.hpp): cheap.
+  [[nodiscard]] Result brake_stop(const Start& start) noexcept;
+  /// By the solver: down to a crawl as soon as limits allow, then the nearest end for which solve() succeeds.
+  [[nodiscard]] Result search_stop(const Start& start) noexcept;
 
   /// The law of the last solve that was ok.
   [[nodiscard]] const Buffer<LawStep>& law() const noexcept { return law_; }
   /// Of it, from start to rest.
   [[nodiscard]] double seconds() const noexcept { return seconds_; }
   [[nodiscard]] int iterations() const noexcept { return iterations_; }
+  /// Iterations times intervals since create().
+  [[nodiscard]] std::uint64_t work() const noexcept { return work_; }
 
  private:
   [[nodiscard]] bool is_last_stop(const Start& start) const noexcept;
@@ -86,13 +92,16 @@ class TimeLaw {
   void cut() noexcept;
   [[nodiscard]] bool certify(const Start& start) noexcept;
   void write(const Start& start) noexcept;
+  void place(std::size_t i, LawStep& step) const noexcept;
 
   LawRows rows_;
   LawNewton newton_;
+  LawStop stop_;
   Buffer<LawStep> law_, kept_;
   Buffer<double> x_, sums_, way_;
   double next_guess_{0}, seconds_{0};
   int iterations_{0};
+  std::uint64_t work_{0};
   int round_{0};  ///< the attempt that succeeded
   static constexpr int kRounds = 4;
   int rounds_{kRounds};  ///< attempts before a window is given up

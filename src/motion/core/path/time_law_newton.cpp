@@ -23,25 +23,6 @@ constexpr double kStalled = 1e-6;
 /// Weights of the barrier (relative to the time) down to which a law goes before it begins to brake for wishes, and with which it begins.
 constexpr double kRough = 0.1, kRecentre = 1;
 
-/// The right side of the jerk rows, x^-1/2 by its tangent at the middle of the interval, and its derivatives.
-struct JerkSide {
-  double right[3];
-  double slope[3][3];  ///< [coefficient][b]
-
-  JerkSide(const double b[3], double share) noexcept {
-    const double xm = (b[0] + 2 * b[1] + b[2]) / 4, v = std::sqrt(xm);
-    const double k1 = share / v, k3 = k1 / xm;
-    for (int k = 0; k < 3; ++k) {
-      right[k] = 1.5 * k1 - 0.5 * b[k] * k3;
-      const double middle = 0.75 * k3 * (b[k] / xm - 1);
-      slope[k][0] = middle * 0.25;
-      slope[k][1] = middle * 0.5;
-      slope[k][2] = middle * 0.25;
-      slope[k][k] -= 0.5 * k3;
-    }
-  }
-};
-
 }  // namespace
 
 /// Of breaking a wish: as the time's own slope where x is, so that it outweighs it everywhere and drowns it nowhere.
@@ -50,15 +31,28 @@ double LawNewton::price_of(const Bound& wish, double x) noexcept {
   return kPrice * wish.length / (2 * at * std::sqrt(at));
 }
 
+LawNewton::JerkSide::JerkSide(const double b[3], double share) noexcept {
+  const double over = 4 / (b[0] + 2 * b[1] + b[2]), k1 = share * std::sqrt(over), k3 = k1 * over;
+  for (int k = 0; k < 3; ++k) {
+    right[k] = 1.5 * k1 - 0.5 * b[k] * k3;
+    const double middle = 0.75 * k3 * (b[k] * over - 1);
+    slope[k][0] = middle * 0.25;
+    slope[k][1] = middle * 0.5;
+    slope[k][2] = middle * 0.25;
+    slope[k][k] -= 0.5 * k3;
+  }
+}
+
 bool LawNewton::create(Memory& memory, std::size_t intervals) noexcept {
   const std::size_t rows = intervals * kRowsPerInterval, n = intervals + 1;
   for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_, &d0_, &d1_, &d2_})
     if (!b->create(memory, n)) return false;
-  for (Buffer<double>* b : {&v_, &sp_, &sm_, &zp_, &zm_, &dsp_, &dsm_, &dzp_, &dzm_})
+  for (Buffer<double>* b :
+       {&v_, &sp_, &sm_, &zp_, &zm_, &dsp_, &dsm_, &dzp_, &dzm_, &over_p_, &over_m_})
     if (!b->create(memory, rows)) return false;
   for (Buffer<Bound>* b : {&at_middle_, &at_node_, &wish_middle_, &wish_node_})
     if (!b->create(memory, n)) return false;
-  return true;
+  return side_.create(memory, n);
 }
 
 void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) noexcept {
@@ -70,13 +64,15 @@ void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) n
   rests_ = x0 <= 0;
   for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_, &d0_, &d1_, &d2_})
     b->assign(n_ + 1, 0);
-  for (Buffer<double>* b : {&v_, &sp_, &sm_, &zp_, &zm_, &dsp_, &dsm_, &dzp_, &dzm_})
+  for (Buffer<double>* b :
+       {&v_, &sp_, &sm_, &zp_, &zm_, &dsp_, &dsm_, &dzp_, &dzm_, &over_p_, &over_m_})
     b->assign(rows.a0.size(), 0);
   for (Buffer<Bound>* b : {&at_middle_, &at_node_, &wish_middle_, &wish_node_}) {
     Bound none;
     none.top = kNoLimit;
     b->assign(n_ + 1, none);
   }
+  side_.assign(n_ + 1, JerkSide());
   for (std::size_t i = 1; i < n_; ++i) {
     const double before = rows[i - 1].length, after = rows[i].length;
     left_[i] = after / (before + after);
@@ -245,7 +241,7 @@ void LawNewton::look() noexcept {
   for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
     double b[3];
     coefficients(i, b);
-    const JerkSide side(b, jerk_);
+    const JerkSide& side = side_[i] = JerkSide(b, jerk_);
     const std::int32_t accs = rows[i].accs, jerks = rows[i].jerks;
     std::size_t r = rows[i].row;
     const auto look_at = [&](double right, double relative) {
@@ -260,8 +256,9 @@ void LawNewton::look() noexcept {
     // What the start state alone decides is no row.
     for (std::int32_t k = 0; k < accs; ++k, ++r)
       if (i > 0 || rows.a2[r] != 0) look_at(acc_, 1);
+    const double relative = 1 / side.right[0];
     for (int k = 0; k < 3; ++k)
-      for (std::int32_t j = 0; j < jerks; ++j, ++r) look_at(side.right[k], 1 / side.right[0]);
+      for (std::int32_t j = 0; j < jerks; ++j, ++r) look_at(side.right[k], relative);
     terms_ += static_cast<std::size_t>(2 * accs + 6 * jerks);
   }
   const auto bound = [&](Bound& c, double x) {
@@ -319,6 +316,8 @@ void LawNewton::build(double mu) noexcept {
       const double c0 = rows.a0[r], c1 = rows.a1[r], c2 = rows.a2[r];
       if (i == 0 && c2 == 0) continue;
       const double v = v_[r], ip = 1 / sp_[r], im = 1 / sm_[r];
+      over_p_[r] = ip;
+      over_m_[r] = im;
       const double wp = zp_[r] * ip, wm = zm_[r] * im, w = wp + wm;
       const double pull =
           (mu * ip + wp * (v - acc_ + sp_[r])) - (mu * im + wm * (sm_[r] - v - acc_));
@@ -334,13 +333,15 @@ void LawNewton::build(double mu) noexcept {
       h22 += w * c2 * c2;
     }
     if (in.jerks > 0) {
-      const JerkSide side(b, jerk_);
+      const JerkSide& side = side_[i];
       for (int k = 0; k < 3; ++k) {
         const double right = side.right[k];
         double weights = 0, pulls = 0, x0 = 0, x1 = 0, x2 = 0;
         for (std::int32_t j = 0; j < in.jerks; ++j, ++r) {
           const double c0 = rows.a0[r], c1 = rows.a1[r], c2 = rows.a2[r];
           const double v = v_[r], ip = 1 / sp_[r], im = 1 / sm_[r];
+          over_p_[r] = ip;
+          over_m_[r] = im;
           const double wp = zp_[r] * ip, wm = zm_[r] * im, w = wp + wm, dw = wp - wm;
           const double pp = mu * ip + wp * (v - right + sp_[r]),
                        pm = mu * im + wm * (sm_[r] - v - right);
@@ -462,28 +463,28 @@ void LawNewton::step_sizes(double mu) noexcept {
   double primal = kToBound, dual = kToBound;
   for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
     const LawInterval& in = rows[i];
-    double b[3];
-    coefficients(i, b);
     const double db0 = i == 0 ? 0 : left_[i] * dm_[i - 1] + right_[i] * dm_[i], db1 = dm_[i],
                  db2 = left_[i + 1] * dm_[i] + right_[i + 1] * dm_[i + 1];
     std::size_t r = in.row;
     const auto step = [&](double right, double dright) {
       const double dv = rows.a0[r] * db0 + rows.a1[r] * db1 + rows.a2[r] * db2;
-      const double ip = 1 / sp_[r], im = 1 / sm_[r];
+      const double ip = over_p_[r], im = over_m_[r], zp = zp_[r], zm = zm_[r];
       const double dsp = right - v_[r] - sp_[r] - dv + dright,
                    dsm = right + v_[r] - sm_[r] + dv + dright;
-      const double dzp = (mu - zp_[r] * dsp) * ip - zp_[r], dzm = (mu - zm_[r] * dsm) * im - zm_[r];
+      const double dzp = (mu - zp * dsp) * ip - zp, dzm = (mu - zm * dsm) * im - zm;
       dsp_[r] = dsp;
       dsm_[r] = dsm;
       dzp_[r] = dzp;
       dzm_[r] = dzm;
       primal = std::max({primal, -dsp * ip, -dsm * im});
-      dual = std::max({dual, -dzp / zp_[r], -dzm / zm_[r]});
+      // Seldom, so that there is next to no division.
+      if (-dzp > dual * zp) dual = -dzp / zp;
+      if (-dzm > dual * zm) dual = -dzm / zm;
     };
     for (std::int32_t k = 0; k < in.accs; ++k, ++r)
       if (i > 0 || rows.a2[r] != 0) step(acc_, 0);
     if (in.jerks == 0) continue;
-    const JerkSide side(b, jerk_);
+    const JerkSide& side = side_[i];
     for (int k = 0; k < 3; ++k) {
       const double dright =
           side.slope[k][0] * db0 + side.slope[k][1] * db1 + side.slope[k][2] * db2;

@@ -51,6 +51,15 @@ class LawNewton {
     [[nodiscard]] bool used() const noexcept { return top < kNoLimit; }
   };
 
+  /// The right side of the jerk rows, x^-1/2 by its tangent at the middle of the interval, and its derivatives.
+  struct JerkSide {
+    double right[3]{};
+    double slope[3][3]{};  ///< [coefficient][b]
+
+    JerkSide() = default;
+    JerkSide(const double b[3], double share) noexcept;
+  };
+
   [[nodiscard]] static double price_of(const Bound& wish, double x) noexcept;
   static void start_wish(Bound& wish, double x) noexcept;
   void wish_truly(double mu) noexcept;
@@ -82,6 +91,8 @@ class LawNewton {
   Buffer<double> v_;                  ///< left side of a row
   Buffer<double> sp_, sm_, zp_, zm_;  ///< slack and multiplier on both sides
   Buffer<double> dsp_, dsm_, dzp_, dzm_;
+  Buffer<double> over_p_, over_m_;  ///< 1 over the slacks
+  Buffer<JerkSide> side_;           ///< of intervals, where x is
   Buffer<Bound> at_middle_, at_node_, wish_middle_, wish_node_;
 };
 

@@ -19,6 +19,12 @@ constexpr double kTooNear = 0.3, kNearHead = 0.03;
 /// one that the new grid can express.
 constexpr double kFirstChange = 0.25, kFineGrowth = 0.5;
 
+/// So many steps before the end of a stretch are equal.
+constexpr double kEvenParts = 3;
+
+/// Of q' and of q'', relative to its largest component.
+constexpr double kSameSlope = 1e-6;
+
 /// By how much steps grow per length on straights and arcs, and how many there are at least.
 double growth_of(int fineness) noexcept {
   return fineness >= 4 ? 0.28 : fineness >= 2 ? 0.35 : 0.5;
@@ -239,6 +245,56 @@ bool LawRows::make(double x0, double u0, std::size_t least) noexcept {
   return true;
 }
 
+void LawRows::make_stepwise() noexcept {
+  a0.clear();
+  a1.clear();
+  a2.clear();
+  intervals_.clear();
+  room_ = true;
+  used_ = 0;
+}
+
+bool LawRows::add_step(double most) noexcept {
+  if (used_ == 0 || !(at_ < stretches_[used_ - 1].to)) {
+    if (used_ == stretches_.size()) return false;
+    LawStretch& next = stretches_[used_++];
+    next.to = next.end;
+    at_ = next.from;
+  }
+  const LawStretch& s = stretches_[used_ - 1];
+  if (s.piece.shape == Piece::Shape::arc && s.piece.rate != 0)
+    most = std::min(most, kArcStep / std::abs(s.piece.rate));
+  const double left = s.to - at_, parts = std::ceil(left / most - 1e-9);
+  const double to = parts <= 1 ? s.to : at_ + (parts <= kEvenParts ? left / parts : most);
+  push(used_ - 1, at_, to);
+  at_ = to;
+  return room_ && make_rows(intervals_.size() - 1);
+}
+
+void LawRows::take_back(std::size_t i) noexcept {
+  const LawInterval& first = intervals_[i];
+  used_ = first.stretch + 1;
+  at_ = first.from;
+  for (Buffer<double>* a : {&a0, &a1, &a2}) a->truncate(first.row);
+  intervals_.truncate(i);
+}
+
+/// Whether interval i, which is no straight, begins with the derivatives with which the one before it ends.
+bool LawRows::goes_on(std::size_t i, const Vec& first, const Vec& second) const noexcept {
+  const LawInterval& before = intervals_[i - 1];
+  if (before.stretch == intervals_[i].stretch) return true;
+  const Piece& piece = stretches_[before.stretch].piece;
+  if (piece.straight()) return false;
+  const double end = before.from + before.length;
+  const Vec p = piece.first(end), e = piece.second(end);
+  double bends = 0;
+  for (std::size_t j = 0; j < kAxes; ++j) bends = std::max(bends, std::abs(second[j]));
+  for (std::size_t j = 0; j < kAxes; ++j)
+    if (std::abs(p[j] - first[j]) > kSameSlope || std::abs(e[j] - second[j]) > kSameSlope * bends)
+      return false;
+  return true;
+}
+
 bool LawRows::make_rows(std::size_t i) noexcept {
   LawInterval& in = intervals_[i];
   const Piece& piece = stretches_[in.stretch].piece;
@@ -253,9 +309,11 @@ bool LawRows::make_rows(std::size_t i) noexcept {
   if (piece.straight()) {
     double acc = 0, jerk = 0;
     straight_limits(piece, in.from, limits_, acc, jerk);
-    row(-over, over, 0, acc);
+    // Within a straight the acceleration at its start is that at the end of the interval before.
+    const bool same = i > 0 && intervals_[i - 1].stretch == in.stretch;
+    if (!same) row(-over, over, 0, acc);
     row(0, -over, over, acc);
-    in.accs = 2;
+    in.accs = same ? 1 : 2;
     in.jerks = jerk < kNoLimit ? 1 : 0;
     for (int k = 0; k < 3 && in.jerks > 0; ++k)
       row(over * over, -2 * over * over, over * over, jerk);
@@ -263,16 +321,18 @@ bool LawRows::make_rows(std::size_t i) noexcept {
   }
   const Derivatives d = derivatives(piece, in.from, in.from + in.length);
   in.accs = in.jerks = 0;
+  // Where q' and q'' go on the acceleration at its start is that at the end of the interval before.
+  const bool same = i > 0 && goes_on(i, d.p0, d.e0);
   for (std::size_t j = 0; j < kAxes; ++j) {
     const double limit = limits_.acc[j];
     const double p0 = d.p0[j] * over, p1 = d.p1[j] * over, p2 = d.p2[j] * over, e0 = d.e0[j],
                  e1 = d.e1[j];
     if ((p0 == 0 && p2 == 0 && e0 == 0 && e1 == 0) || limit >= kNoLimit) continue;
-    row(e0 - p0, p0, 0, limit);
+    if (!same) row(e0 - p0, p0, 0, limit);
     row((e1 - 2 * p1) / 3, (2 * p1 - p0 + 2 * e0) / 3, p0 / 3, limit);
     row(-p2 / 3, (p2 - 2 * p1 + 2 * e1) / 3, (2 * p1 + e0) / 3, limit);
     row(0, -p2, p2 + e1, limit);
-    in.accs += 4;
+    in.accs += same ? 3 : 4;
   }
   const double ww = over * over;
   for (int k = 0; k < 3; ++k) {

@@ -37,8 +37,8 @@ struct LawInterval {
   double guess{0};  ///< of x at its start
   double from{0};   ///< on its piece
   std::size_t stretch{0};
-  std::size_t row{0};  ///< its first row; accelerations first, then jerks by coefficient
-  std::int32_t accs{0};
+  std::size_t row{0};     ///< its first row; accelerations first, then jerks by coefficient
+  std::int32_t accs{0};   ///< by axis; the last one of each that of its end
   std::int32_t jerks{0};  ///< of each of the three coefficients
   /// Arcs: what the rows leave out, times the largest b; times the largest |u|; times the largest difference of neighbouring b.
   double acc_rest{0}, jerk_rest_u{0}, jerk_rest_b{0};
@@ -66,6 +66,11 @@ class LawRows {
   /// Divides the stretches into `least` intervals or more and makes the rows, for a window that begins with x0, u0 (both 0: at rest).
   /// False: no room.
   [[nodiscard]] bool make(double x0, double u0, std::size_t least) noexcept;
+  /// Another grid, made as it is driven: add_step() adds one interval of length `most` or less, with its rows. False: the window ends there, or no room.
+  void make_stepwise() noexcept;
+  [[nodiscard]] bool add_step(double most) noexcept;
+  /// All steps from number i on.
+  void take_back(std::size_t i) noexcept;
   /// As if the window ended after this way, with no wider steps; kNoLimit: as it is. For the next make().
   void shorten(double way, double widest) noexcept {
     way_ = way;
@@ -83,6 +88,8 @@ class LawRows {
     return way;
   }
   [[nodiscard]] std::size_t size() const noexcept { return intervals_.size(); }
+  /// For how many there is room.
+  [[nodiscard]] std::size_t most() const noexcept { return size() + intervals_.room(); }
   [[nodiscard]] const LawInterval& operator[](std::size_t i) const noexcept {
     return intervals_[i];
   }
@@ -108,6 +115,7 @@ class LawRows {
   bool push_node(double at) noexcept;
   void push(std::size_t k, double from, double to) noexcept;
   [[nodiscard]] bool make_rows(std::size_t i) noexcept;
+  [[nodiscard]] bool goes_on(std::size_t i, const Vec& first, const Vec& second) const noexcept;
   [[nodiscard]] double rest_cap(std::size_t i, double way, bool start) const noexcept;
 
   AxisLimits limits_;
@@ -117,6 +125,7 @@ class LawRows {
   std::size_t expected_{0};
   std::size_t used_{0};  ///< stretches of the window
   double way_{kNoLimit}, widest_{kNoLimit};
+  double at_{0};           ///< where the next step begins on the last of them
   double fine_{kNoLimit};  ///< widest step at the start of the first stretch
   bool room_{true};
 };

@@ -10,13 +10,15 @@ constexpr std::size_t kNone = Laws::kSlots;
 /// A child begins so long after where the servo is: a law takes milliseconds to make. Longer after one that came too late.
 constexpr double kLead = 0.010, kMostLead = 0.080, kMoreLead = 1.5, kLessLead = 0.9;
 /// Moments from which a stop is ready.
-constexpr double kStopLead = 0.006, kStopEvery = 0.010;
-/// Intervals of a window that may go on beyond what it has to reach, and at most.
-constexpr double kWindowTime = 0.3;
+constexpr double kStopLead = 0.006, kStopEvery = 0.014;
+/// After one that was not found.
+constexpr double kStopAgain = 0.003;
+/// Time and intervals of a window that may go on beyond what it has to reach; the time when it is wanted soon; intervals at most.
+constexpr double kWindowTime = 0.6, kSoonTime = 0.3;
 constexpr std::size_t kWindow = 400;
 constexpr std::size_t kMost = Law::kSteps * 3 / 4;
 /// A law is made longer when that share of it is driven, or so many stopping times are left of it.
-constexpr double kShare = 0.4, kStopTimes = 2;
+constexpr double kShare = 0.6, kStopTimes = 1.5;
 /// What follows a stop is made ready so long before.
 constexpr double kRestAhead = 0.25;
 /// A law that ends within so many times the least stop needs no stop beside it.
@@ -115,26 +117,28 @@ bool LawMaker::locate(std::size_t running, double t, LawKey& key, Place& place) 
 }
 
 /// Adds the stretches from `place` on to the solver: to the next stop, or until enough of them are there. A law has to reach the end of span
-/// `at_least`. `stop_from` above 0: only as many as it takes to stop from that speed.
-bool LawMaker::fill(const Place& place, std::uint64_t at_least, double stop_from,
-                    Window& out) noexcept {
+/// `at_least`.
+bool LawMaker::fill(const Place& place, std::uint64_t at_least, For what, Window& out) noexcept {
+  const bool stops = what == For::stop;
+  const double enough = what == For::soon ? kSoonTime : kWindowTime;
   solver_.begin(limits_);
-  out = Window{true, true};
+  out = Window{};
   double left = place.left, way = 0, time = 0, acc = path::kNoLimit, jerk = path::kNoLimit;
   bool first = true;
   for (std::uint64_t n = place.span;; ++n) {
     if (n >= next_ || !stretch(n).by_law) {
       out.final = n < next_;
+      out.wants = !out.final;
       break;
     }
     const Stretch& s = stretch(n);
     const double wish = wanted_x(s.speed, scale_);
     // It will stand before what is wanted to stand.
-    if (!(wish > 0) && !first && stop_from <= 0) break;
+    if (!(wish > 0) && !first && !stops) break;
     // At the programmed feed: how slow it is driven now says nothing of how the path bends.
     const double x = std::min(std::max(wish, s.speed.feed_cap), s.speed.cap);
     const double seconds = s.length / std::sqrt(x);
-    const int fineness = stop_from > 0 || seconds < kDense ? 1 : seconds < kMiddling ? 2 : 4;
+    const int fineness = stops || seconds < kDense ? 1 : seconds < kMiddling ? 2 : 4;
     const double end = s.from + s.length;
     if (!solver_.add(n, s.piece, end - left, end, end, s.speed.cap,
                      wish > 0 ? wish : path::kNoLimit, fineness))
@@ -145,16 +149,18 @@ bool LawMaker::fill(const Place& place, std::uint64_t at_least, double stop_from
     way += left;
     time += seconds;
     left = n + 1 < next_ ? stretch(n + 1).length : 0.0;
-    if (stop_from > 0) {
+    if (stops) {
       acc = std::min(acc, s.acc);
       jerk = std::min(jerk, s.jerk);
-      const double v = stop_from + acc * acc / (2 * jerk);
-      if (way > kStopReserve * (v * v / (2 * acc) + v * acc / (2 * jerk))) {
+      // It speeds up for a while yet.
+      const double rise = (std::max(place.start.u, 0.0) + acc) / jerk;
+      const double v = std::sqrt(place.start.x) + rise * std::max(place.start.u, acc) / 2;
+      if (way > kStopReserve * (v * v / (2 * acc) + v * rise)) {
         out.final = false;
         break;
       }
-    } else if (n >= at_least && ((solver_.intervals() > kWindow && time > kWindowTime) ||
-                                 solver_.intervals() > kMost)) {
+    } else if (n >= at_least &&
+               ((solver_.intervals() > kWindow && time > enough) || solver_.intervals() > kMost)) {
       out.final = false;
       break;
     }
@@ -173,6 +179,7 @@ LawMaker::Info& LawMaker::publish(std::size_t slot, const LawKey& key,
   info.number = ++numbers_;
   info.known = next_;
   info.final = window.final;
+  info.wants = window.wants;
   info.single_step = single_step_;
   info.scale = scale_;
   if (key.kind != LawKey::Kind::boxes) {
@@ -197,13 +204,15 @@ bool LawMaker::begins_at(const Place& place) const noexcept {
           std::abs(state.acc - place.start.u) <= kSameSpeed * (1 + std::abs(place.start.u)));
 }
 
-bool LawMaker::solved(path::TimeLaw::Result result, const Place& place, std::uint64_t& all,
-                      std::uint64_t& failed) noexcept {
-  ++all;
-  counts_.intervals += solver_.intervals();
-  counts_.iterations += static_cast<std::uint64_t>(solver_.iterations());
+bool LawMaker::solved(path::TimeLaw::Result result, const Place& place, Count& count) noexcept {
+  ++count.all;
+  count.intervals += solver_.intervals();
+  count.iterations += static_cast<std::uint64_t>(solver_.iterations());
+  count.searched += solver_.iterations() > 0 ? 1 : 0;
+  count.work += solver_.work() - worked_;
+  worked_ = solver_.work();
   if (result == path::TimeLaw::Result::ok && begins_at(place)) return true;
-  ++failed;
+  ++count.failed;
   return false;
 }
 
@@ -216,7 +225,7 @@ void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t runni
     const Info& info = info_[i];
     if (info.state != State::there || info.number == running || key.parent != 0) continue;
     const bool good = key.span == span && key.left == left && info.scale == scale_ &&
-                      info.single_step == single_step_ && (info.final || info.known == next_);
+                      info.single_step == single_step_ && (!info.wants || info.known == next_);
     if (good) return;
     take_back(i);
   }
@@ -227,10 +236,10 @@ void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t runni
   key.span = span;
   key.left = left;
   Window window;
-  const bool filled = fill({span, left, {}}, span, 0, window);
+  const bool filled = fill({span, left, {}}, span, For::soon, window);
   // A single straight from rest to rest is driven in the least time by ramps; and what no law was found for is driven as well as boxes can.
   if (!filled || (window.straight && window.final) ||
-      !solved(solver_.solve({}), {span, left, {}}, counts_.rests, counts_.rests_failed))
+      !solved(solver_.solve({}), {span, left, {}}, counts_.rests))
     key.kind = LawKey::Kind::boxes;
   publish(slot, key, window);
 }
@@ -280,7 +289,7 @@ void LawMaker::follow(std::size_t running, const LawPlace& at) noexcept {
   const bool more = !info.final && info.last_span + 1 < next_ &&
                     (now > kShare * info.total || info.total - now < kStopTimes * stop_s_);
   if (child == kNone && !at.stands && (changed || more || stops) && now >= info.child_tried) {
-    make_child(running, now);
+    make_child(running, now, changed);
     info_[running].child_tried = now + kRetry;
   }
   if (!stops) make_stop(running, now, child == kNone ? info.total : info_[child].begins);
@@ -293,7 +302,7 @@ void LawMaker::follow(std::size_t running, const LawPlace& at) noexcept {
   }
 }
 
-void LawMaker::make_child(std::size_t running, double now) noexcept {
+void LawMaker::make_child(std::size_t running, double now, bool changed) noexcept {
   const std::size_t slot = free_slot();
   LawKey key;
   Place place;
@@ -302,8 +311,9 @@ void LawMaker::make_child(std::size_t running, double now) noexcept {
   key.kind = LawKey::Kind::go;
   const bool stops = laws_.law[running].key.kind == LawKey::Kind::stop;
   Window window;
-  if (!fill(place, stops ? place.span : info_[running].last_span, 0, window) ||
-      !solved(solver_.solve(place.start), place, counts_.children, counts_.children_failed))
+  if (!fill(place, stops ? place.span : info_[running].last_span,
+            changed || stops ? For::soon : For::path, window) ||
+      !solved(solver_.solve(place.start), place, counts_.children))
     return;
   publish(slot, key, window).begins = begins;
   lead_ *= kLessLead;
@@ -321,21 +331,28 @@ double LawMaker::least_stop(const Place& place) const noexcept {
 
 void LawMaker::make_stop(std::size_t running, double now, double before) noexcept {
   Info& info = info_[running];
-  const double begins = std::max({info.stop_tried + kStopEvery, now + kStopLead, kStopLead / 2});
+  const double begins = std::max({info.next_stop, now + kStopLead, kStopLead / 2});
   // One is ready for a while.
   if (begins >= before || begins > std::max(now, 0.0) + kStopLead + kStopEvery) return;
   const std::size_t slot = free_slot();
   LawKey key;
   Place place;
   if (slot == kNone || !locate(running, begins, key, place)) return;
-  info.stop_tried = begins;
+  info.next_stop = begins + kStopEvery;
   // About to end in rest anyway.
   if (info.total - begins < kSoonAtRest * least_stop(place)) return;
   key.kind = LawKey::Kind::stop;
   Window window;
-  if (!fill(place, place.span, std::sqrt(place.start.x), window) ||
-      !solved(solver_.solve_stop(place.start), place, counts_.stops, counts_.stops_failed))
+  // Where braking finds none the next moment is tried before the solver is.
+  const bool filled = fill(place, place.span, For::stop, window);
+  const auto result = !filled            ? path::TimeLaw::Result::failed
+                      : info.stop_failed ? solver_.solve_stop(place.start)
+                                         : solver_.brake_stop(place.start);
+  info.stop_failed = !solved(result, place, counts_.stops);
+  if (info.stop_failed) {
+    info.next_stop = begins + kStopAgain;
     return;
+  }
   publish(slot, key, window).begins = begins;
 }
 

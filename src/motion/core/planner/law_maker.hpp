@@ -38,12 +38,13 @@ class LawMaker {
            std::uint64_t next) noexcept;
   /// The servo follows laws: the next turn has to come soon.
   [[nodiscard]] bool busy() const noexcept { return busy_; }
-  /// Of all laws since the start: how many were looked for and not found.
+  /// Of all laws since the start: how many were looked for and not found, and what it took. `work` is iterations times intervals.
+  struct Count {
+    std::uint64_t all{0}, failed{0}, intervals{0}, iterations{0}, work{0};
+    std::uint64_t searched{0};  ///< by the solver
+  };
   struct Counts {
-    std::uint64_t rests{0}, rests_failed{0};
-    std::uint64_t children{0}, children_failed{0};
-    std::uint64_t stops{0}, stops_failed{0};
-    std::uint64_t intervals{0}, iterations{0};
+    Count rests, children, stops;
   };
   [[nodiscard]] const Counts& counts() const noexcept { return counts_; }
 
@@ -51,15 +52,17 @@ class LawMaker {
   enum class State : std::int32_t { free, there, taken_back };
   struct Info {
     State state{State::free};
-    bool final{false};  ///< it does not end for want of path
+    bool final{false};  ///< it ends where the path has to stop
+    bool wants{false};  ///< it ends for want of path
     bool single_step{false};
     std::uint64_t number{0};
     std::uint64_t known{0};  ///< spans that there were
     std::uint64_t mark{0};   ///< the cycle after which no new one takes it
     std::uint64_t last_span{0};
     double last_left{0}, total{0};
-    double begins{0};      ///< seconds into its parent
-    double stop_tried{0};  ///< seconds into it: stops were looked for up to there
+    double begins{0};         ///< seconds into its parent
+    double next_stop{0};      ///< seconds into it: from where a stop is wanted next
+    bool stop_failed{false};  ///< the last one was not found
     double child_tried{-1};
     FeedScale scale;
   };
@@ -77,7 +80,7 @@ class LawMaker {
   void prepare_rest(std::uint64_t span, double left, std::uint64_t running) noexcept;
   void stand(const LawPlace& at) noexcept;
   void follow(std::size_t running, const LawPlace& at) noexcept;
-  void make_child(std::size_t running, double now) noexcept;
+  void make_child(std::size_t running, double now, bool changed) noexcept;
   [[nodiscard]] double least_stop(const Place& place) const noexcept;
   void make_stop(std::size_t running, double now, double before) noexcept;
   [[nodiscard]] bool locate(std::size_t running, double t, LawKey& key,
@@ -85,15 +88,17 @@ class LawMaker {
   /// Where the law is `place.seconds` into interval `place.index`, from its start.
   [[nodiscard]] static double elapsed(const Law& law, const LawPlace& at) noexcept;
   struct Window {
-    bool final{false};
-    bool straight{false};  ///< all of it is one straight
+    bool final{true}, wants{false};  ///< see Info
+    bool straight{true};             ///< all of it is one straight
   };
-  [[nodiscard]] bool fill(const Place& place, std::uint64_t at_least, double stop_from,
+  /// More path; soon, as the servo stands or drives otherwise than is wanted; only as much as it takes to stop.
+  enum class For { path, soon, stop };
+  [[nodiscard]] bool fill(const Place& place, std::uint64_t at_least, For what,
                           Window& out) noexcept;
   Info& publish(std::size_t slot, const LawKey& key, const Window& window) noexcept;
   [[nodiscard]] bool begins_at(const Place& place) const noexcept;
-  [[nodiscard]] bool solved(path::TimeLaw::Result result, const Place& place, std::uint64_t& all,
-                            std::uint64_t& failed) noexcept;
+  [[nodiscard]] bool solved(path::TimeLaw::Result result, const Place& place,
+                            Count& count) noexcept;
   [[nodiscard]] const Stretch& stretch(std::uint64_t n) const noexcept {
     return stretch_[n % kSpans];
   }
@@ -108,6 +113,7 @@ class LawMaker {
   double lead_{0};  ///< s
   std::uint64_t numbers_{0}, first_{0}, next_{0};
   Counts counts_;
+  std::uint64_t worked_{0};  ///< of the solver, counted so far
   bool on_{false}, single_step_{false}, busy_{false};
 };
 

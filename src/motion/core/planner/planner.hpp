@@ -179,7 +179,7 @@ class Planner {
   [[nodiscard]] bool send_stretch(const path::Piece& piece, double from, double to) noexcept;
   void finish_sending() noexcept;
   void plan(bool all) noexcept;
-  [[nodiscard]] bool plan_ramps(std::uint64_t n, int& unchanged) noexcept;
+  [[nodiscard]] bool plan_ramps(std::uint64_t n, bool all, int& unchanged) noexcept;
   [[nodiscard]] double stop_seconds() const noexcept;
   [[nodiscard]] double seconds_ahead(double enough) const noexcept;
   [[nodiscard]] double seconds_pending(double enough) const noexcept;

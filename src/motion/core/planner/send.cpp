@@ -378,7 +378,7 @@ void Planner::plan(bool all) noexcept {
     if (s.even_jerk > 0) {
       hard = soft = 0;
       // More groups than are ever looked at together are as they were.
-      if (!plan_ramps(n, unchanged) && !all && unchanged > kGroupsTogether) break;
+      if (!plan_ramps(n, all, unchanged) && !all && unchanged > kGroupsTogether) break;
       if (s.begins) break;
       continue;
     }
@@ -406,11 +406,13 @@ void Planner::plan(bool all) noexcept {
 
 /// Span n, with jerk limits: only where the limits along the path change there is a speed to find (ahead.hpp). Counts the ends of groups that stayed
 /// as they were; true: this one is none, or changed.
-bool Planner::plan_ramps(std::uint64_t n, int& unchanged) noexcept {
+bool Planner::plan_ramps(std::uint64_t n, bool all, int& unchanged) noexcept {
   const Sent& s = sent_[n % kSpans];
   const Sent& next = sent_[(n + 1) % kSpans];
   const bool ends = s.stop_at_end || n + 1 == next_number_ || next.begins || !(next.even_jerk > 0);
   const bool group_end = ends || next.even_acc != s.even_acc || next.even_jerk != s.even_jerk;
+  // Within a group nothing changes.
+  if (!group_end && !all && n + 1 < first_new_) return true;
   double hard = 0;
   if (!ends) {
     hard = std::min(s.speed.cap, next.speed.cap);
