@@ -71,6 +71,20 @@ TEST_F(Jerk, AnExactStopTakesTheSevenPhases) {
   expect_no_fault();
 }
 
+/// Too short to reach full acceleration: four phases of full jerk.
+TEST_F(Jerk, AShortExactStopTakesTheFourPhases) {
+  constexpr double kWay = 0.5;
+  constexpr int kMoves = 20;
+  rig.push(PathControl{.mode = PathControl::Mode::exact_stop});
+  for (int i = 0; i < kMoves; ++i)
+    rig.line({.x = kWay * ((i + 2) / 2), .y = kWay * ((i + 1) / 2)}, kSpeed);
+  const double least = kMoves * 4 * std::cbrt(kWay / (2 * kJerk));
+  const double seconds = finish() * Rig::kPeriod;
+  EXPECT_LE(seconds, 1.03 * least);
+  EXPECT_GE(seconds, least);
+  expect_no_fault();
+}
+
 TEST_F(Jerk, AHoldStopsAtOnceInTheLeastTimeAndResumes) {
   rig.line({.x = 200}, kSpeed);
   run_until([&] { return rig.status().pos_cmd.x > 50; });

@@ -211,9 +211,13 @@ double Boxes::seconds(const Buffer<Piece>& pieces, std::size_t begin, std::size_
 void Boxes::make_region(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
                         const AxisLimits& limits) noexcept {
   const Box whole = straightest(pieces, begin, end, limits);
-  Box best;
+  // Straights leave nothing to turning: a short one between two stops is such a region.
+  const bool straight = std::all_of(pieces.begin() + begin, pieces.begin() + end,
+                                    [](const Piece& p) { return p.straight(); });
+  Box best = straight ? whole : Box{};
   double least = 0;
   for (const Share& share : kShares) {
+    if (straight) break;
     const Box box{whole.acc * share.acc, whole.jerk * share.jerk};
     const double t = seconds(pieces, begin, end, box, limits);
     if (best.acc > 0 && t >= least) continue;
