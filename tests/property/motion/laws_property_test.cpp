@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <variant>
 #include <vector>
 
 #include "bench/motion/families.hpp"
+#include "bench/motion/runs.hpp"
 #include "property/motion/drive.hpp"
 
 namespace kerf::motion {
@@ -73,6 +76,84 @@ TEST(TimeLaws, KeepTheLimitsAndAreFasterThanBoxes) {
   }
   // Straights from rest to rest and what stops everywhere need none.
   EXPECT_GT(by_law, cycles / 2);
+}
+
+bench::Program first_moves(bench::Program program, std::size_t items) {
+  program.items.resize(std::min(items, program.items.size()));
+  return program;
+}
+
+/// The same program with a stop at each corner.
+bench::Program with_stops(bench::Program program) {
+  for (auto& item : program.items)
+    if (auto* control = std::get_if<PathControl>(&item))
+      control->mode = PathControl::Mode::exact_stop;
+  return program;
+}
+
+/// Beside stops at all corners: most that a blend may cost, and where blends are known to pay, what they take at most.
+TEST(TimeLaws, CornersAreBlendedWhereThatIsFasterThanToStop) {
+  struct Case {
+    bench::Program program;
+    double most{1.002};
+  };
+  const Case cases[] = {
+      {first_moves(bench::arc_spiral(0.01, 80), 12)},
+      {first_moves(bench::arc_spiral(0.1, 80), 12), 0.985},
+      {first_moves(bench::arc_spiral(0.3, 80), 12), 0.80},
+      {first_moves(bench::helical_arcs(0.01, 80), 12)},
+      {first_moves(bench::helical_arcs(0.1, 80), 12), 0.97},
+      {first_moves(bench::zigzag(0.05, 100, 13), 12), 0.97},
+      {first_moves(bench::zigzag(0.05, 100, 6.5), 12), 0.96},
+      {first_moves(bench::zigzag(0.05, 100, 2), 20), 0.91},
+      {bench::corner(90, 10, 0.01, 100)},
+      {bench::corner(90, 10, 0.05, 100)},
+      {bench::corner(90, 10, 0.2, 100), 0.97},
+      {bench::corner(20, 3, 0.003, 100)},
+      {bench::corner(60, 40, 0.01, 100)},
+      {bench::corner(120, 10, 0.05, 100)},
+      {bench::corner(150, 10, 0.05, 100), 0.98},
+  };
+  for (const Case& c : cases) {
+    const double ours = bench::run(c.program, {50000}).seconds,
+                 stops = bench::run(with_stops(c.program), {50000}).seconds;
+    std::printf("%-26s P%-5g %.3f s, with stops %.3f s: %.3f\n", c.program.name.c_str(),
+                c.program.p_mm, ours, stops, ours / stops);
+    // Times are whole cycles.
+    EXPECT_LE(ours, c.most * stops + 0.002) << c.program.name << ", P" << c.program.p_mm;
+  }
+}
+
+/// Where a feed changes and where an output stands a hair before the end of a stretch: a sliver of path, over which no law was found.
+TEST(TimeLaws, AreFoundThroughFeedsAndOutputs) {
+  for (const double step : {0.35, 0.05}) {
+    bench::ProgramWriter writer("waves", 0.02, 60, false);
+    bench::Program program = writer.done();
+    for (int i = 1; i <= 400; ++i) {
+      Pose to;
+      to.x = i * step;
+      to.y = std::sin(to.x * 1.7) + 0.3 * std::sin(to.x * 4.1);
+      LinearMove line;
+      line.end = to;
+      line.vel_mm_s = i % 2 == 0 ? 60 : 55;
+      program.items.emplace_back(line);
+      program.items.emplace_back(
+          OutputChange{.index = 1, .synchronised = true, .value = i % 2 == 0 ? 1.0 : 0.0});
+    }
+    Drive drive(program, true);
+    drive.finish();
+    drive.expect_limits();
+    const LawMaker::Counts& c = drive.rig.planner.law_counts();
+    EXPECT_EQ(c.rests_failed, 0U);
+    EXPECT_EQ(c.children_failed, 0U);
+  }
+  path::AxisLimits limits;
+  double shortest = 1;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed)
+    for (const PathSpan& span : bench::curve_of(bench::mixture(150, seed), 50000, limits))
+      shortest = std::min(shortest, span.length);
+  std::printf("shortest stretch of some mixtures: %g mm\n", shortest);
+  EXPECT_GT(shortest, 1e-5);
 }
 
 TEST(TimeLaws, AHoldBeginsSoonAndWhatIsLeftIsDriven) {

@@ -21,6 +21,10 @@ constexpr double kOwnRegion = 0.25;
 /// Rounding, and the error of the quadratics on arcs.
 constexpr double kReserve = 1.0 - 1e-5;
 constexpr double kArcShares[] = {0.06, 0.15, 0.3, 0.5, 0.7, 0.9};
+/// What a time law gains on passing a blend evenly, as a share of the time that takes: acceleration builds up within it, the more where the
+/// path turns back. Fitted to the times of laws over 225 corners of 10 to 179 degrees, P 0.003 to 0.2 mm, jerk 20 000 to 200 000 mm/s3:
+/// 215 are decided right, the others cost 0.1 of acc/jerk at most.
+constexpr double kRampShare = 0.22, kTurnShare = 0.75;
 constexpr int kSteps = 24;
 constexpr int kEstimateStretches = 8;
 
@@ -118,6 +122,19 @@ Box straightest(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
   return out;
 }
 
+/// Of the angle between both directions, in accelerations that the axes can do.
+double cosine_between(const Vec& t1, const Vec& t2, const AxisLimits& limits) noexcept {
+  double dot = 0, square1 = 0, square2 = 0;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    if (t1[i] == 0 && t2[i] == 0) continue;
+    const double a = t1[i] / limits.acc[i], b = t2[i] / limits.acc[i];
+    dot += a * b;
+    square1 += a * a;
+    square2 += b * b;
+  }
+  return dot / std::sqrt(square1 * square2);
+}
+
 }  // namespace
 
 Box straight_box(const Piece& piece, const AxisLimits& limits) noexcept {
@@ -146,13 +163,17 @@ double box_cap(const Piece& piece, double s0, double s1, const Box& box,
   return v < 1e49 ? v * v : kNoLimit;
 }
 
-double even_speed(const Piece* pieces, std::size_t count, const AxisLimits& limits) noexcept {
+double even_speed(const Piece* pieces, std::size_t count, const AxisLimits& limits,
+                  bool by_law) noexcept {
   double cap = kNoLimit;
   for (std::size_t k = 0; k < count; ++k) {
     const Piece& p = pieces[k];
-    Box box = straight_box(straight_piece(p.a, p.first(p.length / 2), p.length, p.feed), limits);
-    box.acc *= kShares[0].acc;
-    box.jerk *= kShares[0].jerk;
+    Box box;
+    if (!by_law) {
+      box = straight_box(straight_piece(p.a, p.first(p.length / 2), p.length, p.feed), limits);
+      box.acc *= kShares[0].acc;
+      box.jerk *= kShares[0].jerk;
+    }
     cap = std::min({cap, axis_cap(p, 0, p.length, limits), feed_cap(p, 0, p.length),
                     box_cap(p, 0, p.length, box, limits)});
   }
@@ -160,8 +181,12 @@ double even_speed(const Piece* pieces, std::size_t count, const AxisLimits& limi
 }
 
 bool faster_to_stop(const Piece& a, const Piece& b, double l, double speed,
-                    const AxisLimits& limits) noexcept {
+                    const AxisLimits& limits, bool by_law) noexcept {
   double stop = 0, blend = 2 * l / std::max(speed, 1e-9);
+  if (by_law) {
+    const double cosine = cosine_between(a.first(a.length), b.first(0), limits);
+    blend *= 1 - kRampShare - kTurnShare * std::max(0.0, -cosine);
+  }
   for (const Piece* p : {&a, &b}) {
     const Vec direction = p->first(p->length / 2);
     const Box box = straight_box(straight_piece(p->a, direction, p->length, p->feed), limits);

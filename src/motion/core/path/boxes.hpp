@@ -26,12 +26,12 @@ struct Box {
                              const AxisLimits& limits) noexcept;
 
 /// Whether it takes less time to stand between two moves than to drive through a blend that takes `l` of each and may be passed at `speed`.
-/// Both moves are taken as if they began and ended alike.
+/// Both moves are taken as if they began and ended alike. `by_law`: by a time law, else in boxes.
 [[nodiscard]] bool faster_to_stop(const Piece& a, const Piece& b, double l, double speed,
-                                  const AxisLimits& limits) noexcept;
-/// The speed at which blend pieces can be passed evenly.
-[[nodiscard]] double even_speed(const Piece* pieces, std::size_t count,
-                                const AxisLimits& limits) noexcept;
+                                  const AxisLimits& limits, bool by_law) noexcept;
+/// The speed at which blend pieces can be passed evenly; in boxes with something left for speeding up.
+[[nodiscard]] double even_speed(const Piece* pieces, std::size_t count, const AxisLimits& limits,
+                                bool by_law) noexcept;
 
 class Boxes {
  public:

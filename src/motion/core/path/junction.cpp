@@ -166,8 +166,9 @@ double blend_junction(const Piece& a, const Piece& b, const JunctionSettings& se
   // Without jerk limits the time that it takes to come, pass and go counts, with them the speed (boxes are passed evenly).
   const double reach = std::min(settings.reach_a, settings.reach_b);
   const auto cost = [&](const Blend& blend, double l) {
-    return settings.limits.jerks ? -even_speed(blend.data(), blend.size(), settings.limits)
-                                 : passing_time(a, b, blend, l, reach, settings.limits);
+    return settings.limits.jerks
+               ? -even_speed(blend.data(), blend.size(), settings.limits, settings.by_law)
+               : passing_time(a, b, blend, l, reach, settings.limits);
   };
   Blend best;
   double l = three_span_blend(a, b, kEven, settings, best);

@@ -19,6 +19,7 @@ struct JunctionSettings {
           0};  ///< the most that may be taken from the end of the one and the start of the other (sigma)
   Vec low, high;  ///< no blend leaves this box, which the two pieces keep to themselves
   AxisLimits limits;
+  bool by_law{true};  ///< as in PathSettings
 };
 
 /// Appends up to four pieces (the middle span is divided at the vertex) that replace the last `l` of `a` and the first `l` of `b`, and

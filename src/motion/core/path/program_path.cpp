@@ -90,8 +90,9 @@ bool ProgramPath::sharp(const Move& a, const Move& b) const noexcept {
   other.c = half.second(l);
   other.d *= -1.0;
   const Piece blend[] = {half, other};
-  return faster_to_stop(a.piece, b.piece, l, even_speed(blend, 2, settings_.limits),
-                        settings_.limits);
+  return faster_to_stop(a.piece, b.piece, l,
+                        even_speed(blend, 2, settings_.limits, settings_.by_law), settings_.limits,
+                        settings_.by_law);
 }
 
 ProgramPath::Joint ProgramPath::joint_between(const Move& a, const Move& b) const noexcept {
@@ -135,11 +136,13 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
       s.low = settings_.low;
       s.high = settings_.high;
       s.limits = settings_.limits;
+      s.by_law = settings_.by_law;
       l = blend_junction(tail.piece, moves[j + 1].piece, s, blend_);
       const bool stops = settings_.limits.jerks && l > 0 &&
                          faster_to_stop(tail.piece, moves[j + 1].piece, l,
-                                        even_speed(blend_.begin(), blend_.size(), settings_.limits),
-                                        settings_.limits);
+                                        even_speed(blend_.begin(), blend_.size(), settings_.limits,
+                                                   settings_.by_law),
+                                        settings_.limits, settings_.by_law);
       if (stops) {
         blend_.clear();
         l = 0;

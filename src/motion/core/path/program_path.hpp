@@ -28,6 +28,7 @@ struct PathSettings {
   Vec low, high;  ///< blends stay in this box
   /// With jerk limits the path needs continuous curvature: tangent joints are blended too, and sharp corners may be passed faster by stopping.
   AxisLimits limits;
+  bool by_law{true};  ///< with jerk limits: driven by time laws, not in boxes
 };
 
 class ProgramPath {

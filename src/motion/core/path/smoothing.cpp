@@ -21,6 +21,8 @@ constexpr double kWider = 1.5, kWiderPeaked = 2, kWiderLone = 2, kLongLeg = 8;
 constexpr double kGuideAim = 0.9;
 /// Rounds in which only the guide moves; then widths shrink too; at the end it goes back to the chain where it is still too far off.
 constexpr int kOnlyMove = 4, kMoveBack = 9, kGuideRounds = 16;
+/// Where the feed changes so near to the end of a piece, or within this share of it, it changes at its end: no law can be found over slivers (sigma).
+constexpr double kSliver = 3e-4, kSliverShare = 0.1;
 /// A kink below this turns nothing: rounding of the input.
 constexpr double kNoKink = 1e-12;
 
@@ -367,13 +369,14 @@ void Smoother::integrate(const Chain& chain, Buffer<Piece>& out) const noexcept 
     std::size_t last = line;
     while (last + 1 < chain.lines() && chain.sigma[last + 1] < knot_[k + 1]) ++last;
     while (line > 0 && chain.sigma[line] > knot_[k]) --line;
+    const double sliver = std::min(kSliver, kSliverShare * length);
     double from = 0;
-    for (std::size_t j = line; j <= last; ++j) {
-      const double to = j == last ? length : chain.sigma[j + 1] - knot_[k];
+    for (std::size_t j = line; j <= last && from < length; ++j) {
+      double to = j == last ? length : chain.sigma[j + 1] - knot_[k];
       const bool differs = j < last && !(chain.feed[j + 1] == chain.feed[j]);
-      if (j < last && !differs) continue;
-      if (to - from <= 0) continue;
-      Piece part = from == 0 && j == last ? p : part_of(p, from, to);
+      if (j < last && (!differs || to - from <= sliver)) continue;
+      if (length - to <= sliver) to = length;
+      Piece part = from == 0 && to == length ? p : part_of(p, from, to);
       part.feed = chain.feed[j];
       out.push_back(part);
       from = to;

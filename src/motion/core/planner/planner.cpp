@@ -87,6 +87,7 @@ void Planner::configure(const MachineConfig& config) noexcept {
   low_ = settings.low = limits.low;
   high_ = settings.high = limits.high;
   settings.limits = limits.axes;
+  settings.by_law = laws_.on();
   program_path_.configure(settings);
 }
 

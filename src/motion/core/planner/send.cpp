@@ -20,6 +20,8 @@ constexpr std::int64_t kSteady = 5 * kSettle;                  ///< and they hav
 constexpr double kLongestStop = 2;  // s
 /// Two places on the path nearer than this are one (sigma).
 constexpr double kSamePlace = 1e-7;
+/// Moves and events that end or stand so near to the end of a stretch are there (sigma, s at the feed): no law can be found over slivers.
+constexpr double kSliver = 3e-4, kSliverTime = 5e-4;
 /// Of the pending moves, the last ones stay when the path is handed over: they may still be joined with what comes.
 constexpr double kHandOverFrom = 0.5;
 /// With fewer pending moves a hand-over gives no room worth having.
@@ -28,6 +30,10 @@ constexpr std::size_t kHandOverLeast = 16;
 constexpr double kLineLag = 0.01;  // s
 constexpr double kRounding = 1.0 - 1e-7;
 constexpr int kGroupsTogether = 3;
+
+double sliver_of(const path::Piece& piece) noexcept {
+  return std::clamp(kSliverTime * piece.feed.speed, kSamePlace, kSliver);
+}
 
 }  // namespace
 
@@ -207,8 +213,9 @@ bool Planner::send() noexcept {
     }
     // An event divides it; so does the end of a move where the shown line would lag too far behind.
     bool divided = false;
+    const double near = sliver_of(piece);
     const auto divide = [&](double at) {
-      if (at >= piece_sigma_ + to - kSamePlace || at <= sigma_ + kSamePlace) return;
+      if (at >= piece_sigma_ + to - near || at <= sigma_ + near) return;
       to = at - piece_sigma_;
       divided = true;
     };
@@ -216,7 +223,7 @@ bool Planner::send() noexcept {
       divide(meta_[events_[events_sent_].after - 1].sigma_end);
     if (piece.straight() || to - from > kLineLag * piece.feed.speed) {
       std::size_t m = move_;
-      while (m + 1 < sending_ && meta_[m].sigma_end <= sigma_ + kSamePlace) ++m;
+      while (m + 1 < sending_ && meta_[m].sigma_end <= sigma_ + near) ++m;
       divide(meta_[m].sigma_end);
     }
     if (to - from > 0 && !send_stretch(piece, from, to)) {
@@ -241,7 +248,11 @@ bool Planner::send_events(double sigma) noexcept {
   while (events_sent_ < events_sending_) {
     const Event& e = events_[events_sent_];
     const bool at_end = piece_ >= pieces_.size();
-    if (!at_end && e.after > 0 && meta_[e.after - 1].sigma_end > sigma + kSamePlace) return true;
+    if (!at_end && e.after > 0) {
+      // What needs a standing machine waits for the very end.
+      const double near = moves_[e.after - 1].stop_at_end ? kSamePlace : sliver_of(pieces_[piece_]);
+      if (meta_[e.after - 1].sigma_end > sigma + near) return true;
+    }
     if (!spans_.push(e.span)) return false;
     ++events_sent_;
   }
