@@ -280,25 +280,12 @@ void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
   }
 }
 
-void Controller::take_wheels(const Inputs& in, const Orders& orders) noexcept {
-  const Intent& want = *orders.values;
-  const bool ready = may_jog(in, orders) && !in.jog_stop && !in.jog_stop_immediate;
-  for (std::size_t j = 0; j < joints_; ++j)
-    turn_wheel(in.joint_wheel[j], joint_wheel_[j], ready && may_jog_joint(j) && !joint_locked(j),
-               joint_[j].mover, config_.joint[j].max_vel, config_.joint[j].max_acc,
-               config_.joint[j].max_jerk, joint_range(j, want));
-  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-    if ((kinematics_.axis_mask() >> i & 1U) == 0) continue;
-    turn_wheel(in.axis_wheel[i], axis_wheel_[i], ready && may_jog_axes() && !axis_locked(i),
-               axis_[i], axis_limit_[i].max_vel, axis_limit_[i].max_acc, axis_limit_[i].max_jerk,
-               axis_range(i, want));
-  }
-}
-
 /// Manual, motion(9), jog-counts: each count moves the target by jog-scale; in velocity mode the target keeps no farther ahead than
 /// the way to stop.
+template <class RangeOf>
 void Controller::turn_wheel(const WheelInputs& in, Wheel& wheel, bool allowed, AxisMover& mover,
-                            double max_vel, double max_acc, double max_jerk, Range range) noexcept {
+                            double max_vel, double max_acc, double max_jerk,
+                            const RangeOf& range_of) noexcept {
   // Unsigned, so that a counter may run over.
   const auto turned = static_cast<std::int32_t>(static_cast<std::uint32_t>(in.counts) -
                                                 static_cast<std::uint32_t>(wheel.counts));
@@ -326,10 +313,27 @@ void Controller::turn_wheel(const WheelInputs& in, Wheel& wheel, bool allowed, A
     target = std::clamp(target, here - ahead, here + ahead);
   }
   // From outside the limits only the way back is open.
+  const Range range = range_of();
   if (way > 0) target = std::min(target, std::max(range.high, here));
   if (way < 0) target = std::max(target, std::min(range.low, here));
   mover.go_to(target, max_vel);
   wheel.drives = true;
+}
+
+void Controller::take_wheels(const Inputs& in, const Orders& orders) noexcept {
+  const Intent& want = *orders.values;
+  const bool ready = may_jog(in, orders) && !in.jog_stop && !in.jog_stop_immediate;
+  for (std::size_t j = 0; j < joints_; ++j)
+    turn_wheel(in.joint_wheel[j], joint_wheel_[j], ready && may_jog_joint(j) && !joint_locked(j),
+               joint_[j].mover, config_.joint[j].max_vel, config_.joint[j].max_acc,
+               config_.joint[j].max_jerk, [&] { return joint_range(j, want); });
+  const std::uint32_t axes = kinematics_.axis_mask();
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    if ((axes >> i & 1U) == 0) continue;
+    turn_wheel(in.axis_wheel[i], axis_wheel_[i], ready && may_jog_axes() && !axis_locked(i),
+               axis_[i], axis_limit_[i].max_vel, axis_limit_[i].max_acc, axis_limit_[i].max_jerk,
+               [&] { return axis_range(i, want); });
+  }
 }
 
 void Controller::take_jog(const JogIntent& jog, std::uint32_t& seen, bool allowed, AxisMover& mover,

@@ -574,12 +574,12 @@ double Executor::drive(const PathSpan& move, const Ends& ends, double x_wanted,
 
 void Executor::show_place(const PathSpan& move) noexcept {
   const double at = move.from + move.length - left_;
-  const path::Vec slope = move.piece.first(at);
-  pose_ = left_ <= 0 && move.at_end_exactly ? move.end : to_pose(move.piece.point(at));
-  speed_ =
-      sigma_speed_ * (move.piece.feed.metric >= 0
-                          ? path::norm3(slope, static_cast<std::size_t>(move.piece.feed.metric))
-                          : 1.0);
+  const path::Piece::Place place = move.piece.place(at);
+  pose_ = left_ <= 0 && move.at_end_exactly ? move.end : to_pose(place.point);
+  speed_ = sigma_speed_ *
+           (move.piece.feed.metric >= 0
+                ? path::norm3(place.first, static_cast<std::size_t>(move.piece.feed.metric))
+                : 1.0);
 }
 
 double Executor::run_move(const Span& span, const PathSpan& move, const PathInputs& in, double dt,

@@ -1,6 +1,7 @@
 #include "motion/core/path/history.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "motion/core/path/reach.hpp"
 
@@ -56,9 +57,10 @@ void PathHistory::add(const Span& item, const PathSpan& span, double hard,
       e.back_own = std::min(cap, std::min(own, cap) + gain);
       e.back_before = std::min(cap, std::min(before, cap) + gain);
     } else {
+      // Driven the other way q' changes its sign and the ends change places: so do the two x of each row.
       Rows rows;
-      const PathSpan r = reversed(span);
-      rows_of(r.piece, 0, r.length, limits, rows);
+      rows_of(span.piece, span.from, span.from + span.length, limits, rows);
+      for (std::size_t i = 0; i < rows.count; ++i) std::swap(rows.at[i].a, rows.at[i].b);
       e.back_own = std::min(cap, largest_x0(rows.all(), std::min(own, cap)));
       e.back_before = std::min(cap, largest_x0(rows.all(), std::min(before, cap)));
     }

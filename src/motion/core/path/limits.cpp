@@ -85,11 +85,18 @@ double straight_acc(const Piece& piece, const AxisLimits& limits) noexcept {
 
 void rows_of(const Piece& piece, double s0, double s1, const AxisLimits& limits,
              Rows& out) noexcept {
-  const Slopes s = slopes_of(piece, s0, s1);
-  const Vec e0 = piece.second(s0), e1 = piece.second(s1);
   const bool arc = piece.shape == Piece::Shape::arc;
+  const auto [f0, e0] = piece.bend(s0);
+  const auto [f1, e1] = piece.bend(s1);
+  Slopes s{f0, {}, f1};
   Vec em;
-  if (arc) em = piece.second((s0 + s1) / 2) * 2.0 - (e0 + e1) * 0.5;
+  if (arc) {
+    const Piece::Bend middle = piece.bend((s0 + s1) / 2);
+    s.p1 = middle.first * 2.0 - (f0 + f1) * 0.5;
+    em = middle.second * 2.0 - (e0 + e1) * 0.5;
+  } else {
+    s.p1 = piece.first((s0 + s1) / 2) * 2.0 - (f0 + f1) * 0.5;
+  }
   out.count = 0;
   const double half = 1.0 / (2.0 * (s1 - s0));
   for (std::size_t i = 0; i < kAxes; ++i) {

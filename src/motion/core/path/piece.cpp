@@ -3,13 +3,34 @@
 namespace kerf::motion::path {
 namespace {
 
-/// Values of one circle at an angle: the unit vectors along and across the radius, times what `fill` asks.
-Vec turned(const Piece& p, double along, double across, double cos, double sin) noexcept {
-  Vec out;
-  for (std::size_t i = 0; i < kAxes; ++i)
-    out[i] = along * (p.c[i] * cos + p.d[i] * sin) + across * (p.d[i] * cos - p.c[i] * sin);
-  return out;
-}
+/// Values of one circle at an angle: the unit vectors along and across the radius, times what is asked.
+struct Circle {
+  Circle(const Piece& piece, double angle) noexcept
+      : p(piece), phi(angle), cos(std::cos(angle)), sin(std::sin(angle)) {}
+  [[nodiscard]] Vec turned(double along, double across) const noexcept {
+    Vec out;
+    for (std::size_t i = 0; i < kAxes; ++i)
+      out[i] = along * (p.c[i] * cos + p.d[i] * sin) + across * (p.d[i] * cos - p.c[i] * sin);
+    return out;
+  }
+  [[nodiscard]] Vec point() const noexcept {
+    Vec q = turned(p.radius + p.growth * phi, 0);
+    q += p.a;
+    q.add(phi, p.b);
+    return q;
+  }
+  [[nodiscard]] Vec first() const noexcept {
+    Vec q = turned(p.growth, p.radius + p.growth * phi);
+    q += p.b;
+    return q *= p.rate;
+  }
+  [[nodiscard]] Vec second() const noexcept {
+    return turned(-(p.radius + p.growth * phi), 2 * p.growth) * (p.rate * p.rate);
+  }
+
+  const Piece& p;
+  double phi, cos, sin;
+};
 
 }  // namespace
 
@@ -22,11 +43,7 @@ Vec Piece::point(double s) const noexcept {
       q[i] = a[i] + s * (b[i] + s * (c[i] * 0.5 + s * d[i] * (1.0 / 6.0)));
     return q;
   }
-  const double phi = phi0 + rate * s;
-  Vec q = turned(*this, radius + growth * phi, 0, std::cos(phi), std::sin(phi));
-  q += a;
-  q.add(phi, b);
-  return q;
+  return Circle(*this, phi0 + rate * s).point();
 }
 
 Vec Piece::first(double s) const noexcept {
@@ -35,10 +52,7 @@ Vec Piece::first(double s) const noexcept {
     for (std::size_t i = 0; i < kAxes; ++i) q[i] = b[i] + s * (c[i] + s * d[i] * 0.5);
     return q;
   }
-  const double phi = phi0 + rate * s;
-  Vec q = turned(*this, growth, radius + growth * phi, std::cos(phi), std::sin(phi));
-  q += b;
-  return q *= rate;
+  return Circle(*this, phi0 + rate * s).first();
 }
 
 Vec Piece::second(double s) const noexcept {
@@ -47,16 +61,25 @@ Vec Piece::second(double s) const noexcept {
     q.add(s, d);
     return q;
   }
-  const double phi = phi0 + rate * s;
-  return turned(*this, -(radius + growth * phi), 2 * growth, std::cos(phi), std::sin(phi)) *
-         (rate * rate);
+  return Circle(*this, phi0 + rate * s).second();
 }
 
 Vec Piece::third(double s) const noexcept {
   if (shape == Shape::cubic) return d;
   const double phi = phi0 + rate * s;
-  return turned(*this, -3 * growth, -(radius + growth * phi), std::cos(phi), std::sin(phi)) *
-         (rate * rate * rate);
+  return Circle(*this, phi).turned(-3 * growth, -(radius + growth * phi)) * (rate * rate * rate);
+}
+
+Piece::Place Piece::place(double s) const noexcept {
+  if (shape == Shape::cubic) return {point(s), first(s)};
+  const Circle circle(*this, phi0 + rate * s);
+  return {circle.point(), circle.first()};
+}
+
+Piece::Bend Piece::bend(double s) const noexcept {
+  if (shape == Shape::cubic) return {first(s), second(s)};
+  const Circle circle(*this, phi0 + rate * s);
+  return {circle.first(), circle.second()};
 }
 
 Piece straight_piece(const Vec& from, const Vec& direction, double length,

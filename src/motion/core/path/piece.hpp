@@ -42,6 +42,15 @@ struct Piece {
   [[nodiscard]] Vec first(double s) const noexcept;
   [[nodiscard]] Vec second(double s) const noexcept;
   [[nodiscard]] Vec third(double s) const noexcept;
+  /// Two of them at once, bit for bit the same: on arcs the angle is turned only once.
+  struct Place {
+    Vec point, first;
+  };
+  [[nodiscard]] Place place(double s) const noexcept;
+  struct Bend {
+    Vec first, second;
+  };
+  [[nodiscard]] Bend bend(double s) const noexcept;
 };
 
 [[nodiscard]] Piece straight_piece(const Vec& from, const Vec& direction, double length,
