@@ -147,6 +147,15 @@ TEST(TimeLaws, AreFoundThroughFeedsAndOutputs) {
     EXPECT_EQ(c.rests_failed, 0U);
     EXPECT_EQ(c.children_failed, 0U);
   }
+  // A tiny move at the end of a program.
+  bench::ProgramWriter writer("waves", 0.02, 60, false);
+  for (int i = 1; i <= 60; ++i) writer.line({.x = i * 0.35, .y = std::sin(i * 0.6)});
+  writer.line({.x = 60 * 0.35 + 1e-5, .y = std::sin(36.0) + 1e-5});
+  const bench::Program program = writer.done();
+  Drive drive(program, true);
+  drive.finish();
+  drive.expect_limits();
+  EXPECT_EQ(drive.rig.planner.law_counts().children_failed, 0U);
   path::AxisLimits limits;
   double shortest = 1;
   for (std::uint64_t seed = 1; seed <= 8; ++seed)

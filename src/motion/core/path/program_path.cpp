@@ -13,6 +13,8 @@ constexpr double kTangent = 1e-9;
 /// With jerk limits curvature has to go on too (1/mm).
 constexpr double kSameBend = 1e-9;
 constexpr std::size_t kBlendPieces = 4;
+/// A move as short as this at the end of what is driven without a stop is driven by itself: no law is found over a blend within it (sigma).
+constexpr double kTinyEnd = 2e-3;
 /// Corners whose blends take less than this part of both lines are looked at alone.
 constexpr double kAloneInLine = 4;
 
@@ -107,11 +109,23 @@ ProgramPath::Joint ProgramPath::joint_between(const Move& a, const Move& b) cons
   return tangent ? Joint::pass : Joint::blend;
 }
 
+/// Whether the path stands between move i and the next one; `first` is the last one before which it does.
+bool ProgramPath::stands_behind(const Move* moves, std::size_t first, std::size_t i,
+                                std::size_t count) const noexcept {
+  const Joint joint = joint_between(moves[i], moves[i + 1]);
+  if (joint == Joint::stop || joint == Joint::pass || !settings_.limits.jerks)
+    return joint == Joint::stop;
+  const auto tiny = [&](std::size_t k) { return moves[k].piece.length < kTinyEnd; };
+  if (tiny(i) && i == first) return true;
+  return tiny(i + 1) &&
+         (i + 2 == count || joint_between(moves[i + 1], moves[i + 2]) == Joint::stop);
+}
+
 void ProgramPath::make(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept {
   std::size_t first = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const bool last = i + 1 == count;
-    if (!last && joint_between(moves[i], moves[i + 1]) != Joint::stop) continue;
+    if (!last && !stands_behind(moves, first, i, count)) continue;
     make_run(moves + first, i + 1 - first, out);
     if (!last || moves[i].stop_at_end) out.back().stop_at_end = true;
     first = i + 1;

@@ -45,6 +45,8 @@ class ProgramPath {
   enum class Joint { stop, pass, chain, blend };
   [[nodiscard]] Joint joint_between(const Move& a, const Move& b) const noexcept;
   [[nodiscard]] bool sharp(const Move& a, const Move& b) const noexcept;
+  [[nodiscard]] bool stands_behind(const Move* moves, std::size_t first, std::size_t i,
+                                   std::size_t count) const noexcept;
   void make_run(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept;
 
   PathSettings settings_;
