@@ -52,13 +52,13 @@ class PidChannel : public hal::Channel {
     double error = target - feedback;
     if (indexed) error = command - feedback;
     error_ = error;
+    error = limited(error, maxerror_);
     if (error > deadband_)
       error -= deadband_;
     else if (error < -deadband_)
       error += deadband_;
     else
       error = 0.0;
-    error = limited(error, maxerror_);
     if (!enable) error_i_ = 0.0;
     if (enable && !tune_mode_) {
       // An integral that is held while the output is at its limit does not wind up.
@@ -80,13 +80,16 @@ class PidChannel : public hal::Channel {
     command_before_ = command;
     double output = 0.0;
     limit_state_ = 0;
-    if (!enable) {
+    // Off, or back to control: a tuning is called off.
+    if (tune_state_ != Tuning::idle && !(enable && tune_mode_)) {
       tune_state_ = Tuning::idle;
+      tune_start_ = false;
+    }
+    if (!enable) {
       tune_start_ = tune_start_ && tune_mode_;
     } else if (tune_mode_) {
       output = tune(error_.last(), dt);
     } else {
-      tune_state_ = Tuning::idle;
       output = bias_ + error * pgain_ + error_i_ * igain_ + error_d_ * dgain_ + command * ff0_ +
                command_d_ * ff1_ + command_dd_ * ff2_ + command_ddd_ * ff3_;
       const double most = maxoutput_;
@@ -176,40 +179,49 @@ class PidChannel : public hal::Channel {
   static bool linked(hal::In<double>& pin, const void* own) noexcept {
     return &pin.place().slot() != own;
   }
-  enum class Tuning : std::uint8_t { idle, up, down };
+  enum class Tuning : std::uint8_t { idle, begins, up, down };
   static double limited(double value, double most) noexcept {
     return most != 0.0 ? rtapi::limited(value, -std::fabs(most), std::fabs(most)) : value;
   }
   /// The relay: full effort towards the command, until enough half cycles are seen.
   double tune(double error, double dt) noexcept {
     if (tune_state_ == Tuning::idle) {
-      if (!tune_start_) return bias_;
-      tune_state_ = error > 0.0 ? Tuning::up : Tuning::down;
-      half_cycles_ = 0;
-      cycle_s_ = amplitude_sum_ = peak_ = 0.0;
+      if (tune_start_) tune_state_ = Tuning::begins;
+      return tuned_output_;
     }
     if (!tune_start_) {  // called off
       tune_state_ = Tuning::idle;
-      return bias_;
+      return 0.0;
+    }
+    if (tune_state_ == Tuning::begins) {
+      tune_state_ = Tuning::up;
+      half_cycles_ = 0;
+      cycle_s_ = amplitude_sum_ = peak_ = 0.0;
+      relay_begins_ = true;
+      return tuned_output_;
     }
     const double effort = std::fabs(tune_effort_.get());
     peak_ = std::max(peak_, std::fabs(error));
-    if (half_cycles_ > kUncounted) cycle_s_ += dt;
-    if ((tune_state_ == Tuning::up && error < 0.0) ||
-        (tune_state_ == Tuning::down && error > 0.0)) {
+    const bool crossed =
+        (tune_state_ == Tuning::up && error < 0.0) || (tune_state_ == Tuning::down && error > 0.0);
+    // The first way is up, wherever the error is.
+    if (crossed && !relay_begins_) {
       tune_state_ = tune_state_ == Tuning::up ? Tuning::down : Tuning::up;
-      if (half_cycles_ > kUncounted) amplitude_sum_ += peak_;
+      amplitude_sum_ += peak_;
       peak_ = 0.0;
       ++half_cycles_;
-      if (half_cycles_ > kUncounted + std::max<std::uint32_t>(tune_cycles_, 2)) {
+      if (half_cycles_ >= std::max<std::uint32_t>(tune_cycles_, 1)) {
         finish(effort);
-        return bias_;
+        tuned_output_ = bias_;
+        return tuned_output_;
       }
     }
+    relay_begins_ = false;
+    cycle_s_ += dt;
     return bias_ + (tune_state_ == Tuning::up ? effort : -effort);
   }
   void finish(double effort) noexcept {
-    const auto halves = static_cast<double>(half_cycles_ - kUncounted);
+    const auto halves = static_cast<double>(half_cycles_);
     const double amplitude = amplitude_sum_ / halves, cycle_s = 2.0 * cycle_s_ / halves;
     tune_state_ = Tuning::idle;
     tune_start_ = false;
@@ -229,14 +241,15 @@ class PidChannel : public hal::Channel {
       ff1_.set(1.0);
     }
   }
-  /// Half cycles until the limit cycle has its size.
-  static constexpr std::uint32_t kUncounted = 2;
   const void* own_command_deriv_{nullptr};
   const void* own_feedback_deriv_{nullptr};
   double error_i_{0.0}, error_d_{0.0}, feedback_d_{0.0}, command_before_{0.0},
       feedback_before_{0.0};
   double command_d_{0.0}, command_d_before_{0.0}, command_dd_{0.0}, command_ddd_{0.0};
   double cycle_s_{0.0}, amplitude_sum_{0.0}, peak_{0.0};
+  /// Between the tunings: nothing at first, then what keeps the plant where it was tuned.
+  double tuned_output_{0.0};
+  bool relay_begins_{false};
   std::uint32_t half_cycles_{0};
   int limit_state_{0};
   Tuning tune_state_{Tuning::idle};
