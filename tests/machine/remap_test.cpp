@@ -114,5 +114,45 @@ TEST_F(PythonRemap, MovesReadsAndChangesToolsOnTheMachine) {
       << m_->errors();
 }
 
+TEST_F(PythonRemap, AnAbortAtAnyMomentOfAChangeLeavesNothingOfIt) {
+  const std::string program = m_->write_program(
+      "#<_changes>=0\nT1 M6\nS600 M3\nT2 M6\nM62 P1\nM400 P2\nG0 X20\nM64 P2\nM2\n");
+  int cases = 0;
+  bool ended = false;
+  // No branches: Python has a thread of its own, which a fork leaves behind.
+  for (int n = 0; !ended && !HasFailure(); n += 37, ++cases) {
+    const std::string where = "cycle " + std::to_string(n) + ": ";
+    ASSERT_TRUE(m_->mdi("#<_changes>=0 M65 P1")) << m_->errors();
+    ASSERT_TRUE(m_->mdi("M65 P2")) << m_->errors();
+    ASSERT_TRUE(m_->mdi("G53 G0 X0 Y0")) << m_->errors();
+    const auto run = m_->start_program(program);
+    for (int i = 0; i < n; ++i) m_->cycle();
+    ended = task::is_terminal(m_->outcome(run).state);
+    EXPECT_EQ(m_->abort().state, task::CommandState::done) << where;
+    const auto at = m_->motion();
+    m_->run_for(0.5);
+    const auto later = m_->motion();
+    for (std::size_t j = 0; j < 3; ++j)
+      EXPECT_EQ(later.joint[j].pos_cmd, at.joint[j].pos_cmd) << where << "it moves on";
+    EXPECT_EQ(later.digital_out, at.digital_out) << where;
+    EXPECT_FALSE(later.spindle[0].on) << where;
+    EXPECT_TRUE(m_->task().idle) << where;
+    EXPECT_EQ(m_->task().call_level, 0) << where;
+    EXPECT_TRUE(m_->mdi(m_->line_to_shown_place())) << where << m_->errors();
+    for (std::size_t j = 0; j < 3; ++j)
+      EXPECT_NEAR(m_->joint(j), at.joint[j].pos_cmd, 1e-9) << where;
+    // Another tool than the one that may have been on its way, by MDI; then the whole program, from its top.
+    EXPECT_TRUE(m_->mdi("T1 M6")) << where << m_->errors();
+    EXPECT_EQ(m_->task().tool_in_spindle, 1) << where;
+    EXPECT_NEAR(m_->joint(0), 7, 1e-6) << where << "the body of the remapped M6 has run";
+    EXPECT_EQ(m_->run_program(program).state, task::CommandState::done) << where << m_->errors();
+    EXPECT_EQ(m_->task().tool_in_spindle, 2) << where;
+    EXPECT_NEAR(m_->joint(0), 20, 1e-6) << where;
+  }
+  EXPECT_TRUE(ended || HasFailure());
+  EXPECT_GT(cases, 10);
+  std::printf("[ figures ] abort in a remapped tool change: %d moments\n", cases);
+}
+
 }  // namespace
 }  // namespace kerf::harness
