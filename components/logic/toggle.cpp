@@ -26,7 +26,7 @@ class Toggle final : public hal::Component<Toggle> {
   void update(const hal::Period&) noexcept {
     if (debounce_ < 1 || debounce_ > kMostCalls) debounce_ = kUsualCalls;
     if (in_ == pressed_) {
-      calls_ = 0;
+      if (calls_ > 0) --calls_;
       return;
     }
     if (++calls_ < debounce_) return;
