@@ -98,10 +98,7 @@ bool TimeLaw::create(Memory& memory, std::size_t intervals) noexcept {
          way_.create(memory, intervals + 1) && stop_.create(memory, intervals);
 }
 
-void TimeLaw::begin(const AxisLimits& limits) noexcept {
-  rows_.begin(limits);
-  next_guess_ = 0;
-}
+void TimeLaw::begin(const AxisLimits& limits) noexcept { rows_.begin(limits); }
 
 bool TimeLaw::add(std::uint64_t number, const Piece& piece, double from, double to, double span_end,
                   double cap, double wish, int fineness) noexcept {
@@ -112,14 +109,12 @@ bool TimeLaw::add(std::uint64_t number, const Piece& piece, double from, double 
   s.span_end = span_end;
   s.cap = cap;
   s.wish = wish;
-  s.guess = next_guess_;
   s.number = number;
   s.fineness = fineness;
-  next_guess_ = 0;
   return !(to > from) || rows_.add(s);
 }
 
-void TimeLaw::guess_nodes(const Start& start, bool with_given, bool patient) noexcept {
+void TimeLaw::guess_nodes(const Start& start, bool patient) noexcept {
   const std::size_t n = rows_.size();
   const bool rests = start.x <= 0;
   x_.assign(n + 1, 0);
@@ -131,12 +126,10 @@ void TimeLaw::guess_nodes(const Start& start, bool with_given, bool patient) noe
   for (std::size_t i = 1; i < n; ++i) {
     x_[i] = std::min(
         {even(i - 1), even(i), i > 1 ? even(i - 2) : kNoLimit, i + 1 < n ? even(i + 1) : kNoLimit});
-    if (with_given && rows_[i].guess > 0) x_[i] = 0.99 * rows_[i].guess;
   }
   // x grows like it does from a stop, by a power 4/3 of the way, and by 2 A D at most.
   double acc = 0, jerk = 0;
   const auto grow = [&](std::size_t from, std::size_t to, std::size_t way_of) {
-    if (with_given && rows_[to].guess > 0) return;
     rows_.straightest(way_of, acc, jerk);
     const double d = rows_[way_of].length, j = kGuessJerk * std::min(jerk, 1e12);
     const double s = std::sqrt(2 * x_[from] * std::sqrt(x_[from]) / (9 * j)) + d;
@@ -147,7 +140,7 @@ void TimeLaw::guess_nodes(const Start& start, bool with_given, bool patient) noe
   if (rests)
     for (std::size_t i = 1; i < n; ++i) grow(i - 1, i, i - 1);
   for (int k = 0; k < kRoundings; ++k) round_off();
-  if (!rests && !with_given) track(start);
+  if (!rests) track(start);
 }
 
 void TimeLaw::round_off() noexcept {
@@ -228,19 +221,15 @@ bool TimeLaw::is_last_stop(const Start& start) const noexcept {
 
 TimeLaw::Result TimeLaw::attempt(const Start& start) noexcept {
   const bool rests = start.x <= 0;
-  bool given = false, waits = false;
   double lowest = kNoLimit;
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    given = given || rows_[i].guess > 0;
-    lowest = std::min(lowest, rows_[i].wish);
-  }
+  for (std::size_t i = 0; i < rows_.size(); ++i) lowest = std::min(lowest, rows_[i].wish);
   // Far above a wish: first something that keeps the limits, then braking.
-  waits = lowest < kFarBelow * start.x;
+  const bool waits = lowest < kFarBelow * start.x;
   LawNewton::Aim aim;
   for (int round = 0; round < rounds_; ++round) {
     const bool patient = waits == (round % 2 == 0);
     newton_.begin(rows_, start.x, start.u, patient);
-    guess_nodes(start, given && round < 2, patient);
+    guess_nodes(start, patient);
     for (std::size_t i = 1; i < rows_.size(); ++i) newton_.guess(i, x_[i]);
     // A state on the edge of what is possible, and the certificate allows for it.
     if (!rests && round > 0) aim.acc = kEdgeAcc, aim.jerk = kEdgeJerk;

@@ -61,8 +61,6 @@ class TimeLaw {
                          double span_end, double cap, double wish, int fineness) noexcept;
   /// Roughly, before solve().
   [[nodiscard]] std::size_t intervals() const noexcept { return rows_.expected(); }
-  /// Guess of x at the start of the next interval to be added (from an older law), taken instead of the solver's own first guess.
-  void guess(double x) noexcept { next_guess_ = x; }
 
   /// From `start` at the first node to rest at the end of the last interval.
   [[nodiscard]] Result solve(const Start& start) noexcept;
@@ -85,7 +83,7 @@ class TimeLaw {
  private:
   [[nodiscard]] bool is_last_stop(const Start& start) const noexcept;
   [[nodiscard]] Result attempt(const Start& start) noexcept;
-  void guess_nodes(const Start& start, bool with_given, bool patient) noexcept;
+  void guess_nodes(const Start& start, bool patient) noexcept;
   void round_off() noexcept;
   void track(const Start& start) noexcept;
   [[nodiscard]] double stop_way(const Start& start) const noexcept;
@@ -99,7 +97,7 @@ class TimeLaw {
   LawStop stop_;
   Buffer<LawStep> law_, kept_;
   Buffer<double> x_, sums_, way_;
-  double next_guess_{0}, seconds_{0};
+  double seconds_{0};
   int iterations_{0};
   std::uint64_t work_{0};
   int round_{0};  ///< the attempt that succeeded

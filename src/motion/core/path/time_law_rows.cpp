@@ -123,10 +123,6 @@ void LawRows::push(std::size_t k, double from, double to) noexcept {
   in.wish = s.wish < s.cap ? s.wish : kNoLimit;
   in.from = from;
   in.stretch = k;
-  if (from == s.from)
-    in.guess = s.guess;
-  else if (s.guess > 0 && k + 1 < stretches_.size() && stretches_[k + 1].guess > 0 && is_even(s))
-    in.guess = s.guess + (stretches_[k + 1].guess - s.guess) * (from - s.from) / (s.to - s.from);
   room_ = intervals_.push_back(in) && room_;
 }
 

@@ -23,7 +23,6 @@ struct LawStretch {
   Piece piece;
   double from{0}, to{0}, end{0}, span_end{0};  ///< to: in a shortened window, else end
   double cap{0}, wish{0};
-  double guess{0};  ///< of x at `from`; 0: none
   std::uint64_t number{0};
   int fineness{1};
   double widest{0},
@@ -34,8 +33,7 @@ struct LawStretch {
 struct LawInterval {
   double length{0};
   double cap{0}, wish{0};
-  double guess{0};  ///< of x at its start
-  double from{0};   ///< on its piece
+  double from{0};  ///< on its piece
   std::size_t stretch{0};
   std::size_t row{0};     ///< its first row; accelerations first, then jerks by coefficient
   std::int32_t accs{0};   ///< by axis; the last one of each that of its end
