@@ -144,8 +144,8 @@ TEST(TimeLaws, AreFoundThroughFeedsAndOutputs) {
     drive.finish();
     drive.expect_limits();
     const LawMaker::Counts& c = drive.rig.planner.law_counts();
-    EXPECT_EQ(c.rests_failed, 0U);
-    EXPECT_EQ(c.children_failed, 0U);
+    EXPECT_EQ(c.rests.failed, 0U);
+    EXPECT_EQ(c.children.failed, 0U);
   }
   // A tiny move at the end of a program.
   bench::ProgramWriter writer("waves", 0.02, 60, false);
@@ -155,7 +155,7 @@ TEST(TimeLaws, AreFoundThroughFeedsAndOutputs) {
   Drive drive(program, true);
   drive.finish();
   drive.expect_limits();
-  EXPECT_EQ(drive.rig.planner.law_counts().children_failed, 0U);
+  EXPECT_EQ(drive.rig.planner.law_counts().children.failed, 0U);
   path::AxisLimits limits;
   double shortest = 1;
   for (std::uint64_t seed = 1; seed <= 8; ++seed)
