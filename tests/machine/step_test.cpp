@@ -121,26 +121,79 @@ TEST(Step, AfterAPauseItGoesOnBlockByBlockAndNoneIsLost) {
   }
 }
 
-/// Lines that G64 Q had joined before the pause are one step, to the end of the last of them, and none is left out or driven twice.
-TEST(Step, LinesThatWereJoinedBeforeThePauseAreOneStep) {
+/// Steps through the lines X1, X2 ... of a program that is paused at X10, each once and to its own end.
+void steps_through_lines(const std::string& words, int lines, double length) {
   auto m = machine();
-  std::string text = "G21 G90 G64 P0.5 Q0.1 F1200\n";
-  for (int x = 1; x <= 60; ++x) text.append("G1 X").append(std::to_string(x)).append("\n");
+  std::string text = "G21 G90 " + words + "\n";
+  char line[40];
+  for (int n = 1; n <= lines; ++n) {
+    std::snprintf(line, sizeof line, "G1 X%.3f\n", n * length);
+    text += line;
+  }
   const auto run = m->start_program(m->write_program(text + "M2\n"));
   ASSERT_TRUE(m->run_until([&] { return m->joint(0) > 10; }, 30));
   ASSERT_TRUE(m->does({"pause"}) && m->run_until([&] { return m->motion().held; }, 5));
-  double last = m->joint(0);
-  while (!task::is_terminal(m->outcome(run).state)) {
+  m->run_for(0.05);  // task shows it some cycles later
+  // The block in execution is the first.
+  int next = m->task().current_line - 1;
+  EXPECT_NEAR(m->joint(0), (next - 0.5) * length, length / 2 + 1e-9);
+  for (; next <= lines; ++next) {
     ASSERT_TRUE(m->does({"step"})) << m->errors();
-    m->run_for(0.05);
+    m->run_for(0.02);
     ASSERT_TRUE(m->run_until(
         [&] { return stands_stepped(*m) || task::is_terminal(m->outcome(run).state); }, 30));
-    EXPECT_NEAR(m->joint(0), std::round(m->joint(0)), 1e-6) << "at the end of a block";
-    EXPECT_GE(m->joint(0), last);
-    last = m->joint(0);
+    ASSERT_EQ(m->task().current_line, next + 1);
+    ASSERT_NEAR(m->joint(0), next * length, 1e-7) << "line " << next + 1;
+    EXPECT_EQ(m->motion().distance_to_go, 0) << "line " << next + 1;
   }
+  ASSERT_TRUE(m->does({"step"})) << m->errors();
+  EXPECT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }, 10));
   EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
-  EXPECT_NEAR(m->joint(0), 60, 1e-9);
+  EXPECT_EQ(m->motion().faults, 0U) << m->errors();
+}
+
+/// Of lines that G64 Q had joined before the pause each is a step all the same.
+TEST(Step, LinesThatWereJoinedBeforeThePauseAreAStepEach) {
+  steps_through_lines("G64 P0.5 Q0.1 F1200", 60, 1);
+}
+
+TEST(Step, LinesOfADenseStreamAreAStepEach) {
+  steps_through_lines("G64 P0.05 Q0 F3000", 200, 0.1);
+  steps_through_lines("G64 P0.05 F3000", 200, 0.1);
+}
+
+/// The lines of one thread are one step, whether the operator steps from the start or pauses before it.
+TEST(Step, AThreadOfSeveralBlocksIsOneStep) {
+  MachineOptions lathe;
+  lathe.ini = std::string(KERF_SOURCE_DIR) + "/configs/sim/lathe/lathe.ini";
+  auto m = Machine::start(lathe);
+  ASSERT_TRUE(m->ready() && m->power_on_and_home()) << m->errors();
+  ASSERT_TRUE(m->mdi("G21 G90 G18 G0 X20 Z5")) << m->errors();
+  const auto path = m->write_program(
+      "G64 P0.1 F1200\n"        // 1
+      "M3 S600\n"               // 2
+      "G1 X21\n"                // 3
+      "G33 Z-10 K1\n"           // 4
+      "G33 Z-14 X22 K1\n"       // 5
+      "(in the same groove)\n"  // 6
+      "G33 Z-20 X22 K1\n"       // 7
+      "G1 X25\n"                // 8
+      "M5\n"                    // 9
+      "M2\n");
+  ASSERT_TRUE(m->does({"open", path})) << m->errors();
+  struct Place {
+    int line;
+    double x, z;
+  };
+  for (const Place& place :
+       {Place{1, 20, 5}, {2, 20, 5}, {3, 21, 5}, {7, 22, -20}, {8, 25, -20}, {9, 25, -20}}) {
+    ASSERT_TRUE(m->does({"step"})) << m->errors();
+    ASSERT_TRUE(m->run_until([&] { return stands_stepped(*m); }, 60)) << "line " << place.line;
+    EXPECT_EQ(m->task().current_line, place.line);
+    EXPECT_NEAR(m->motion().pos_cmd.x, place.x, 1e-6) << "line " << place.line;
+    EXPECT_NEAR(m->motion().pos_cmd.z, place.z, 1e-6) << "line " << place.line;
+  }
+  EXPECT_EQ(m->motion().faults, 0U) << m->errors();
 }
 
 /// Steps and resumes in turn end where a full run ends, with each output once.

@@ -330,6 +330,16 @@ struct PathItem {
 static_assert(sizeof(PathItem) <= 512, "bounded items (ring size)");
 static_assert(std::is_trivially_copyable_v<PathItem>);
 
+/// Whether a thread (SyncMove after SyncMove) is over when this comes.
+[[nodiscard]] inline bool ends_thread(const PathItems::Variant& body) noexcept {
+  if (const auto* change = std::get_if<OutputChange>(&body)) return !change->synchronised;
+  if (const auto* spindle = std::get_if<SpindleChange>(&body))
+    return spindle->action != SpindleChange::Action::set_speed;
+  return std::holds_alternative<LinearMove>(body) || std::holds_alternative<ArcMove>(body) ||
+         std::holds_alternative<CubicMove>(body) || std::holds_alternative<Dwell>(body) ||
+         std::holds_alternative<ProbeMove>(body) || std::holds_alternative<TapMove>(body);
+}
+
 /// Visitor helper: one lambda an alternative, no catch-all; a new item type does not compile until it is handled.
 template <class... F>
 struct Overloaded : F... {

@@ -72,24 +72,26 @@ class Wanted {
 /// the end of the group number `groups` or where the path stands. Ends when f gives false.
 template <class F>
 void for_each_bound(const PlanSlots& slots, std::uint64_t n, double left, int groups,
-                    const FeedScale* scale, double horizon, F&& f) noexcept {
+                    const FeedScale* scale, bool stops_where_wanted, double horizon,
+                    F&& f) noexcept {
   const Wanted wants(scale);
   int group = 1;
   double low_cap = path::kNoLimit, low_wanted = path::kNoLimit;  // of x
   for (std::uint64_t k = n; k < n + kLook; ++k) {
     const std::size_t at = k % kSpans;
-    const double hard = slots.hard[at].observe();
-    if (hard <= 0) {
+    const double hard = slots.hard[at].observe(), soft = slots.soft[at].get();
+    if (hard <= 0 || (stops_where_wanted && soft <= 0)) {
       (void)f(RampBound{left, 0, true}, 0.0);
       return;
     }
-    if (scale != nullptr && slots.soft[at].get() <= 0) {
+    if (scale != nullptr && soft <= 0) {
       // To stand here is wanted, not needed.
       if (!f(RampBound{left, 0, true}, std::sqrt(hard))) return;
     }
     const Slot& next = slot_of(slots, k + 1);
     if (!same_group(slot_of(slots, k), next) && ++group > groups) {
-      (void)f(RampBound{left, std::sqrt(hard), true}, std::sqrt(hard));
+      const double level = std::sqrt(stops_where_wanted ? std::min(hard, soft) : hard);
+      (void)f(RampBound{left, level, true}, level);
       return;
     }
     const double cap = next.cap.get();
@@ -110,12 +112,15 @@ void for_each_bound(const PlanSlots& slots, std::uint64_t n, double left, int gr
 /// The least limits of the first `groups` groups. False: there are fewer. `first_end`: way to the end of the first one whose acceleration
 /// limit is below `acc`.
 bool least_limits(const PlanSlots& slots, std::uint64_t n, double left, int groups, double acc,
-                  double horizon, RampLimits& out, double& first_end) noexcept {
+                  bool stops_where_wanted, double horizon, RampLimits& out,
+                  double& first_end) noexcept {
   out = limits_of(slot_of(slots, n));
   first_end = path::kNoLimit;
   int group = 1;
   for (std::uint64_t k = n; k < n + kLook && group < groups; ++k) {
-    if (slots.hard[k % kSpans].observe() <= 0 || left > horizon) return false;
+    const bool stands = slots.hard[k % kSpans].observe() <= 0 ||
+                        (stops_where_wanted && slots.soft[k % kSpans].get() <= 0);
+    if (stands || left > horizon) return false;
     const Slot& next = slot_of(slots, k + 1);
     if (!same_group(slot_of(slots, k), next)) {
       ++group;
@@ -130,10 +135,10 @@ bool least_limits(const PlanSlots& slots, std::uint64_t n, double left, int grou
 }
 
 Course course_for(const PlanSlots& slots, std::uint64_t n, double left, RampState state, double cap,
-                  const FeedScale& scale, double dt, int groups,
-                  const RampLimits& limits) noexcept {
+                  const FeedScale& scale, double dt, int groups, const RampLimits& limits,
+                  bool stops_where_wanted) noexcept {
   CourseFinder finder(state, cap, dt, limits);
-  for_each_bound(slots, n, left, groups, &scale, finder.horizon(),
+  for_each_bound(slots, n, left, groups, &scale, stops_where_wanted, finder.horizon(),
                  [&](const RampBound& bound, double hard) { return finder.add(bound, hard); });
   return finder.course();
 }
@@ -206,9 +211,10 @@ bool CourseFinder::add(const RampBound& bound, double hard) noexcept {
 }
 
 Course course_ahead(const PlanSlots& slots, std::uint64_t number, double left, RampState state,
-                    double cap, const FeedScale& scale, double dt) noexcept {
+                    double cap, const FeedScale& scale, double dt,
+                    bool stops_where_wanted) noexcept {
   const RampLimits own = limits_of(slot_of(slots, number));
-  Course best = course_for(slots, number, left, state, cap, scale, dt, 1, own);
+  Course best = course_for(slots, number, left, state, cap, scale, dt, 1, own, stops_where_wanted);
   const double fastest = std::max(cap, speed_when_released(state, own.jerk));
   // The first way as long as it gives all that is wanted.
   if (best.feasible && best.target >= cap && cap >= state.speed) return best;
@@ -219,7 +225,8 @@ Course course_ahead(const PlanSlots& slots, std::uint64_t number, double left, R
     RampLimits limits;
     double first_end = 0;
     const double horizon = ramp_distance(state, fastest, own) + 4 * longest_brake(fastest, own);
-    if (!least_limits(slots, number, left, groups, std::abs(state.acc), horizon, limits, first_end))
+    if (!least_limits(slots, number, left, groups, std::abs(state.acc), stops_where_wanted, horizon,
+                      limits, first_end))
       break;
     if (first_end < path::kNoLimit) {
       // An acceleration that the next group does not bear has to be gone before it begins.
@@ -228,7 +235,8 @@ Course course_ahead(const PlanSlots& slots, std::uint64_t number, double left, R
           t * (state.speed + t * (0.5 * state.acc - std::copysign(limits.jerk, state.acc) * t / 6));
       if (way > first_end - kRounding) continue;
     }
-    const Course other = course_for(slots, number, left, state, cap, scale, dt, groups, limits);
+    const Course other =
+        course_for(slots, number, left, state, cap, scale, dt, groups, limits, stops_where_wanted);
     if (!other.feasible) continue;
     if (!best.feasible ||
         (cap < state.speed ? other.target < best.target : other.target > best.target))
@@ -237,16 +245,17 @@ Course course_ahead(const PlanSlots& slots, std::uint64_t number, double left, R
   return best;
 }
 
-double highest_level_speed(const PlanSlots& slots, std::uint64_t number) noexcept {
+double highest_level_speed(const PlanSlots& slots, std::uint64_t number, bool wanted) noexcept {
   double best = 0;
   const double cap = std::sqrt(slot_of(slots, number).cap.get());
   for (int groups = 1; groups <= kGroups; ++groups) {
     RampLimits limits;
     double first_end = 0;
     const double length = slot_of(slots, number).length.get();
-    if (!least_limits(slots, number, length, groups, 0, path::kNoLimit, limits, first_end)) break;
+    if (!least_limits(slots, number, length, groups, 0, wanted, path::kNoLimit, limits, first_end))
+      break;
     double v = cap;
-    for_each_bound(slots, number, length, groups, nullptr, path::kNoLimit,
+    for_each_bound(slots, number, length, groups, nullptr, wanted, path::kNoLimit,
                    [&](const RampBound& bound, double) {
                      if (bound.left > longest_brake(v, limits)) return false;
                      v = highest_start(v, bound, limits);

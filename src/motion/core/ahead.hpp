@@ -47,11 +47,14 @@ class CourseFinder {
 };
 
 /// What to do at `left` before the end of span `number`, at `state`, at speeds of at most `cap` on this span, for the next `dt` seconds.
+/// `stops_where_wanted`: it has to stand where that is wanted, which is feasible for who came from rest like that.
 [[nodiscard]] Course course_ahead(const PlanSlots& slots, std::uint64_t number, double left,
-                                  RampState state, double cap, const FeedScale& scale,
-                                  double dt) noexcept;
+                                  RampState state, double cap, const FeedScale& scale, double dt,
+                                  bool stops_where_wanted = false) noexcept;
 
-/// The highest speed with acceleration 0 at the start of span `number` from which all behind can be driven to the stop.
-[[nodiscard]] double highest_level_speed(const PlanSlots& slots, std::uint64_t number) noexcept;
+/// The highest speed with acceleration 0 at the start of span `number` from which all behind can be driven to the stop; with `wanted` to where
+/// it is to stand (PlanSlots::soft), if that is nearer.
+[[nodiscard]] double highest_level_speed(const PlanSlots& slots, std::uint64_t number,
+                                         bool wanted = false) noexcept;
 
 }  // namespace kerf::motion

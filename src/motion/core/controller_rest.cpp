@@ -10,9 +10,9 @@ void Executor::save(Rest& r) const noexcept {
   r.scale = scale_, r.back_scale = back_scale_;
   r.pose = pose_, r.tool_offset = tool_offset_, r.probed = probed_;
   r.distance = distance_, r.requested = requested_, r.commanded_feed = commanded_feed_;
-  r.probe_before = probe_before_, r.after_traverse = after_traverse_, r.step_begun = step_begun_;
+  r.probe_before = probe_before_, r.after_traverse = after_traverse_;
   r.probe_tripped = probe_tripped_;
-  r.step_id = step_id_, r.executed_seq = executed_seq_, r.current_seq = current_seq_;
+  r.step = step_, r.executed_seq = executed_seq_, r.current_seq = current_seq_;
   r.place_number = place_number_;
   r.min_epoch = min_epoch_, r.void_epoch = void_epoch_;
   r.current = current_, r.enables = enables_;
@@ -30,9 +30,9 @@ void Executor::restore(const Rest& r) noexcept {
   scale_ = r.scale, back_scale_ = r.back_scale;
   tool_offset_ = r.tool_offset, probed_ = r.probed;
   distance_ = r.distance, requested_ = r.requested, commanded_feed_ = r.commanded_feed;
-  probe_before_ = r.probe_before, after_traverse_ = r.after_traverse, step_begun_ = r.step_begun;
+  probe_before_ = r.probe_before, after_traverse_ = r.after_traverse;
   probe_tripped_ = r.probe_tripped;
-  step_id_ = r.step_id, executed_seq_ = r.executed_seq, current_seq_ = r.current_seq;
+  step_ = r.step, executed_seq_ = r.executed_seq, current_seq_ = r.current_seq;
   place_number_ = r.place_number;
   min_epoch_ = r.min_epoch, void_epoch_ = r.void_epoch;
   current_ = r.current, enables_ = r.enables;

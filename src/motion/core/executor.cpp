@@ -16,6 +16,7 @@ constexpr int kSpansPerCycle = 64;
 constexpr double kNoStretch = 1e-10;
 /// An x below this is a standstill that rounding has missed (1e-7 mm/s).
 constexpr double kNoSpeed = 1e-14;
+constexpr double kRestSpeed = 1e-6;  ///< sigma/s
 constexpr int kStopRounds = 4;
 constexpr double kStopReserve = 1.01;
 /// Share of a cycle for which braking to a stand is decided at once. In a bend that takes all of the acceleration what is braked first counts most.
@@ -136,13 +137,7 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
   if (in.spindle != nullptr) sync_.observe(in.spindle, dt);
   set_scale(in);
   locking_ &= in.unlocked;
-  if (in.stand || !in.single_step) {
-    step_begun_ = false;
-  } else if (started_ && !step_begun_) {
-    // Released in the middle of a block: that is the one.
-    step_begun_ = true;
-    step_id_ = current_.id;
-  }
+  begin_step(in);
   period_ = dt;
   double rest = dt;
   for (int n = 0; n < kSpansPerCycle && rest > 0; ++n) {
@@ -165,6 +160,7 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
         sync_.end();
         break;
       }
+      if (step_brakes_ && at_rest()) break;
       if (!step_allows(*span, in.single_step)) {
         blocked(PathWait::hold);
         break;
@@ -201,18 +197,6 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
       blocked(PathWait::dwell);
   }
   probe_before_ = in.probe;
-}
-
-bool Executor::step_allows(const Span& span, bool single_step) noexcept {
-  if (!single_step || !at_rest()) return true;
-  // A thread is one step.
-  const auto* move = std::get_if<PathSpan>(&span.body);
-  if (move != nullptr && move->sync.per_rev > 0 && !move->sync.first) return true;
-  if (!step_begun_) {
-    step_begun_ = true;
-    step_id_ = span.tag.id;
-  }
-  return span.tag.id == step_id_;
 }
 
 Executor::Outcome Executor::begin(const Span& span, const PathInputs& in,
@@ -360,6 +344,7 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
   if (kind_ == MotionKind::traverse) foresee_thread();
   left_ = move.length;
   half_way_ = 0;
+  begin_blocks(move);
   return Outcome::busy;
 }
 
@@ -406,7 +391,7 @@ double Executor::wanted(const PathSpan& move, const PathInputs& in,
 double Executor::wanted_under_way(const PathSpan& move, const PathInputs& in,
                                   const FeedScale& scale) noexcept {
   double x = wanted(move, in, scale);
-  if (in.stand || ending_ || failing_) x = 0;
+  if (in.stand || step_brakes_ || ending_ || failing_) x = 0;
   if (in.stand) blocked(PathWait::hold);
   // It turned out slower than it should: the path waits for the spindle where that can still be done.
   if (x > 0 && !at_rest() && !move.speed.rapid) {
@@ -477,7 +462,7 @@ double Executor::run_curved(const PathSpan& move, const Ends& ends, double x_wan
                             double dt) noexcept {
   const double hard = ends.hard;
   const double soft = x_wanted > 0 ? std::min(ends.soft, x_wanted) : 0.0;
-  const double end = move.from + move.length;
+  const double end = move.from + move.length - cut_;
   double x = sigma_speed_ * sigma_speed_;
   double stretch = left_ - half_way_;
   path::Rows rows;
@@ -529,7 +514,7 @@ double Executor::run_curved(const PathSpan& move, const Ends& ends, double x_wan
 /// the last one, which the rows of that shorter stretch then confirm.
 double Executor::stop_within(const PathSpan& move, double low, double distance,
                              double dt) noexcept {
-  const double begin = move.from + move.length - left_, x = sigma_speed_ * sigma_speed_;
+  const double begin = move.from + move.length - cut_ - left_, x = sigma_speed_ * sigma_speed_;
   for (int round = 0; round < kStopRounds; ++round) {
     const double next = distance * x / (x - low) * kStopReserve;
     if (!(next < distance)) break;
@@ -563,11 +548,16 @@ double Executor::stop_within(const PathSpan& move, double low, double distance,
 /// One step along the stretch; gives the time used.
 double Executor::drive(const PathSpan& move, const Ends& ends, double x_wanted,
                        double dt) noexcept {
-  const bool by_law = move.by_law && !track_.on && law_drives(move, x_wanted);
+  left_ -= cut_;
+  const bool by_law = move.by_law && !track_.on && cut_ <= 0 && law_drives(move, x_wanted);
   const double used = by_law               ? run_law(move, x_wanted, dt)
                       : move.even_jerk > 0 ? run_ramps(move, x_wanted, dt)
                       : move.even_acc > 0  ? run_even(move, ends, x_wanted, dt)
                                            : run_curved(move, ends, x_wanted, dt);
+  if (cut_ > 0) {
+    left_ = std::max(left_, 0.0) + cut_;
+    if (left_ <= cut_) sigma_speed_ = sigma_acc_ = 0;
+  }
   show_place(move);
   return used;
 }
@@ -587,19 +577,25 @@ double Executor::run_move(const Span& span, const PathSpan& move, const PathInpu
   watch_probe(span, move, in, faults);
   watch_indexer(span, move, in, faults);
   double used = 0;
+  Ends ends;
   if (move.sync.per_rev > 0 && move.even_jerk > 0) {
     used = run_thread(span, move, in, dt, faults);
     show_place(move);
   } else {
-    const double x = move.sync.per_rev > 0 ? wanted_in_thread(span, move, in, faults)
-                                           : wanted_under_way(move, in, scale_);
-    used = drive(move, ends_of(move), x, dt);
+    const double x = move.sync.per_rev > 0
+                         ? wanted_in_thread(span, move, in, faults)
+                         : step_within(move, in, wanted_under_way(move, in, scale_));
+    if (cut_ <= 0) ends = ends_of(move);
+    used = drive(move, ends, x, dt);
   }
-  distance_ = left_ + move.to_move_end;
+  (void)pass_blocks(move, in);
   if (law_lost_) {
     raise(faults, Fault::path_starved_internal, -1, 0, 0, span.tag);
     failing_ = true;
   } else if (left_ <= 0) {
+    // Rounding in the last bit of a stop must not begin the next block.
+    if (in.single_step && !move.speed.sync && ends.soft <= 0 && sigma_speed_ <= kRestSpeed)
+      sigma_speed_ = sigma_acc_ = 0;
     end_span(span, move, faults);
     return used;
   }
@@ -682,7 +678,7 @@ void Executor::fill(MotionStatus& status) const noexcept {
   const PathSpan* m = move();
   status.probing = m != nullptr && m->probe;
   status.requested_vel_mm_s = m != nullptr ? requested_ : 0.0;
-  status.distance_to_go_axes = m != nullptr ? m->end - pose_ : Pose{};
+  status.distance_to_go_axes = m != nullptr ? block_end_ - pose_ : Pose{};
 }
 
 }  // namespace kerf::motion

@@ -13,6 +13,7 @@
 
 #include <cstdint>
 
+#include "motion/api/step.hpp"
 #include "motion/core/ahead.hpp"
 #include "motion/core/io.hpp"
 #include "motion/core/path/history.hpp"
@@ -81,7 +82,9 @@ class Executor {
     return slots_.pending.observe() == 0 && !started_ && spans_.empty();
   }
   /// Single stepping stands at the end of a block until hold is given and released again.
-  [[nodiscard]] bool step_done() const noexcept { return waiting_ == PathWait::hold && !started_; }
+  [[nodiscard]] bool step_done() const noexcept {
+    return waiting_ == PathWait::hold && (!started_ || between_blocks_);
+  }
   /// joint.N.unlock, as far as the path wants it.
   [[nodiscard]] bool unlocks(std::int32_t joint) const noexcept { return indexer_ == joint; }
   [[nodiscard]] bool moving_item() const noexcept { return started_ && kind_ != MotionKind::none; }
@@ -184,6 +187,8 @@ class Executor {
   [[nodiscard]] bool keeps_leg(RampState state, double x_wanted, double cap) const noexcept;
   [[nodiscard]] bool begin_leg(const PathSpan& move, RampState state, double x_wanted, double cap,
                                double dt) noexcept;
+  [[nodiscard]] Course step_course(const PathSpan& move, RampState state, double cap,
+                                   double dt) const noexcept;
   [[nodiscard]] Course track_course(RampState state, double cap, double dt) const noexcept;
   [[nodiscard]] double stop_within(const PathSpan& move, double low, double distance,
                                    double dt) noexcept;
@@ -203,7 +208,14 @@ class Executor {
   void finish(const Span& span, std::uint64_t done_seq) noexcept;
   void fail_path(const Span& span) noexcept;
   [[nodiscard]] const Span* next() noexcept;
+  // executor_step.cpp: blocks, and single step
+  void begin_step(const PathInputs& in) noexcept;
   [[nodiscard]] bool step_allows(const Span& span, bool single_step) noexcept;
+  [[nodiscard]] const BlockStart* next_block(const PathSpan& move) const noexcept;
+  void begin_blocks(const PathSpan& move) noexcept;
+  void begin_block(const BlockStart& block, const PathSpan& move) noexcept;
+  [[nodiscard]] bool pass_blocks(const PathSpan& move, const PathInputs& in) noexcept;
+  [[nodiscard]] double step_within(const PathSpan& move, const PathInputs& in, double x) noexcept;
   void blocked(PathWait why, std::int32_t index = -1) noexcept;
 
   SpanRing& spans_;
@@ -263,8 +275,13 @@ class Executor {
   bool probe_before_{false};
   bool after_traverse_{false};
   bool arriving_{false};  ///< the machine moves from one span into the next
-  bool step_begun_{false};
-  std::uint64_t step_id_{0};  ///< the block that single stepping runs now
+  Step step_;
+  bool step_brakes_{false};     ///< a step waits for rest, or for the planner
+  bool between_blocks_{false};  ///< it stands where a block within the span ends
+  bool to_cut_{false};          ///< single step drives from rest to cut_
+  std::uint32_t block_{0};      ///< of PathSpan::blocks, the next to begin
+  double cut_{0};   ///< above 0: what is left of the span where the block of this step ends
+  Pose block_end_;  ///< of the block in execution, on the path
   double dwell_left_{0}, orient_left_s_{0}, distance_{0};
   MotionKind kind_{MotionKind::none};
   PathWait waiting_{PathWait::none};

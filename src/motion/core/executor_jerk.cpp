@@ -79,9 +79,11 @@ bool Executor::begin_leg(const PathSpan& move, RampState state, double x_wanted,
                          double dt) noexcept {
   const bool rests = state.speed == 0 && state.acc == 0;
   const double keep = std::max(dt, kKeep);
+  const bool steps = step_.begun() && !move.speed.sync;
   const Course course = track_.on ? track_course(state, cap, keep)
+                        : steps   ? step_course(move, state, cap, keep)
                                   : course_ahead(slots_, move.number, left_, state, cap,
-                                                 move.speed.sync ? FeedScale{} : scale_, keep);
+                                               move.speed.sync ? FeedScale{} : scale_, keep);
   double target = course.target;
   if (rests && target <= 0 && left_ > kSamePlace) return false;
   leg_ = Leg{};
@@ -146,6 +148,20 @@ double Executor::run_ramps(const PathSpan& move, double x_wanted, double dt) noe
   leg.state = next;
   // Nothing lasts no time: the loop over the cycle has to end.
   return std::max(t, rests && t == 0 ? dt : 0.0);
+}
+
+/// Single step: to the end of the block. Within the span it is one box all the way.
+Course Executor::step_course(const PathSpan& move, RampState state, double cap,
+                             double dt) const noexcept {
+  if (cut_ > 0) {
+    CourseFinder finder(state, cap, dt, {move.even_acc, move.even_jerk});
+    finder.add({left_, 0, true}, 0);
+    return finder.course();
+  }
+  const Course course = course_ahead(slots_, move.number, left_, state, cap, scale_, dt, true);
+  // The planner was later with its stops than the step began.
+  return course.feasible ? course
+                         : course_ahead(slots_, move.number, left_, state, cap, scale_, dt);
 }
 
 /// On what lies behind: all of it is one group, with the least of its limits, and ends in stops. Back at the front the path goes on from rest.

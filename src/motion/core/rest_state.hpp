@@ -10,8 +10,9 @@ struct Executor::Rest {
   FeedScale scale, back_scale;
   Pose pose, tool_offset, probed;
   double distance{0}, requested{0}, commanded_feed{0};
-  bool probe_before{false}, after_traverse{false}, step_begun{false}, probe_tripped{false};
-  std::uint64_t step_id{0}, executed_seq{0}, current_seq{0}, place_number{0};
+  bool probe_before{false}, after_traverse{false}, probe_tripped{false};
+  Step step;
+  std::uint64_t executed_seq{0}, current_seq{0}, place_number{0};
   std::uint32_t min_epoch{0}, void_epoch{0};
   SourceTag current;
   OverrideEnable enables;

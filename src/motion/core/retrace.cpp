@@ -22,7 +22,8 @@ bool Executor::may_turn_back(const PathInputs& in) noexcept {
 void Executor::turn_back() noexcept {
   track_.on = track_.back = true;
   track_.behind = started_ ? 0 : 1;
-  half_way_ = 0;
+  half_way_ = cut_ = 0;
+  to_cut_ = false;
   if (started_) {
     const auto& move = std::get<PathSpan>(spans_.front()->body);
     track_.move = path::reversed(move);
@@ -87,8 +88,12 @@ Executor::Ends Executor::track_ends() noexcept {
 void Executor::show_track() noexcept {
   kind_ = track_.move.kind;
   if (track_.behind == 0) {
-    current_ = spans_.front()->tag;
-    current_seq_ = spans_.front()->seq;
+    const Span& front = *spans_.front();
+    const auto& move = std::get<PathSpan>(front.body);
+    const BlockStart* block =
+        block_ > 0 ? &slots_.block[(move.first_block + block_ - 1) % PlanSlots::kBlocks] : nullptr;
+    current_ = block != nullptr ? block->tag : front.tag;
+    current_seq_ = block != nullptr ? block->seq : front.seq;
   } else {
     current_ = history_.last(track_.behind).tag;
     current_seq_ = history_.last(track_.behind).seq;

@@ -58,7 +58,18 @@ struct PathSpan {
   bool probe{false}, probe_until_open{false}, probe_fail_is_error{false};
   bool point{false};   ///< nothing moves
   bool by_law{false};  ///< driven by a time law (laws.hpp)
-  bool reserved[5]{};
+  bool reserved{false};
+  std::uint32_t blocks{
+      0};  ///< PlanSlots::block: those that begin within it, its own first; 0: it is of one block
+  std::uint64_t first_block{0};  ///< their number
+};
+
+/// Where within a span a block begins, which is where the one before it ends: blocks that G64 Q has joined, and such as are shorter than a span.
+struct BlockStart {
+  double left{0};             ///< of the span (sigma)
+  std::uint64_t done_seq{0};  ///< all items up to this one are done there; 0: none more than before
+  std::uint64_t seq{0};       ///< of the item that begins
+  SourceTag tag;
 };
 
 /// G33.1. Positions along it are in mm from where it begins; the spindle takes it beyond both ends.
@@ -139,7 +150,7 @@ class ProgrammedMoves {
 /// `soft` is the same with programmed feeds at the override in force; it may change either way, and nothing depends on it but the feed.
 ///
 /// With jerk limits (ahead.hpp) `hard` is 0 where the path stands, the largest x with acceleration 0 where the limits along the path change, and
-/// only above 0 elsewhere; `soft` is 0 where it is to stand and kNoLimit elsewhere; and `ahead` says of each span what the servo needs to look
+/// only above 0 elsewhere; `soft` is 0 where it is to stand; in single step where the limits change the same as `hard` for standing there; kNoLimit elsewhere; and `ahead` says of each span what the servo needs to look
 /// ahead. It is written before the `hard` of the span before it rises above 0.
 struct PlanSlots {
   /// A cache line: the servo reads many of them in one look ahead.
@@ -150,6 +161,12 @@ struct PlanSlots {
   Ahead ahead[kSpans];
   rtapi::Word<double> hard[kSpans];
   rtapi::Word<double> soft[kSpans];
+  /// 1 while `soft` and the laws stand at the ends of blocks (single step). Published behind them; no step begins before it is seen (acquire).
+  rtapi::Word<std::uint32_t> steps{0};
+  /// By number. Plain memory: written before the span that names them is pushed (release; the servo pops with acquire), and not again before the
+  /// servo has popped that span (release; the planner looks at the count with acquire).
+  static constexpr std::size_t kBlocks = 8192;
+  BlockStart block[kBlocks];
   /// 1 while the planner holds items that are in neither ring. Published before an item leaves the path ring, and taken back after
   /// its spans are in theirs; so who looks at path ring, this word and span ring in that order sees every item somewhere.
   rtapi::Word<std::uint32_t> pending{0};

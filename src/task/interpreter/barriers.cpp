@@ -273,7 +273,7 @@ bool InterpreterParticipant::poll_pause(const ProgramPause& pause) {
   const bool waited = barrier_.pausing;
   barrier_.pausing = p_.exchange.resumes.get() == barrier_.resumes;
   // The step that ends the wait is the block behind it.
-  if (waited && !barrier_.pausing) run_.step_taken = false;
+  if (waited && !barrier_.pausing) run_.step.release();
   return !barrier_.pausing;
 }
 

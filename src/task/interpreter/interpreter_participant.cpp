@@ -220,6 +220,9 @@ bool InterpreterParticipant::push(const PathBody& body, const motion::SourceTag&
   news_.probe = news_.probe || std::holds_alternative<motion::ProbeMove>(body);
   pending_seq_ = ++last_seq_;
   last_tag_ = tag.id;
+  run_.in_thread = std::holds_alternative<motion::SyncMove>(body) ||
+                   (run_.in_thread && !motion::ends_thread(body) &&
+                    !std::holds_alternative<motion::Marker>(body));
   aside_before_next_ = false;
   pushed_ = true;
   return true;
@@ -229,7 +232,8 @@ bool InterpreterParticipant::read_block() {
   if (!run_.active || run_.failed || run_.source_done || run_.sync_pending || stopped_ ||
       list_.size() >= kListLimit)
     return false;
-  if (run_.stepping && run_.step_taken) return false;
+  // One block after another; but whether a thread goes on says the block behind.
+  if (run_.stepping && (!list_.empty() || (run_.step.begun() && !run_.in_thread))) return false;
   if (!motion_ready()) {
     if (now_ - run_.since > kModeTime)
       fail_here(status_.enabled ? "motion did not come into coordinated mode"
@@ -247,7 +251,7 @@ bool InterpreterParticipant::read_block() {
     record.pending = static_cast<int>(list_.size() - before);
     record.has_items = true;
     history_.add(record);
-    run_.step_tag = std::max(run_.step_tag, canon_.tag().id);
+    run_.step.allow(canon_.tag().id);
   }
   canon_.new_tag();
   if (p_.setup.tools.at_g30)
@@ -270,10 +274,8 @@ bool InterpreterParticipant::read_block() {
   if (held) record_delivered();
   take_outcome(outcome, held ? list_.size() : before, record);
   place_items(before);
-  if (run_.stepping && list_.size() > before) {
-    run_.step_taken = true;
-    run_.step_tag = std::max(run_.step_tag, list_[before].tag.id);
-  }
+  if (run_.stepping && !run_.step.begun() && list_.size() > before)
+    run_.step.begin(list_[before].tag.id);
   return true;
 }
 
@@ -420,36 +422,39 @@ bool InterpreterParticipant::synchronise_if_due() {
   return true;
 }
 
-// A step is one executed block. Of what motion has already (the operator paused first), motion itself stands at the end of each block
-// (Intent::single_step); what has not gone there yet goes block by block from here. So a step ends at the same place, whoever has its
-// block: in a corner of G64 that is planned already in its middle, else at its programmed end.
+// Single step, of what motion does not have yet: the rule is in motion/api/step.hpp.
 void InterpreterParticipant::note_stepping() {
   const bool stepping = run_.active && !run_.mdi && p_.exchange.stepping.get() != 0;
   if (stepping && !run_.stepping) {
-    run_.step_tag = std::max(run_.step_tag, last_tag_);
+    run_.step.allow(last_tag_);
     // At M0 a step is the block behind it.
-    run_.step_taken = !executed() || !asides_.empty() || (barrier_.marked && !barrier_.pausing);
+    if (!executed() || !asides_.empty() || (barrier_.marked && !barrier_.pausing))
+      run_.step.begin(last_tag_);
   }
-  if (!stepping) run_.step_taken = false;
+  if (!stepping) run_.step.release();
   run_.stepping = stepping;
 }
 
+/// While stepping: whether the item at the head of the list may begin.
 bool InterpreterParticipant::step_allows(const TaskItem& item) {
-  if (!run_.stepping || item.tag.id <= run_.step_tag) return true;
-  if (run_.step_taken || stopped_ || !executed() || !asides_.empty()) return false;
-  run_.step_taken = true;
-  run_.step_tag = item.tag.id;
-  return true;
+  if (!run_.stepping || run_.step.covers(item.tag.id)) return true;
+  const auto* body = std::get_if<PathBody>(&item.body);
+  if (run_.in_thread && body != nullptr && !motion::ends_thread(*body)) {
+    run_.step.begin(item.tag.id);
+    return true;
+  }
+  if (run_.step.begun() || stopped_ || !executed() || !asides_.empty()) return false;
+  return run_.step.takes(item.tag.id);
 }
 
 bool InterpreterParticipant::step_stop() {
   if (!run_.active || run_.mdi || run_.failed) return false;
   if (!stopped_) {
-    const bool rest = !list_.empty() && list_.front().tag.id <= run_.step_tag;
-    if (!run_.step_taken || rest || !asides_.empty() || !executed() ||
+    const bool rest = !list_.empty() && run_.step.covers(list_.front().tag.id);
+    if (!run_.step.begun() || rest || !asides_.empty() || !executed() ||
         (run_.source_done && list_.empty()))
       return false;
-    run_.step_taken = false;
+    run_.step.release();
     stopped_ = true;
     step_resumes_ = p_.exchange.resumes.get();
     return true;

@@ -16,6 +16,7 @@
 #include "io/io_link.hpp"
 #include "io/tool_store.hpp"
 #include "motion/api/shared.hpp"
+#include "motion/api/step.hpp"
 #include "rtapi/clock/clock.hpp"
 #include "task/exchange.hpp"
 #include "task/interpreter/block_history.hpp"
@@ -72,10 +73,10 @@ class InterpreterParticipant final : public rtapi::Participant {
     bool source_done{false};  ///< nothing more to read
     bool read_error{false};   ///< ... since the interpreter found an error
     bool sync_pending{false};
-    bool failed{false};         ///< told the command thread; an abort comes
-    bool stepping{false};       ///< Exchange::stepping, as it was looked at last
-    bool step_taken{false};     ///< the block of this step is known; nothing behind it begins
-    std::uint64_t step_tag{0};  ///< the newest block that may begin while stepping
+    bool failed{false};     ///< told the command thread; an abort comes
+    bool stepping{false};   ///< Exchange::stepping, as it was looked at last
+    motion::Step step;      ///< while stepping: what may begin
+    bool in_thread{false};  ///< what was sent last ends in a thread (SyncMove)
     Ticket ticket{0};
     std::string text;
     rtapi::Nanos since{0};

@@ -144,7 +144,9 @@ bool LawMaker::fill(const Place& place, std::uint64_t at_least, For what, Window
                      wish > 0 ? wish : path::kNoLimit, fineness))
       return false;
     out.straight = out.straight && s.piece.straight();
-    if (s.stop_at_end || (single_step_ && s.block_end)) break;
+    // Where a block ends within a span it is driven from rest, by boxes (Executor::cut_).
+    const bool step_ends = s.block_end || (n + 1 < next_ && stretch(n + 1).blocks);
+    if (s.stop_at_end || (single_step_ && step_ends)) break;
     first = false;
     way += left;
     time += seconds;

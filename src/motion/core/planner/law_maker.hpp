@@ -28,6 +28,7 @@ class LawMaker {
     double acc{0}, jerk{0};  ///< its box
     bool by_law{false};
     bool stop_at_end{false}, block_end{false};
+    bool blocks{false};  ///< blocks begin within it
   };
   void add(std::uint64_t number, const Stretch& stretch) noexcept;
   /// Nothing of what was added will be driven any more.

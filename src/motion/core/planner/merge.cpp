@@ -31,16 +31,17 @@ bool Merge::add(const Vec& to, double within_mm) noexcept {
   const double length2 = along(way, way);
   if (turns(way) || !(length2 > 0)) return false;
   // With places along the line that only grow, each point of it has a programmed one beside it that is no farther than the farthest vertex.
-  double last = 0, off = 0;
+  double last = 0, off = 0, shares[kMost];
   for (std::size_t k = 1; k <= count_; ++k) {
     const Vec from_start = point_[k] - point_[0];
     const double share = along(from_start, way) / length2;
     if (share <= last || share >= 1) return false;
-    last = share;
+    last = shares[k - 1] = share;
     const Vec beside = from_start - way * share;
     off = std::max({off, path::norm3(beside, 0), path::norm3(beside, 6)});
     if (off > within_mm) return false;
   }
+  std::copy(shares, shares + count_, share_);
   point_[++count_] = to;
   off_mm_ = off;
   return true;

@@ -12,8 +12,9 @@ namespace {
 /// Items in one turn: the caller looks for stops between turns.
 constexpr int kItemsPerTurn = 64;
 constexpr std::size_t kBodies = std::variant_size_v<PathItems::Variant>;
-constexpr std::size_t kMoves = 1024;   ///< pending at most
-constexpr std::size_t kEvents = 1024;  ///< between them
+constexpr std::size_t kMoves = 1024;                            ///< pending at most
+constexpr std::size_t kEvents = 1024;                           ///< between them
+constexpr std::size_t kPendingBlocks = PlanSlots::kBlocks / 2;  ///< that they are made of
 constexpr std::size_t kPieces =
     8192;  ///< of kMoves moves: five knots a corner, and what feeds divide
 /// G64 without P keeps this; see docs/planner.md.
@@ -69,9 +70,10 @@ void unstretch(const Curve& curve, path::Piece& piece) noexcept {
 
 bool Planner::create(path::Memory& memory) noexcept {
   return moves_.create(memory, kMoves) && meta_.create(memory, kMoves) &&
-         events_.create(memory, kEvents) && pieces_.create(memory, kPieces) &&
-         boxes_.create(memory, kPieces) && sent_.create(memory, kSpans) &&
-         program_path_.create(memory, kMoves) && laws_.create(memory);
+         blocks_.create(memory, kPendingBlocks) && events_.create(memory, kEvents) &&
+         pieces_.create(memory, kPieces) && boxes_.create(memory, kPieces) &&
+         sent_.create(memory, kSpans) && program_path_.create(memory, kMoves) &&
+         laws_.create(memory);
 }
 
 void Planner::configure(const MachineConfig& config) noexcept {
@@ -94,11 +96,17 @@ void Planner::configure(const MachineConfig& config) noexcept {
 Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
                             std::int64_t now_ns) noexcept {
   const Waits waits = take_items(in, view, abort_epoch, now_ns);
-  if (waits == Waits::turn || !laws_.on()) return waits;
+  if (waits == Waits::turn) return waits;
+  if (laws_.on()) run_laws(view);
+  // Release: behind what is planned for it.
+  if (single_step_) slots_.steps.publish(1);
+  return waits;
+}
+
+void Planner::run_laws(const ServoView& view) noexcept {
   while (first_ahead_ < next_number_ && sent_[first_ahead_ % kSpans].place < spans_.popped())
     ++first_ahead_;
   laws_.run(view, scale_, single_step_, first_ahead_, next_number_);
-  return waits;
 }
 
 Planner::Waits Planner::take_items(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
@@ -112,6 +120,7 @@ Planner::Waits Planner::take_items(PathRing& in, const ServoView& view, std::uin
   if (!(view.scale == scale_) || view.single_step != single_step_) {
     scale_ = view.scale;
     single_step_ = view.single_step;
+    if (!single_step_) slots_.steps.publish(0);
     plan(true);
   }
   shift_ = view.shift;
@@ -179,6 +188,7 @@ void Planner::set_modal(const Modal& m) noexcept {
 void Planner::forget() noexcept {
   moves_.clear();
   meta_.clear();
+  blocks_.clear();
   events_.clear();
   merge_.end();
   pieces_.clear();
@@ -317,7 +327,7 @@ Planner::Take Planner::take(const PathItem& item, const ServoView& view) noexcep
     const bool shaped = make_line(end_, end, axes_of(kinematics_.axis_mask(), config_), curve);
     return take_move(item, curve, shaped, {speed, kind, probe});
   };
-  if (ends_thread(item) && thread_spindle_ >= 0) {
+  if (ends_thread(item.body) && thread_spindle_ >= 0) {
     stop_here();
     thread_spindle_ = -1;
   }
@@ -404,7 +414,7 @@ bool Planner::limits_of(const PathItem& item, const Curve& curve, double speed, 
 
 Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool shaped,
                                  const Order& order) noexcept {
-  if (moves_.full()) {
+  if (moves_.full() || blocks_.full()) {
     due_ = true;
     return Take::wait_room;
   }
@@ -415,10 +425,7 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   const bool point = curve.shape == Curve::Shape::point;
   if (!shaped || (!speed_ok && !point)) return bad_item(item, speed);
   Meta meta;
-  meta.seq = item.seq;
-  meta.tag = item.tag;
   meta.kind = kind;
-  meta.end = curve.end;
   if (probe != nullptr) {
     stop_here();
     meta.probe = true;
@@ -481,12 +488,14 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   end_ = curve.end;
   joint_ = joint;
   if (item.apart != 0) merge_.end();
-  if (may_merge && merge_line(curve.end, move.piece, meta)) {
+  const Block block{item.seq, item.tag, curve.end, move.piece.length, 0};
+  if (may_merge && merge_line(block, move.piece, meta)) {
     after_traverse_ = false;
     return Take::done;
   }
   moves_.push_back(move);
   meta_.push_back(meta);
+  blocks_.push_back(block);
   share_tolerance();
   if (may_merge)
     merge_.begin(path::to_vec(curve.start), path::to_vec(curve.end));
@@ -512,19 +521,24 @@ void Planner::note(const path::Move& move, std::uint64_t seq) noexcept {
   slots_.programmed.add(noted, seq);
 }
 
-bool Planner::merge_line(const Pose& end, const path::Piece& line, const Meta& meta) noexcept {
+bool Planner::merge_line(const Block& block, const path::Piece& line, const Meta& meta) noexcept {
   // What stands between two moves keeps its place: outputs switch where they were programmed.
   const bool between = !events_.empty() && events_.back().after == moves_.size();
   if (moves_.empty() || between || moves_.back().stop_at_end ||
       !(moves_.back().piece.feed == line.feed))
     return false;
-  if (!merge_.add(path::to_vec(end), merge_mm_)) return false;
+  const path::Vec end = path::to_vec(block.end);
+  if (!merge_.add(end, merge_mm_)) return false;
   const double speed = line.feed.speed;
   path::Piece& piece = moves_.back().piece;
-  piece = path::line_move(merge_.start(), path::to_vec(end), speed, false, limits_.vel);
+  piece = path::line_move(merge_.start(), end, speed, false, limits_.vel);
   piece.feed = line.feed;
   meta_.back() = meta;
   meta_.back().merged_off_mm = merge_.off_mm();
+  meta_.back().blocks = static_cast<std::uint32_t>(merge_.count());
+  blocks_.push_back(block);
+  Block* of = blocks_.end() - merge_.count();
+  for (std::size_t n = 0; n < merge_.count(); ++n) of[n].way = piece.length * merge_.share(n);
   share_tolerance();
   return true;
 }

@@ -93,19 +93,24 @@ class Planner {
   enum class Take { done, wait_room, wait_servo };
   /// What the path does not know of a move.
   struct Meta {
-    std::uint64_t seq{0};
-    SourceTag tag;
-    Pose end;
     double even_acc{0}, even_jerk{0},
         cap{0};           ///< above 0: limits for the whole move (kinematics that mix axes)
     double sigma_end{0};  ///< while it is being sent: from the start of what is sent
     MotionKind kind{MotionKind::feed};
-    SyncBounds sync;         ///< per_rev above 0: it follows a spindle
-    double tolerance_mm{0};  ///< G64 P
+    SyncBounds sync;          ///< per_rev above 0: it follows a spindle
+    std::uint32_t blocks{1};  ///< of blocks_: more than one where lines were joined (G64 Q)
+    double tolerance_mm{0};   ///< G64 P
     double merged_off_mm{
-        0};            ///< of the programmed points from the line that took their place (G64 Q)
-    bool part{false};  ///< the rest of the move comes later
+        0};  ///< of the programmed points from the line that took their place (G64 Q)
     bool probe{false}, probe_until_open{false}, probe_fail_is_error{false};
+  };
+  /// A move as it was programmed. Where it ends the machine can stand (single step), and the line that is shown changes.
+  struct Block {
+    std::uint64_t seq{0};
+    SourceTag tag;
+    Pose end;
+    double way{0};        ///< from the start of its move to its end (sigma)
+    double sigma_end{0};  ///< while it is being sent: from the start of what is sent
   };
   /// Something between the moves: behind the first `after` of them.
   struct Event {
@@ -118,10 +123,13 @@ class Planner {
     SpeedBounds speed;
     std::uint64_t place{0};  ///< in the ring
     path::Rows rows;
+    std::uint64_t last_block{0};  ///< PlanSlots::block: behind those of all spans up to this one
     bool stop_at_end{false}, block_end{false}, begins{false};
+    bool blocks{false};  ///< blocks begin within it
   };
 
   // planner.cpp: items
+  void run_laws(const ServoView& view) noexcept;
   Waits take_items(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
                    std::int64_t now_ns) noexcept;
   Take take(const PathItem& item, const ServoView& view) noexcept;
@@ -150,7 +158,7 @@ class Planner {
   void stop_here() noexcept;
   void forget() noexcept;
   /// The line becomes a part of the last pending one. False: it is one of its own.
-  [[nodiscard]] bool merge_line(const Pose& end, const path::Piece& line,
+  [[nodiscard]] bool merge_line(const Block& block, const path::Piece& line,
                                 const Meta& meta) noexcept;
   void share_tolerance() noexcept;
   void note(const path::Move& move, std::uint64_t seq) noexcept;
@@ -164,8 +172,6 @@ class Planner {
   [[nodiscard]] bool join_thread(const SyncMove& sync, path::Piece& piece, Meta& meta,
                                  FaultRecord& fault) noexcept;
   [[nodiscard]] double commanded_rps(std::int32_t spindle) const noexcept;
-  /// Nothing behind this item is of the thread before it.
-  [[nodiscard]] static bool ends_thread(const PathItem& item) noexcept;
   void bound_sync(PathSpan& body, const Meta& meta, double begin) noexcept;
 
   // send.cpp: pieces, spans and the pass from the end
@@ -177,6 +183,11 @@ class Planner {
   [[nodiscard]] bool send() noexcept;
   [[nodiscard]] bool send_events(double sigma) noexcept;
   [[nodiscard]] bool send_stretch(const path::Piece& piece, double from, double to) noexcept;
+  [[nodiscard]] bool room_for_blocks(std::size_t count) noexcept;
+  [[nodiscard]] bool send_blocks(double begin, double end, std::size_t& done, Span& span,
+                                 PathSpan& body, Sent& sent) noexcept;
+  void drop_blocks(std::size_t gone) noexcept;
+  [[nodiscard]] bool steps_end_behind(std::uint64_t n) const noexcept;
   void finish_sending() noexcept;
   void plan(bool all) noexcept;
   [[nodiscard]] bool plan_ramps(std::uint64_t n, bool all, int& unchanged) noexcept;
@@ -227,6 +238,7 @@ class Planner {
   // pending
   path::Buffer<path::Move> moves_;
   path::Buffer<Meta> meta_;
+  path::Buffer<Block> blocks_;  ///< of the moves, one after another
   path::Buffer<Event> events_;
   std::int64_t last_item_ns_{0}, wake_ns_{0};
   std::int64_t pending_since_ns_{0};  ///< when the planner first waited for more; 0: not yet
@@ -238,7 +250,8 @@ class Planner {
   path::Boxes boxes_;       ///< of the pieces, with jerk limits
   std::size_t sending_{0};  ///< moves of which pieces_ were made; 0: none
   std::size_t events_sending_{0}, events_sent_{0};
-  std::size_t piece_{0}, stretch_{0}, move_{0}, done_{0};
+  std::size_t piece_{0}, stretch_{0}, move_{0};
+  std::size_t blocks_sending_{0}, blocks_done_{0};
   double sigma_{0}, piece_sigma_{0};
   std::size_t thread_end_move_{
       0};                 ///< of the thread that is being sent, if it reaches beyond move_
@@ -248,6 +261,8 @@ class Planner {
   // sent
   path::Buffer<Sent> sent_;
   std::uint64_t next_number_{0}, first_new_{0};
+  std::uint64_t next_block_{0}, oldest_block_{0};  ///< PlanSlots::block; those before are free
+  std::uint64_t oldest_span_{0};                   ///< the servo has not popped it
   LawMaker laws_;
   std::uint64_t first_ahead_{0};  ///< the servo has not driven it to its end
   FeedScale scale_;

@@ -51,7 +51,7 @@ void Planner::commit_if_due(bool more_items, std::int64_t now_ns) noexcept {
   }
   // Many outputs on the path fill the events before the moves.
   const bool events_full = events_.full() && moves_.size() >= kHandOverLeast;
-  if (moves_.full() || events_full) return commit(hand_over_at() + 1, true);
+  if (moves_.full() || blocks_.full() || events_full) return commit(hand_over_at() + 1, true);
   if (pending_since_ns_ == 0) pending_since_ns_ = now_ns;
   if (more_items) return;
   const double short_ahead = kShortAhead + stop_s_;
@@ -130,10 +130,15 @@ void Planner::commit(std::size_t moves, bool hand_over) noexcept {
     whole = moves_[moves - 1];
     if (hand_over) {
       moves_[moves - 1].piece = path::part_of(whole.piece, 0, whole.piece.length / 2);
-      meta_[moves - 1].part = true;
     }
     double sigma = 0;
-    for (std::size_t i = 0; i < moves; ++i) meta_[i].sigma_end = sigma += moves_[i].piece.length;
+    blocks_sending_ = 0;
+    for (std::size_t i = 0; i < moves; ++i) {
+      // What is handed over in its middle ends farther on.
+      for (std::uint32_t n = 0; n < meta_[i].blocks; ++n, ++blocks_sending_)
+        blocks_[blocks_sending_].sigma_end = sigma + blocks_[blocks_sending_].way;
+      meta_[i].sigma_end = sigma += moves_[i].piece.length;
+    }
     make_pieces(moves);
     if (plain_ && limits_.jerks) boxes_.make(pieces_, limits_);
     if (hand_over) {
@@ -145,7 +150,7 @@ void Planner::commit(std::size_t moves, bool hand_over) noexcept {
   events_sending_ = 0;
   while (events_sending_ < events_.size() && events_[events_sending_].after <= last)
     ++events_sending_;
-  events_sent_ = piece_ = stretch_ = move_ = done_ = 0;
+  events_sent_ = piece_ = stretch_ = move_ = blocks_done_ = 0;
   sigma_ = piece_sigma_ = 0;
   thread_end_move_ = 0;
   first_new_ = next_number_;
@@ -265,36 +270,31 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   const Meta& meta = meta_[move_];
   Span span;
   span.epoch = epoch_;
-  span.seq = meta.seq;
-  span.tag = meta.tag;
   PathSpan body;
   body.piece = piece;
   body.from = from;
   body.length = to - from;
   body.kind = meta.kind;
-  body.end = meta.end;
   body.number = next_number_;
   body.probe = meta.probe;
   body.probe_until_open = meta.probe_until_open;
   body.probe_fail_is_error = meta.probe_fail_is_error;
-  body.to_move_end = std::max(0.0, meta.sigma_end - end);
-  std::size_t done = done_;
-  while (done < sending_ && meta_[done].sigma_end <= end + kSamePlace) {
-    if (!meta_[done].part) body.done_seq = meta_[done].seq;
-    ++done;
-  }
+  Sent sent;
+  std::size_t done = blocks_done_;
+  if (!send_blocks(begin, end, done, span, body, sent)) return false;
   const bool at_piece_end = to >= piece.length;
   body.stop_at_end = piece.stop_at_end && at_piece_end;
-  body.at_end_exactly = body.stop_at_end && body.done_seq == meta.seq;
+  body.at_end_exactly = body.stop_at_end && sent.block_end;
 
   // It is done when it is locked.
-  if (meta.kind == MotionKind::index_rotary) body.done_seq = 0;
+  if (meta.kind == MotionKind::index_rotary) {
+    body.done_seq = 0;
+    sent.block_end = false;
+  }
 
-  Sent sent;
   sent.begins = begins_;
   sent.length = body.length;
   sent.stop_at_end = body.stop_at_end;
-  sent.block_end = body.done_seq != 0;
   SpeedBounds& speed = body.speed;
   speed.rapid = piece.feed.rapid;
   speed.sync = piece.feed.sync;
@@ -330,9 +330,9 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   body.by_law = laws_.on() && axis_cap > 0 && body.even_jerk > 0 && !meta.probe && !speed.sync &&
                 meta.kind != MotionKind::index_rotary;
   if (laws_.on()) {
-    LawMaker::Stretch stretch{piece,         from,           body.length, speed,
-                              body.even_acc, body.even_jerk, body.by_law, body.stop_at_end,
-                              sent.block_end};
+    LawMaker::Stretch stretch{piece,          from,           body.length, speed,
+                              body.even_acc,  body.even_jerk, body.by_law, body.stop_at_end,
+                              sent.block_end, sent.blocks};
     stretch.speed.cap = axis_cap;  // not that of the box
     laws_.add(next_number_, stretch);
   }
@@ -360,14 +360,73 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   else
     sent_[next_number_ % kSpans] = sent;
   ++next_number_;
-  done_ = done;
+  next_block_ = sent.last_block;
+  blocks_done_ = done;
   begins_ = false;
   return true;
 }
 
+/// What ends and begins within [begin, end] of what is sent; `done` blocks have ended before it, and at its end. False: no room.
+bool Planner::send_blocks(double begin, double end, std::size_t& done, Span& span, PathSpan& body,
+                          Sent& sent) noexcept {
+  // Blocks that are as good as nothing end with the one before.
+  while (done + 1 < blocks_sending_ && blocks_[done].sigma_end <= begin + kSamePlace) ++done;
+  const std::size_t first = std::min(done, blocks_sending_ - 1);
+  std::size_t last = first;
+  while (last + 1 < blocks_sending_ && blocks_[last].sigma_end < end - kSamePlace) ++last;
+  const Block& own = blocks_[first];
+  span.seq = own.seq;
+  span.tag = own.tag;
+  body.end = blocks_[last].end;
+  body.to_move_end = std::max(0.0, blocks_[last].sigma_end - end);
+  sent.blocks = last > first;
+  sent.last_block = next_block_;
+  if (sent.blocks) {
+    const std::size_t count = last - first + 1;
+    if (!room_for_blocks(count)) return false;
+    body.first_block = next_block_;
+    body.blocks = static_cast<std::uint32_t>(count);
+    for (std::size_t n = first; n <= last; ++n) {
+      BlockStart& start = slots_.block[sent.last_block++ % PlanSlots::kBlocks];
+      start.left = n > first ? end - blocks_[n - 1].sigma_end : body.length;
+      start.done_seq = n > first ? blocks_[n - 1].seq : 0;
+      start.seq = blocks_[n].seq;
+      start.tag = blocks_[n].tag;
+    }
+    body.done_seq = blocks_[last - 1].seq;
+  }
+  for (done = last; done < blocks_sending_ && blocks_[done].sigma_end <= end + kSamePlace; ++done) {
+    body.done_seq = blocks_[done].seq;
+    sent.block_end = true;
+  }
+  return true;
+}
+
+/// In PlanSlots::block, beside what the spans use that the servo has not popped.
+bool Planner::room_for_blocks(std::size_t count) noexcept {
+  while (oldest_span_ < next_number_ && sent_[oldest_span_ % kSpans].place < spans_.popped())
+    oldest_block_ = sent_[oldest_span_++ % kSpans].last_block;
+  return next_block_ + count <= oldest_block_ + PlanSlots::kBlocks;
+}
+
+/// With the first `gone` moves, and what was sent of the one behind them.
+void Planner::drop_blocks(std::size_t gone) noexcept {
+  std::size_t blocks = 0;
+  for (std::size_t i = 0; i < gone; ++i) blocks += meta_[i].blocks;
+  if (handed_over_) {
+    Meta& part = meta_[gone];
+    const std::size_t ended = blocks_done_ > blocks ? blocks_done_ - blocks : 0;
+    part.blocks -= static_cast<std::uint32_t>(ended);
+    blocks += ended;
+    for (std::uint32_t n = 0; n < part.blocks; ++n)
+      blocks_[blocks + n].way -= moves_[gone].piece.length;  // half of it was sent
+  }
+  blocks_.drop_front(blocks);
+}
+
 void Planner::finish_sending() noexcept {
   const std::size_t gone = handed_over_ ? sending_ - 1 : sending_;
-  if (handed_over_) meta_[sending_ - 1].part = false;
+  drop_blocks(gone);
   moves_.drop_front(gone);
   meta_.drop_front(gone);
   events_.drop_front(events_sending_);
@@ -377,6 +436,12 @@ void Planner::finish_sending() noexcept {
   sending_ = events_sending_ = events_sent_ = 0;
   pieces_.clear();
   if (moves_.empty() && events_.empty()) slots_.pending.publish(0);
+}
+
+/// In single step the path stands at the end of span n: a block ends there, or within the next span, which is entered at rest then (Executor::cut_).
+bool Planner::steps_end_behind(std::uint64_t n) const noexcept {
+  const Sent& next = sent_[(n + 1) % kSpans];
+  return sent_[n % kSpans].block_end || (n + 1 < next_number_ && !next.begins && next.blocks);
 }
 
 /// From the last span to the first that the servo has not begun; `all`: all of them, else only where more has become possible.
@@ -395,7 +460,7 @@ void Planner::plan(bool all) noexcept {
     }
     const double cap = s.speed.cap, wanted = wanted_x(s.speed, scale_);
     const double hard_end = s.stop_at_end ? 0.0 : std::min(hard, cap);
-    const bool stands = s.stop_at_end || (single_step_ && s.block_end && !s.speed.sync);
+    const bool stands = s.stop_at_end || (single_step_ && !s.speed.sync && steps_end_behind(n));
     const double soft_end = stands ? 0.0 : std::min({soft, wanted, hard_end});
     rtapi::Word<double>&hard_slot = slots_.hard[n % kSpans], &soft_slot = slots_.soft[n % kSpans];
     if (!all && n < first_new_ && hard_slot.get() == hard_end && soft_slot.get() == soft_end) break;
@@ -433,7 +498,14 @@ bool Planner::plan_ramps(std::uint64_t n, bool all, int& unchanged) noexcept {
     }
   }
   rtapi::Word<double>& slot = slots_.hard[n % kSpans];
-  slots_.soft[n % kSpans].set(single_step_ && s.block_end && !s.speed.sync ? 0.0 : path::kNoLimit);
+  double soft = path::kNoLimit;
+  if (single_step_ && !s.speed.sync && steps_end_behind(n)) {
+    soft = 0;
+  } else if (single_step_ && group_end && !ends) {
+    const double v = highest_level_speed(slots_, n + 1, true);
+    soft = v * v;
+  }
+  slots_.soft[n % kSpans].set(soft);
   const bool same = group_end && n < first_new_ && slot.get() == hard;
   if (group_end) unchanged = same ? unchanged + 1 : 0;
   // Release, last span first: see PlanSlots.

@@ -15,16 +15,6 @@ constexpr double kLeastRps = 0.1;
 constexpr double kRounding = 1 + 1e-6;
 }  // namespace
 
-bool Planner::ends_thread(const PathItem& item) noexcept {
-  if (const auto* change = std::get_if<OutputChange>(&item.body)) return !change->synchronised;
-  if (const auto* spindle = std::get_if<SpindleChange>(&item.body))
-    return spindle->action != SpindleChange::Action::set_speed;
-  return std::holds_alternative<LinearMove>(item.body) ||
-         std::holds_alternative<ArcMove>(item.body) ||
-         std::holds_alternative<CubicMove>(item.body) || std::holds_alternative<Dwell>(item.body) ||
-         std::holds_alternative<ProbeMove>(item.body) || std::holds_alternative<TapMove>(item.body);
-}
-
 /// What the spindle has been told; constant surface speed says nothing.
 double Planner::commanded_rps(std::int32_t spindle) const noexcept {
   const auto n = static_cast<std::size_t>(spindle);
