@@ -171,6 +171,17 @@ TEST(Blends, ArcsThatMeetAreWithinToleranceAndWithoutAGap) {
         }
 }
 
+TEST(Blends, ASharpKinkBetweenArcsIsTurnedOutsideOfThemToo) {
+  // Cut on its inside alone, the best it can have is 1/8 of kink^2 over tolerance.
+  for (const bool turns : {false, true})
+    for (const double kink : {1.2, 1.6, 2.2}) {
+      const double turn = 2 * std::sin(kink / 2);
+      const Met met = meeting(kink, false, kP, turns);
+      EXPECT_LT(met.bend, 0.08 * turn * turn / kP) << kink << turns;
+      EXPECT_LE(met.off, kP) << kink << turns;
+    }
+}
+
 TEST(Blends, AShallowKinkBetweenArcsSwingsOutToBendLess) {
   const double kink = 0.3, p = 0.005;
   const Met bent = meeting(kink, false, p, false), eased = meeting(kink, true, p, false);

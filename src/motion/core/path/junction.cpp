@@ -12,33 +12,72 @@ namespace {
 constexpr double kShrinkStep = 0.9;
 /// Of three spans: the half-width of the middle one as a share of the whole; and how much of the kink is taken from both of its ends to the vertex,
 /// times l. The latter lets the blend swing out before and behind the vertex, with jerk as even as in a triangle.
+///
+/// With a core the kink itself is spread over this share of the half-width only, and turns by more than it has to; what is too much is taken back
+/// all the way to both ends, so that the blend is outside of the vertex before and behind it by as much as inside at it.
 struct Shape {
-  double plateau{0}, swing{0};
+  double plateau{0}, swing{0}, core{0};
 };
 /// Nearly the least acceleration that a blend can have.
 constexpr Shape kEven{0.5, 0};
 /// The last ones need 0.6 and 0.3 of a triangle's jerk, and 0.9 and 0.7 of the acceleration of an even one.
 constexpr Shape kShapes[] = {{0.1, 0}, {0.3, 0}, {0.88, 0.751}, {0.82, 1.071}};
+/// For sharp kinks, which are passed much slower than what is before and behind them: half the acceleration of an even one.
+constexpr Shape kCoreShapes[] = {{0.5, 0, 0.15}, {0.5, 0, 0.25}, {0.5, 0, 0.35}};
+/// They need this much room, in kinks over tolerance; with less they are no wider at the vertex than an even one.
+constexpr double kCoreRoom = 12;
+/// The core: the plateau of its trapezoid, and how far that is off at the vertex, as a share of core times kink.
+constexpr double kCorePlateau = 0.8;
+constexpr double kCoreOff =
+    (1 + kCorePlateau + kCorePlateau * kCorePlateau) / (6 * (1 + kCorePlateau));
 constexpr int kMaxRounds = 150;
-constexpr int kSamples = 12;  ///< of the deviation, in each of the four pieces
+constexpr int kSamples =
+    12;  ///< of the deviation, in each of the pieces; at first only at their ends
 /// Between samples the deviation may be larger by this share (a cubic against an arc).
 constexpr double kAim = 0.98;
 constexpr double kOutside = 1.5;  ///< a share that only makes the blend smaller
 
 /// What is looked at of arcs beside a blend, and how finely blends and they are divided.
 constexpr std::size_t kPerPiece = 2, kPerSide = 4;
+constexpr std::size_t kMostBlendPieces = kJunctionPieces;
 
-using Blend = std::array<Piece, 4>;
+/// Pieces from -l to +l, as many before the vertex as behind it.
+struct Blend {
+  std::array<Piece, kMostBlendPieces> piece;
+  std::size_t count{0};
+  [[nodiscard]] const Piece* begin() const noexcept { return piece.data(); }
+  [[nodiscard]] const Piece* end() const noexcept { return piece.data() + count; }
+};
 
-/// The pieces for half-width l, from u = -l to +l.
-Blend three_spans(const Piece& a, const Piece& b, double l, const Shape& shape) noexcept {
+/// q'' per kink and 1/l at places from the vertex on, as shares of l; the same before it. Linear between them.
+struct Profile {
+  std::array<double, kMostBlendPieces / 2 + 1> at{}, bend{};
+  std::size_t last{0};
+};
+
+Profile profile_of(const Shape& shape) noexcept {
+  if (!(shape.core > 0))
+    return {{0, shape.plateau, 1}, {shape.swing / shape.plateau, -shape.swing, 0}, 2};
+  const double r = shape.core, back = shape.plateau;
+  // What is taken back on each side, about its middle: off outside at the ends of the core as much as inside at the vertex.
+  const double middle = (r + back + 1) / 3;
+  const double taken = kCoreOff * r / (2 * middle - r - 2 * kCoreOff * r);
+  const double high = (1 + 2 * taken) / (r * (1 + kCorePlateau));
+  return {{0, kCorePlateau * r, r, back, 1}, {high, high, 0, -2 * taken / (1 - r), 0}, 4};
+}
+
+/// For half-width l.
+void make_blend(const Piece& a, const Piece& b, double l, const Shape& shape, Blend& out) noexcept {
   const double sa = a.length - l;
   const Vec q0 = a.point(sa), t0 = a.first(sa), c0 = a.second(sa);
   const Vec q1 = b.point(l), t1 = b.first(l), c1 = b.second(l);
+  const Vec kink = b.first(0) - a.first(a.length);
   const double s1 = (1.0 - shape.plateau) * l, s2 = 2.0 * shape.plateau * l;
-  // q'' is c0, m1, m2, c1 at the knots and linear between them. Unknown m1, m2 from
+  // q'' is c0, m1, m2, c1 at the knots of three spans and linear between them. Unknown m1, m2 from
   //   area:   integral of q'' = t1 - t0
   //   moment: integral of (l - u) q'' = q1 - q0 - 2 l t0
+  // where a core has taken the kink on itself, from what is left of both.
+  const double cored = shape.core > 0 ? 1.0 : 0.0;
   const double area0 = s1 / 2, area1 = (s1 + s2) / 2;
   const double w0 = 2 * l, w1 = 2 * l - s1, w2 = s1;  // l - u at the knots; the last is 0
   const double mom0 = s1 / 6 * (2 * w0 + w1);
@@ -48,31 +87,43 @@ Blend three_spans(const Piece& a, const Piece& b, double l, const Shape& shape) 
   const double det = area1 * (mom2 - mom1);
   Vec m1, m2;
   for (std::size_t i = 0; i < kAxes; ++i) {
-    const double area = t1[i] - t0[i] - area0 * (c0[i] + c1[i]);
-    const double moment = q1[i] - q0[i] - 2 * l * t0[i] - mom0 * c0[i] - mom3 * c1[i];
+    const double area = t1[i] - t0[i] - cored * kink[i] - area0 * (c0[i] + c1[i]);
+    const double moment =
+        q1[i] - q0[i] - 2 * l * t0[i] - cored * l * kink[i] - mom0 * c0[i] - mom3 * c1[i];
     m1[i] = (area * mom2 - moment * area1) / det;
     m2[i] = (moment * area1 - area * mom1) / det;
   }
-  const Vec kink = b.first(0) - a.first(a.length);
-  Vec middle = (m1 + m2) * 0.5;
-  middle.add(shape.swing / (l * shape.plateau), kink);
-  m1.add(-shape.swing / l, kink);
-  m2.add(-shape.swing / l, kink);
-  const Vec bends[] = {c0, m1, middle, m2, c1};
-  const double lengths[] = {s1, s2 / 2, s2 / 2, s1};
-  Blend out;
-  Vec q = q0, t = t0;
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    Piece& p = out[i];
-    p.length = lengths[i];
+  const Profile profile = profile_of(shape);
+  const auto bend_at = [&](std::size_t k, bool behind) {
+    const double at = profile.at[k];
+    const Vec& end = behind ? c1 : c0;
+    const Vec& knot = behind ? m2 : m1;
+    Vec bend;
+    if (at >= shape.plateau)
+      bend = knot + (end - knot) * ((at - shape.plateau) / (1 - shape.plateau));
+    else
+      bend = (m1 + m2) * 0.5 + (knot - (m1 + m2) * 0.5) * (at / shape.plateau);
+    bend.add(profile.bend[k] / l, kink);
+    return bend;
+  };
+  out.count = 2 * profile.last;
+  Vec q = q0, t = t0, bend = c0;
+  for (std::size_t i = 0; i < out.count; ++i) {
+    const bool behind = i >= profile.last;
+    const std::size_t from = behind ? i - profile.last : profile.last - i;
+    const std::size_t to = behind ? from + 1 : from - 1;
+    const Vec next = i + 1 == out.count ? c1 : bend_at(to, behind);
+    Piece& p = out.piece[i];
+    p = Piece{};
+    p.length = std::abs(profile.at[to] - profile.at[from]) * l;
     p.a = q;
     p.b = t;
-    p.c = bends[i];
-    p.d = (bends[i + 1] - bends[i]) * (1.0 / lengths[i]);
+    p.c = bend;
+    p.d = (next - bend) * (1.0 / p.length);
     q = p.point(p.length);
     t = p.first(p.length);
+    bend = next;
   }
-  return out;
 }
 
 bool outside(const Vec& q, const JunctionSettings& settings) noexcept {
@@ -81,12 +132,12 @@ bool outside(const Vec& q, const JunctionSettings& settings) noexcept {
   return false;
 }
 
-double worst_share(const Blend& blend, const Piece& a, const Piece& b, double l,
+double worst_share(const Blend& blend, const Piece& a, const Piece& b, double l, int samples,
                    const JunctionSettings& settings) noexcept {
   double worst = 0, u = -l;
   for (const Piece& p : blend) {
-    for (int i = 1; i <= kSamples; ++i) {
-      const double s = p.length * i / kSamples, at = u + s;
+    for (int i = 1; i <= samples; ++i) {
+      const double s = p.length * i / samples, at = u + s;
       const Vec programmed = at < 0 ? a.point(a.length + at) : b.point(at);
       const Vec q = p.point(s);
       worst = std::max(worst, settings.tolerance.share(q - programmed));
@@ -98,13 +149,14 @@ double worst_share(const Blend& blend, const Piece& a, const Piece& b, double l,
 }
 
 void set_feeds(Blend& blend, const Piece& a, const Piece& b) noexcept {
-  for (std::size_t i = 0; i < blend.size(); ++i) blend[i].feed = i < 2 ? a.feed : b.feed;
+  for (std::size_t i = 0; i < blend.count; ++i)
+    blend.piece[i].feed = i < blend.count / 2 ? a.feed : b.feed;
 }
 
 /// Seconds from `reach` before the vertex to `reach` behind it, coming and going as fast as may be.
 double passing_time(const Piece& a, const Piece& b, const Blend& blend, double l, double reach,
                     const AxisLimits& limits) noexcept {
-  constexpr std::size_t kMost = 4 * kPerPiece + 2 * kPerSide;
+  constexpr std::size_t kMost = kMostBlendPieces * kPerPiece + 2 * kPerSide;
   struct Stretch {
     const Piece* piece{nullptr};
     double from{0}, to{0};
@@ -143,12 +195,13 @@ double passing_time(const Piece& a, const Piece& b, const Blend& blend, double l
   return seconds;
 }
 
-double three_span_blend(const Piece& a, const Piece& b, const Shape& shape,
-                        const JunctionSettings& settings, Blend& out) noexcept {
+double widest_blend(const Piece& a, const Piece& b, const Shape& shape,
+                    const JunctionSettings& settings, Blend& out) noexcept {
   double l = std::min(settings.reach_a, settings.reach_b);
   for (int round = 0; round < kMaxRounds && l > 1e-9; ++round, l *= kShrinkStep) {
-    out = three_spans(a, b, l, shape);
-    const double share = worst_share(out, a, b, l, settings);
+    make_blend(a, b, l, shape, out);
+    double share = worst_share(out, a, b, l, 1, settings);
+    if (share <= kAim) share = worst_share(out, a, b, l, kSamples, settings);
     if (share <= kAim) {
       set_feeds(out, a, b);
       return l;
@@ -167,22 +220,26 @@ double blend_junction(const Piece& a, const Piece& b, const JunctionSettings& se
   const double reach = std::min(settings.reach_a, settings.reach_b);
   const auto cost = [&](const Blend& blend, double l) {
     return settings.limits.jerks
-               ? -even_speed(blend.data(), blend.size(), settings.limits, settings.by_law)
+               ? -even_speed(blend.begin(), blend.count, settings.limits, settings.by_law)
                : passing_time(a, b, blend, l, reach, settings.limits);
   };
   Blend best;
-  double l = three_span_blend(a, b, kEven, settings, best);
+  double l = widest_blend(a, b, kEven, settings, best);
   double least = l > 0 ? cost(best, l) : kNoLimit;
-  for (const Shape& shape : kShapes) {
+  const auto compare = [&](const Shape& shape) {
     Blend blend;
-    const double taken = three_span_blend(a, b, shape, settings, blend);
-    if (!(taken > 0)) continue;
+    const double taken = widest_blend(a, b, shape, settings, blend);
+    if (!(taken > 0)) return;
     const double found = cost(blend, taken);
-    if (found >= least) continue;
+    if (found >= least) return;
     least = found;
     best = blend;
     l = taken;
-  }
+  };
+  for (const Shape& shape : kShapes) compare(shape);
+  const double turn = settings.tolerance.share(b.first(0) - a.first(a.length));
+  if (!settings.limits.jerks && reach * turn > kCoreRoom)
+    for (const Shape& shape : kCoreShapes) compare(shape);
   if (l > 0)
     for (const Piece& p : best) out.push_back(p);
   return l;

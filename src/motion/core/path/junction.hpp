@@ -1,8 +1,8 @@
 // Junction: the blend between two pieces of which at least one is an arc or a spline: a cubic of three spans that takes over position,
 // direction and curvature from both sides. For two straights it is the trapezoid of smoothing.hpp.
 //
-// Of several shapes the one that is passed fastest is taken. Some swing out before and behind the vertex, so that both sides of the tolerance are
-// used: they bend less on more of the way, which pays where the kink is shallow.
+// Of several shapes the one that is passed fastest is taken. Most swing out before and behind the vertex, so that both sides of the tolerance are
+// used and they bend less: on more of the way, which pays where the kink is shallow, or in a core about the vertex, where it is sharp.
 #pragma once
 
 #include "motion/core/path/buffer.hpp"
@@ -11,6 +11,8 @@
 #include "motion/core/path/tolerance.hpp"
 
 namespace kerf::motion::path {
+
+inline constexpr std::size_t kJunctionPieces = 8;
 
 struct JunctionSettings {
   Tolerance tolerance;
@@ -22,7 +24,7 @@ struct JunctionSettings {
   bool by_law{true};  ///< as in PathSettings
 };
 
-/// Appends up to four pieces (the middle span is divided at the vertex) that replace the last `l` of `a` and the first `l` of `b`, and
+/// Appends up to kJunctionPieces pieces (one ends at the vertex) that replace the last `l` of `a` and the first `l` of `b`, and
 /// gives l; 0 when no blend fits.
 double blend_junction(const Piece& a, const Piece& b, const JunctionSettings& settings,
                       Buffer<Piece>& out) noexcept;

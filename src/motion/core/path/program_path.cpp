@@ -12,7 +12,6 @@ constexpr double kNoPace = 1e6;  ///< mm/s: nothing holds it back
 constexpr double kTangent = 1e-9;
 /// With jerk limits curvature has to go on too (1/mm).
 constexpr double kSameBend = 1e-9;
-constexpr std::size_t kBlendPieces = 4;
 /// A move as short as this at the end of what is driven without a stop is driven by itself: no law is found over a blend within it (sigma).
 constexpr double kTinyEnd = 2e-3;
 /// Corners whose blends take less than this part of both lines are looked at alone.
@@ -71,7 +70,7 @@ void scale_arc(Piece& arc, double sweep, double length, double feed, bool rapid,
 }
 
 bool ProgramPath::create(Memory& memory, std::size_t moves) noexcept {
-  return blend_.create(memory, kBlendPieces) && chain_.create(memory, moves) &&
+  return blend_.create(memory, kJunctionPieces) && chain_.create(memory, moves) &&
          smoother_.create(memory, moves);
 }
 

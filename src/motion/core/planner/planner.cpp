@@ -16,7 +16,8 @@ constexpr std::size_t kMoves = 1024;                            ///< pending at 
 constexpr std::size_t kEvents = 1024;                           ///< between them
 constexpr std::size_t kPendingBlocks = PlanSlots::kBlocks / 2;  ///< that they are made of
 constexpr std::size_t kPieces =
-    8192;  ///< of kMoves moves: five knots a corner, and what feeds divide
+    (path::kJunctionPieces + 2) *
+    kMoves;  ///< an arc with its blend, or five knots a corner and what feeds divide
 /// G64 without P keeps this; see docs/planner.md.
 constexpr double kFreeTolerance = 0.1;
 
