@@ -238,7 +238,9 @@ double blend_junction(const Piece& a, const Piece& b, const JunctionSettings& se
   };
   for (const Shape& shape : kShapes) compare(shape);
   const double turn = settings.tolerance.share(b.first(0) - a.first(a.length));
-  if (!settings.limits.jerks && reach * turn > kCoreRoom)
+  // Straight legs stay where they are programmed, as between two lines.
+  const bool curved = !a.straight() && !b.straight();
+  if (!settings.limits.jerks && curved && reach * turn > kCoreRoom)
     for (const Shape& shape : kCoreShapes) compare(shape);
   if (l > 0)
     for (const Piece& p : best) out.push_back(p);
