@@ -104,6 +104,8 @@ class Executor {
   void fill(MotionStatus& status) const noexcept;
   /// The stretch of path in execution, or nullptr.
   [[nodiscard]] const PathSpan* move() const noexcept;
+  /// Of it, sigma.
+  [[nodiscard]] double left() const noexcept { return left_; }
   /// What scales feeds now; the planner goes by it too.
   [[nodiscard]] const FeedScale& scale() const noexcept { return scale_; }
   /// For the planner.

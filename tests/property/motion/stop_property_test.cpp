@@ -51,8 +51,7 @@ bool place_of(const Drive& drive, const std::vector<PathSpan>& curve, Place& out
   if (move == nullptr || move->number >= curve.size()) return false;
   out.span = static_cast<std::size_t>(move->number);
   const PathSpan& span = curve[out.span];
-  const double left = drive.rig.status().distance_to_go - move->to_move_end;
-  out.s = span.from + span.length - left;
+  out.s = span.from + span.length - drive.rig.controller->executor().left();
   const path::Vec slope = span.piece.first(out.s);
   const double rate = span.piece.feed.metric < 0
                           ? 1.0
