@@ -118,6 +118,7 @@ void CommandParticipant::abort_all(std::uint32_t reason) {
   p_.motion.intent.abort_epoch.publish(++epoch_);
   for (auto& seq : want_.spindle_stop_seq) ++seq;
   stop_jogs(kNobody);
+  jog_until_ = 0;
   end_away();
   want_.single_step = want_.backwards = false;
   block_step_due_ = 0;
