@@ -46,7 +46,7 @@ class Orient final : public hal::Component<Orient> {
         if (way > 0.0) target -= 1.0;
       } else if (way > 0.5) {
         target -= 1.0;
-      } else if (way < -0.5) {
+      } else if (way <= -0.5) {  // half a turn: upwards
         target += 1.0;
       }
       command_ = target;
