@@ -167,6 +167,50 @@ TEST(Stops, LimitedInJerkTakeTheLeastTimeOnStraights) {
   std::printf("slowest stop: %.3f of the least time\n", worst);
 }
 
+/// Corners that are passed: laws drive, and a stop that stands ready begins within kInForce. From each of the moments until then it would take the
+/// least time. Only where the straight has room for all of them.
+TEST(Stops, OfTimeLawsTakeTheLeastTimeOnStraightsFromWhereTheyBegin) {
+  const int count = motion::test::property_count(60);
+  const bench::Program program = bench::zigzag(0.05, 100);
+  path::AxisLimits axes;
+  (void)bench::curve_of(program, kJerk, axes);
+  std::mt19937_64 random(7);
+  double worst = 0;
+  int seen = 0;
+  for (int i = 0; i < count; ++i) {
+    const int when = 20 + static_cast<int>(random() % 5000);
+    SCOPED_TRACE("cycle " + std::to_string(when));
+    Drive drive(program, kJerk), on(program, kJerk);
+    drive.run(when);
+    on.run(when - 1);
+    double before = on.speed(), latest = 0;
+    bool room = true;
+    for (int k = 0; k <= kInForce && room; ++k) {
+      on.cycle();
+      const motion::Executor& path = on.rig.controller->executor();
+      const PathSpan* move = path.move();
+      const double v = on.speed(), acc = (v - before) / Rig::kPeriod;
+      before = v;
+      room = move != nullptr && move->piece.straight() && v > 1;
+      if (!room) break;
+      const path::Box box = path::straight_box(move->piece, axes);
+      const motion::RampLimits limits{box.acc, box.jerk};
+      const motion::RampState state{v, std::clamp(acc, -limits.acc, limits.acc)};
+      const motion::Ramp ramp = motion::ramp_to(state, 0, limits);
+      room = path.left() > kSlower * ramp.distance(state);
+      latest = std::max(latest, k * Rig::kPeriod + kSlower * ramp.duration());
+    }
+    if (!room) continue;
+    ++seen;
+    const int cycles = stop(drive, i % 2 == 0 ? Order::hold : Order::abort);
+    ASSERT_GE(cycles, 0);
+    EXPECT_LE(cycles, latest / Rig::kPeriod + kCycles);
+    worst = std::max(worst, (cycles - kCycles) * Rig::kPeriod / latest);
+  }
+  EXPECT_GT(seen, count / 6);
+  std::printf("slowest of %d stops: %.3f of the latest that is allowed\n", seen, worst);
+}
+
 TEST(Stops, ALostHeartbeatStopsOnThePathLikeAHold) {
   for (const double jerk : {0.0, kJerk})
     for (const bench::Program& program : programs()) {

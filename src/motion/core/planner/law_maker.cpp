@@ -157,7 +157,8 @@ bool LawMaker::fill(const Place& place, std::uint64_t at_least, For what, Window
       // It speeds up for a while yet.
       const double rise = (std::max(place.start.u, 0.0) + acc) / jerk;
       const double v = std::sqrt(place.start.x) + rise * std::max(place.start.u, acc) / 2;
-      if (way > kStopReserve * (v * v / (2 * acc) + v * rise)) {
+      // Boxes of blends ahead make the way seem longer than it is; a stop ends wherever it can.
+      if (way > kStopReserve * (v * v / (2 * acc) + v * rise) || solver_.intervals() > kMost) {
         out.final = false;
         break;
       }
