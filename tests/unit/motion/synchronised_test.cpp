@@ -291,13 +291,17 @@ TEST(Thread, TheIndexOfThePassBehindARapidMoveComesMeanwhile) {
   std::printf("result: threads behind rapid moves stood at most %.2f turns\n", longest);
 }
 
-TEST(Thread, AnIndexThatWasForeseenIsForgottenWhenItCountsNoMore) {
-  SpindleRig rig;
+void thread_behind_a_rapid_move(SpindleRig& rig, double rpm) {
   rig.ready();
-  rig.turn(60);
+  rig.turn(rpm);
   rig.line({.x = 50}, 0, MotionKind::traverse);
   rig.thread({.x = 50, .z = -20}, 1.5);
   rig.line({}, 0, MotionKind::traverse);
+}
+
+TEST(Thread, AnIndexThatWasForeseenIsForgottenWhenItCountsNoMore) {
+  SpindleRig rig;
+  thread_behind_a_rapid_move(rig, 60);
   ASSERT_GT(rig.run_until([&] { return rig.in.spindle[0].index_enable; }, 1000), 0);
   rig.run(5);
   EXPECT_GT(rig.status().vel_mm_s, 0) << "during the rapid move";
@@ -332,11 +336,7 @@ TEST(Thread, AnIndexThatWasForeseenIsForgottenWhenItCountsNoMore) {
 
   // Somebody sets the counter after the index: it is asked for again.
   SpindleRig set;
-  set.ready();
-  set.turn(600);
-  set.line({.x = 50}, 0, MotionKind::traverse);
-  set.thread({.x = 50, .z = -20}, 1.5);
-  set.line({}, 0, MotionKind::traverse);
+  thread_behind_a_rapid_move(set, 600);
   ASSERT_GT(set.run_until([&] { return set.passed == 1; }, 2000), 0);
   EXPECT_GT(set.status().vel_mm_s, 0);
   set.run(20);
