@@ -280,9 +280,8 @@ class Executor {
   Step step_;
   bool step_brakes_{false};     ///< a step waits for rest, or for the planner
   bool between_blocks_{false};  ///< it stands where a block within the span ends
-  bool to_cut_{false};          ///< single step drives from rest to cut_
   std::uint32_t block_{0};      ///< of PathSpan::blocks, the next to begin
-  double cut_{0};   ///< above 0: what is left of the span where the block of this step ends
+  double cut_{0};   ///< above 0: single step drives from rest to where so much of the span is left
   Pose block_end_;  ///< of the block in execution, on the path
   double dwell_left_{0}, orient_left_s_{0}, distance_{0};
   MotionKind kind_{MotionKind::none};

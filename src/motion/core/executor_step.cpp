@@ -47,7 +47,6 @@ const BlockStart* Executor::next_block(const PathSpan& move) const noexcept {
 void Executor::begin_blocks(const PathSpan& move) noexcept {
   block_ = 0;
   block_end_ = move.end;
-  to_cut_ = false;
   cut_ = 0;
   if (const BlockStart* own = next_block(move)) begin_block(*own, move);
 }
@@ -84,18 +83,11 @@ double Executor::step_within(const PathSpan& move, const PathInputs& in, double 
   if (!pass_blocks(move, in)) x = 0;
   const BlockStart* next = in.single_step ? next_block(move) : nullptr;
   const bool cuts = next != nullptr && left_ > next->left;
-  if (!cuts) {
-    if (to_cut_) half_way_ = 0;
-    to_cut_ = false;
-    cut_ = 0;
-    return x;
-  }
-  if (at_rest() && !to_cut_) {
-    to_cut_ = true;
+  if (cuts != (cut_ > 0)) {
+    if (cuts && !at_rest()) return 0;
     half_way_ = 0;
   }
-  if (!to_cut_) return 0;
-  cut_ = next->left;
+  cut_ = cuts ? next->left : 0.0;
   return x;
 }
 

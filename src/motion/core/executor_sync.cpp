@@ -68,7 +68,7 @@ Executor::Outcome Executor::join_thread(const Span& span, const PathSpan& move,
     Synchroniser::Wish wish;
     wish.per_rev = sync.per_rev;
     wish.acc = sync.acc;
-    wish.jerk = move.even_jerk > 0 ? sync.jerk : 0.0;
+    wish.jerk = sync.jerk;
     wish.speed = std::sqrt(move.speed.cap);
     wish.to_end = sync.to_end;
     wish.mm = sync.mm;

@@ -59,12 +59,7 @@ double way_to_reach(RampState s, double target, double speed, const RampLimits& 
 
 double Ramp::distance(RampState from) const noexcept {
   double way = 0;
-  for (int i = 0; i < 3; ++i) {
-    const double t = seconds[i];
-    way += t * (from.speed + t * (0.5 * from.acc + t * jerk[i] * (1.0 / 6.0)));
-    from.speed += t * (from.acc + 0.5 * t * jerk[i]);
-    from.acc += t * jerk[i];
-  }
+  for (int i = 0; i < 3; ++i) way += motion::advance(from, jerk[i], seconds[i]);
   return way;
 }
 
@@ -72,9 +67,7 @@ double Ramp::advance(RampState& state, double t) const noexcept {
   double way = 0;
   for (int i = 0; i < 3 && t > 0; ++i) {
     const double dt = std::min(t, seconds[i]);
-    way += dt * (state.speed + dt * (0.5 * state.acc + dt * jerk[i] * (1.0 / 6.0)));
-    state.speed += dt * (state.acc + 0.5 * dt * jerk[i]);
-    state.acc += dt * jerk[i];
+    way += motion::advance(state, jerk[i], dt);
     t -= dt;
   }
   return way;

@@ -16,6 +16,14 @@ struct RampState {
   double speed{0}, acc{0};  ///< signed
 };
 
+/// Constant jerk for `t` seconds; gives the distance.
+inline double advance(RampState& state, double jerk, double t) noexcept {
+  const double way = t * (state.speed + t * (0.5 * state.acc + t * jerk * (1.0 / 6.0)));
+  state.speed += t * (state.acc + 0.5 * t * jerk);
+  state.acc += t * jerk;
+  return way;
+}
+
 struct Ramp {
   double seconds[3]{};
   double jerk[3]{};

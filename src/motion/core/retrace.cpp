@@ -23,7 +23,6 @@ void Executor::turn_back() noexcept {
   track_.on = track_.back = true;
   track_.behind = started_ ? 0 : 1;
   half_way_ = cut_ = 0;
-  to_cut_ = false;
   if (started_) {
     const auto& move = std::get<PathSpan>(spans_.front()->body);
     track_.move = path::reversed(move);

@@ -150,8 +150,8 @@ class ProgrammedMoves {
 /// `soft` is the same with programmed feeds at the override in force; it may change either way, and nothing depends on it but the feed.
 ///
 /// With jerk limits (ahead.hpp) `hard` is 0 where the path stands, the largest x with acceleration 0 where the limits along the path change, and
-/// only above 0 elsewhere; `soft` is 0 where it is to stand; in single step where the limits change the same as `hard` for standing there; kNoLimit elsewhere; and `ahead` says of each span what the servo needs to look
-/// ahead. It is written before the `hard` of the span before it rises above 0.
+/// only above 0 elsewhere. `soft` is 0 where it is to stand, in single step the largest x from which that can be done where the limits change, and
+/// kNoLimit elsewhere. `ahead` says of each span what the servo needs to look ahead. It is written before the `hard` of the span before it rises above 0.
 struct PlanSlots {
   /// A cache line: the servo reads many of them in one look ahead.
   struct alignas(64) Ahead {

@@ -99,6 +99,10 @@ double joining_distance(double ref_speed, double acc, double jerk, double dt) no
 
 namespace {
 
+FollowLimits limits_of(const TapSpan& tap) noexcept {
+  return {tap.acc, tap.jerk, -tap.speed, tap.speed};
+}
+
 /// The acceleration after `dt` from which letting go of it ends at `room` above the present speed.
 double acc_that_leaves(double room, double acc, double jerk, double dt) noexcept {
   const double square = 0.25 * dt * dt + 2 * (room - 0.5 * acc * dt) / jerk;
@@ -134,8 +138,9 @@ double following_jerk(const Reference& ref, RampState state, const FollowLimits&
     // More than the ramp behind it, so that what the division into cycles spoils is made good.
     const double most = own.jerk / kShare;
     const auto end = [&](double jerk) {
-      const RampState then{w + dt * (b + 0.5 * dt * jerk), b + dt * jerk};
-      return e + dt * (w + dt * (0.5 * b + dt * jerk * (1.0 / 6.0))) + ramp_distance(then, 0, own);
+      RampState then{w, b};
+      const double way = advance(then, jerk, dt);
+      return e + way + ramp_distance(then, 0, own);
     };
     j = largest_within(-most, most, 0, end, {kSameJerk, 1e-13, kJerkSteps});
     j = std::clamp(j, std::min(0.0, (-own.acc - b) / dt), std::max(0.0, (own.acc - b) / dt));
@@ -396,8 +401,8 @@ void Synchroniser::move_tap(const TapSpan& tap, double wanted, double dt) noexce
 /// With jerk limits: the wish where a stop behind it stays within the range; else to rest.
 void Synchroniser::ramp_tap(const TapSpan& tap, double jerk, double dt) noexcept {
   const RampLimits limits{tap.acc, tap.jerk};
-  const RampState then{speed_ + dt * (acc_ + 0.5 * dt * jerk), acc_ + dt * jerk};
-  const double place = place_ + dt * (speed_ + dt * (0.5 * acc_ + dt * jerk * (1.0 / 6.0)));
+  RampState then{speed_, acc_};
+  const double place = place_ + advance(then, jerk, dt);
   const double rest = place + ramp_distance(then, 0, limits);
   if (std::min(place, rest) >= tap.low && std::max(place, rest) <= tap.high) {
     place_ = place;
@@ -420,8 +425,7 @@ void Synchroniser::brake_tap(const TapSpan& tap, double dt) noexcept {
 void Synchroniser::follow_spindle(const TapSpan& tap, double dt) noexcept {
   const SpindleObserver& o = observer_[spindle_];
   if (tap.jerk > 0) {
-    const double j =
-        tracker_.jerk(o, place_, {speed_, acc_}, {tap.acc, tap.jerk, -tap.speed, tap.speed}, 0, dt);
+    const double j = tracker_.jerk(o, place_, {speed_, acc_}, limits_of(tap), 0, dt);
     if (tracker_.moving()) ramp_tap(tap, j, dt);
     return;
   }
@@ -434,10 +438,7 @@ bool Synchroniser::comes_home(const TapSpan& tap, double dt) noexcept {
   const double step = (tap.jerk > 0 ? tap.jerk * dt : tap.acc) * dt, still = kLanding * step;
   const double before = speed_, acc_before = acc_;
   if (tap.jerk > 0)
-    ramp_tap(tap,
-             following_jerk({place_, 0, 0}, {speed_, acc_},
-                            {tap.acc, tap.jerk, -tap.speed, tap.speed}, dt),
-             dt);
+    ramp_tap(tap, following_jerk({place_, 0, 0}, {speed_, acc_}, limits_of(tap), dt), dt);
   else
     move_tap(tap, following_speed(place_, 0, kShare * tap.acc, dt), dt);
   return std::max(std::abs(before), std::abs(speed_)) <= still && std::abs(place_) <= still * dt &&
