@@ -122,6 +122,8 @@ class Planner {
     double length{0}, even_acc{0}, even_jerk{0};
     SpeedBounds speed;
     std::uint64_t place{0};  ///< in the ring
+    std::uint64_t group{
+        0};  ///< the first of the spans before it that share its even_acc and even_jerk
     path::Rows rows;
     std::uint64_t last_block{0};  ///< PlanSlots::block: behind those of all spans up to this one
     bool stop_at_end{false}, block_end{false}, begins{false};
@@ -190,7 +192,7 @@ class Planner {
   [[nodiscard]] bool steps_end_behind(std::uint64_t n) const noexcept;
   void finish_sending() noexcept;
   void plan(bool all) noexcept;
-  [[nodiscard]] bool plan_ramps(std::uint64_t n, bool all, int& unchanged) noexcept;
+  [[nodiscard]] bool plan_ramps(std::uint64_t n, int& unchanged) noexcept;
   [[nodiscard]] double stop_seconds() const noexcept;
   [[nodiscard]] double seconds_ahead(double enough) const noexcept;
   [[nodiscard]] double seconds_pending(double enough) const noexcept;

@@ -340,6 +340,13 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   sent.even_acc = body.even_acc;
   sent.even_jerk = body.even_jerk;
   sent.place = spans_.pushed();
+  sent.group = next_number_;
+  if (next_number_ > 0 && sent.even_jerk > 0 && !begins_) {
+    const Sent& before = sent_[(next_number_ - 1) % kSpans];
+    if (!before.stop_at_end && before.even_acc == sent.even_acc &&
+        before.even_jerk == sent.even_jerk)
+      sent.group = before.group;
+  }
   span.body = body;
   // Until the pass from the end has been made it ends in a stop.
   PlanSlots::Ahead& ahead = slots_.ahead[next_number_ % kSpans];
@@ -453,8 +460,14 @@ void Planner::plan(bool all) noexcept {
     if (s.place < spans_.popped()) break;
     if (s.even_jerk > 0) {
       hard = soft = 0;
+      // Within a group nothing changes.
+      if (!all && n + 1 < first_new_ && sent_[(n + 1) % kSpans].group <= n) {
+        n = s.group;
+        if (next_number_ - n > kSpans || sent_[n % kSpans].begins) break;
+        continue;
+      }
       // More groups than are ever looked at together are as they were.
-      if (!plan_ramps(n, all, unchanged) && !all && unchanged > kGroupsTogether) break;
+      if (!plan_ramps(n, unchanged) && !all && unchanged > kGroupsTogether) break;
       if (s.begins) break;
       continue;
     }
@@ -482,13 +495,11 @@ void Planner::plan(bool all) noexcept {
 
 /// Span n, with jerk limits: only where the limits along the path change there is a speed to find (ahead.hpp). Counts the ends of groups that stayed
 /// as they were; true: this one is none, or changed.
-bool Planner::plan_ramps(std::uint64_t n, bool all, int& unchanged) noexcept {
+bool Planner::plan_ramps(std::uint64_t n, int& unchanged) noexcept {
   const Sent& s = sent_[n % kSpans];
   const Sent& next = sent_[(n + 1) % kSpans];
   const bool ends = s.stop_at_end || n + 1 == next_number_ || next.begins || !(next.even_jerk > 0);
   const bool group_end = ends || next.even_acc != s.even_acc || next.even_jerk != s.even_jerk;
-  // Within a group nothing changes.
-  if (!group_end && !all && n + 1 < first_new_) return true;
   double hard = 0;
   if (!ends) {
     hard = std::min(s.speed.cap, next.speed.cap);
