@@ -15,13 +15,22 @@ constexpr double kUnderWish = 0.999;
 /// A wish costs this many times what breaking it is worth.
 constexpr double kPrice = 2;
 /// First slack of a limit that does not hold, relative to the limit.
-constexpr double kFirstSlack = 0.05;
+constexpr double kFirstSlack = 0.3;
 constexpr double kLeastMultiplier = 1e-30;
 /// A wish that is far below is neared by this factor in one iteration.
 constexpr double kSink = 0.5;
 constexpr double kStalled = 1e-6;
 /// Weights of the barrier (relative to the time) down to which a law goes before it begins to brake for wishes, and with which it begins.
 constexpr double kRough = 0.1, kRecentre = 1;
+
+template <class Pair>
+Pair larger(Pair a, Pair b) noexcept {
+  return a > b ? a : b;
+}
+template <class Pair>
+Pair smaller(Pair a, Pair b) noexcept {
+  return a < b ? a : b;
+}
 
 }  // namespace
 
@@ -45,14 +54,12 @@ LawNewton::JerkSide::JerkSide(const double b[3], double share) noexcept {
 
 bool LawNewton::create(Memory& memory, std::size_t intervals) noexcept {
   const std::size_t rows = intervals * kRowsPerInterval, n = intervals + 1;
-  for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_, &d0_, &d1_, &d2_})
+  for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_, &d0_, &d1_, &d2_, &by_mu_})
     if (!b->create(memory, n)) return false;
-  for (Buffer<double>* b :
-       {&v_, &sp_, &sm_, &zp_, &zm_, &dsp_, &dsm_, &dzp_, &dzm_, &over_p_, &over_m_})
-    if (!b->create(memory, rows)) return false;
-  for (Buffer<Bound>* b : {&at_middle_, &at_node_, &wish_middle_, &wish_node_})
-    if (!b->create(memory, n)) return false;
-  return side_.create(memory, n);
+  // A limit and a wish each.
+  for (Buffer<Bound>* b : {&at_middle_, &at_node_})
+    if (!b->create(memory, 2 * n)) return false;
+  return sides_.create(memory, rows) && side_.create(memory, n);
 }
 
 void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) noexcept {
@@ -62,17 +69,11 @@ void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) n
   last_ = n_ - 1;
   x0_ = x0;
   rests_ = x0 <= 0;
-  for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_, &d0_, &d1_, &d2_})
-    b->assign(n_ + 1, 0);
-  for (Buffer<double>* b :
-       {&v_, &sp_, &sm_, &zp_, &zm_, &dsp_, &dsm_, &dzp_, &dzm_, &over_p_, &over_m_})
-    b->assign(rows.a0.size(), 0);
-  for (Buffer<Bound>* b : {&at_middle_, &at_node_, &wish_middle_, &wish_node_}) {
-    Bound none;
-    none.top = kNoLimit;
-    b->assign(n_ + 1, none);
-  }
+  for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_}) b->assign(n_ + 1, 0);
+  sides_.assign(rows.a0.size(), Sides());
   side_.assign(n_ + 1, JerkSide());
+  at_middle_.clear();
+  at_node_.clear();
   for (std::size_t i = 1; i < n_; ++i) {
     const double before = rows[i - 1].length, after = rows[i].length;
     left_[i] = after / (before + after);
@@ -86,36 +87,46 @@ void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) n
   }
   left_[n_ - 1] = 1 / (1 + 2 * rows[n_ - 2].length / (3 * rows[n_ - 1].length));
   right_[n_ - 1] = 0;
-  for (std::size_t i = first_; i < last_; ++i) {
-    at_middle_[i].top = rows[i].cap;
-    wish_middle_[i].top = rows[i].wish < kNoLimit ? kUnderWish * rows[i].wish : kNoLimit;
-    wish_middle_[i].length = rows[i].length;
-  }
-  for (std::size_t i = 1; i < n_; ++i) {
-    const double cap = std::min(rows[i - 1].cap, rows[i].cap);
-    at_node_[i].top = cap;
-    const double wish = std::min(rows[i - 1].wish, rows[i].wish);
-    if (rows[i - 1].wish == rows[i].wish || wish >= cap) continue;
-    wish_node_[i].top = kUnderWish * wish;
-    wish_node_[i].length = (rows[i - 1].length + rows[i].length) / 2;
-  }
-  if (rests_) at_node_[1].top = std::min(at_node_[1].top, rows.start_cap());
-  at_node_[n_ - 1].top = std::min(at_node_[n_ - 1].top, rows.stop_cap());
   // At first nothing is to brake for a wish.
   waits_ = sinks_ = false;
-  for (Buffer<Bound>* all : {&wish_middle_, &wish_node_})
-    for (Bound& c : *all) {
-      c.wanted = c.top;
-      if (c.top >= x0 || !patient) continue;
+  const auto add = [&](Buffer<Bound>& to, std::size_t i, double top, double length) {
+    if (top >= kNoLimit) return;
+    Bound c;
+    c.i = i;
+    c.top = c.wanted = top;
+    c.length = length;
+    if (length > 0 && top < x0 && patient) {
       c.top = x0;
       waits_ = true;
     }
+    to.push_back(c);
+  };
+  for (std::size_t i = first_; i < last_; ++i) {
+    add(at_middle_, i, rows[i].cap, 0);
+    if (rows[i].wish < kNoLimit) add(at_middle_, i, kUnderWish * rows[i].wish, rows[i].length);
+  }
+  for (std::size_t i = 1; i < n_; ++i) {
+    const LawInterval &before = rows[i - 1], &after = rows[i];
+    double cap = std::min(before.cap, after.cap);
+    const double wish = std::min(before.wish, after.wish);
+    const bool wishes = before.wish != after.wish && wish < cap;
+    if (rests_ && i == 1) cap = std::min(cap, rows.start_cap());
+    if (i == n_ - 1) cap = std::min(cap, rows.stop_cap());
+    add(at_node_, i, cap, 0);
+    if (wishes) add(at_node_, i, kUnderWish * wish, (before.length + after.length) / 2);
+  }
 }
 
 void LawNewton::coefficients(std::size_t i, double b[3]) const noexcept {
   b[0] = i == 0 ? x0_ : node_[i];
   b[1] = m_[i];
   b[2] = node_[i + 1];
+}
+
+template <class F>
+void LawNewton::each_bound(F&& f) noexcept {
+  for (Bound& c : at_middle_) f(c, m_[c.i]);
+  for (Bound& c : at_node_) f(c, node_[c.i]);
 }
 
 void LawNewton::set_nodes() noexcept {
@@ -127,8 +138,8 @@ double LawNewton::seconds() const noexcept {
   for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
     double b[3];
     coefficients(i, b);
-    const double xm = (b[0] + 2 * b[1] + b[2]) / 4;
-    t += (*rows_)[i].length / 6 * (1 / std::sqrt(b[0]) + 4 / std::sqrt(xm) + 1 / std::sqrt(b[2]));
+    Quadratic unused;
+    t += build_time((*rows_)[i].length, b, unused);
   }
   if (rests_) t += 3 * (*rows_)[0].length / std::sqrt(node_[1]);
   return t + 3 * (*rows_)[n_ - 1].length / std::sqrt(node_[n_ - 1]);
@@ -187,19 +198,18 @@ void LawNewton::start_wish(Bound& c, double x) noexcept {
 
 void LawNewton::wish_truly(double mu) noexcept {
   // Away from the bounds: what was worth being near to is no more.
-  for (std::size_t r = 0; r < sp_.size(); ++r) {
-    zp_[r] = std::max(zp_[r], mu / sp_[r]);
-    zm_[r] = std::max(zm_[r], mu / sm_[r]);
+  for (Sides& side : sides_) {
+    const Pair least = mu / side.s;
+    side.z = larger(side.z, least);
   }
-  for (Buffer<Bound>* all : {&at_middle_, &at_node_})
-    for (Bound& c : *all) c.z = std::max(c.z, mu / c.s);
-  const auto bound = [&](Bound& c, double x) {
-    if (c.wanted >= c.top || !c.used()) return;
-    c.top = std::max(c.wanted, kSink * x);
-    start_wish(c, x);
-  };
-  for (std::size_t i = first_; i < last_; ++i) bound(wish_middle_[i], m_[i]);
-  for (std::size_t i = 1; i < n_; ++i) bound(wish_node_[i], node_[i]);
+  each_bound([&](Bound& c, double x) {
+    if (!(c.length > 0)) {
+      c.z = std::max(c.z, mu / c.s);
+    } else if (c.wanted < c.top) {
+      c.top = std::max(c.wanted, kSink * x);
+      start_wish(c, x);
+    }
+  });
 }
 
 void LawNewton::start_slacks(double mu) noexcept {
@@ -214,220 +224,208 @@ void LawNewton::start_slacks(double mu) noexcept {
       const double right =
           k < accs ? acc_ : std::max(side.right[(k - accs) / rows[i].jerks], 0.1 * side.right[0]);
       const double v = rows.a0[r] * b[0] + rows.a1[r] * b[1] + rows.a2[r] * b[2];
-      sp_[r] = std::max(right - v, kFirstSlack * right);
-      sm_[r] = std::max(right + v, kFirstSlack * right);
-      zp_[r] = mu / sp_[r];
-      zm_[r] = mu / sm_[r];
+      Sides& row = sides_[r];
+      row.s =
+          Pair{std::max(right - v, kFirstSlack * right), std::max(right + v, kFirstSlack * right)};
+      row.z = mu / row.s;
+      row.ds = row.dz = Pair{0, 0};
     }
   }
-  const auto bound = [&](Bound& c, double x) {
-    if (!c.used()) return;
+  each_bound([&](Bound& c, double x) {
     if (c.length > 0) {
       start_wish(c, x);
     } else {
       c.s = std::max(c.top - x, kFirstSlack * c.top);
       c.z = mu / c.s;
     }
-  };
-  for (std::size_t i = first_; i < last_; ++i)
-    bound(at_middle_[i], m_[i]), bound(wish_middle_[i], m_[i]);
-  for (std::size_t i = 1; i < n_; ++i) bound(at_node_[i], node_[i]), bound(wish_node_[i], node_[i]);
+  });
 }
 
-void LawNewton::look() noexcept {
+/// The time over an interval; its derivatives become q.
+double LawNewton::build_time(double length, const double b[3], Quadratic& q) noexcept {
+  const double xm = (b[0] + 2 * b[1] + b[2]) / 4, d = length / 6;
+  const double i0 = 1 / b[0], im = 1 / xm, i2 = 1 / b[2];
+  const double r0 = d * std::sqrt(i0), rm = 4 * d * std::sqrt(im), r2 = d * std::sqrt(i2);
+  const double t0 = r0 * i0, tm = rm * im, t2 = r2 * i2, hm = 0.75 * tm * im / 16;
+  q.g01 = Pair{0.5 * t0 + 0.125 * tm, 0.25 * tm};
+  q.g2 = 0.5 * t2 + 0.125 * tm;
+  q.h0001 = Pair{0.75 * t0 * i0 + hm, 2 * hm};
+  q.h0211 = Pair{hm, 4 * hm};
+  q.h1222 = Pair{2 * hm, 0.75 * t2 * i2 + hm};
+  return r0 + rm + r2;
+}
+
+/// The rows [r, end) with one right side: moved on, looked at, and added. With slopes the right side depends on b too.
+template <bool kSlopes>
+void LawNewton::add_rows(std::size_t r, std::size_t end, const double b[3], const Section& section,
+                         Quadratic& q, Look& look) noexcept {
   const LawRows& rows = *rows_;
-  sum_ = worst_ = 0;
-  terms_ = 0;
-  for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
-    double b[3];
-    coefficients(i, b);
-    const JerkSide& side = side_[i] = JerkSide(b, jerk_);
-    const std::int32_t accs = rows[i].accs, jerks = rows[i].jerks;
-    std::size_t r = rows[i].row;
-    const auto look_at = [&](double right, double relative) {
-      const double v = rows.a0[r] * b[0] + rows.a1[r] * b[1] + rows.a2[r] * b[2];
-      v_[r] = v;
-      // A slack that is too small may grow to what it truly is.
-      sp_[r] = std::max(sp_[r], right - v);
-      sm_[r] = std::max(sm_[r], right + v);
-      sum_ += sp_[r] * zp_[r] + sm_[r] * zm_[r];
-      worst_ = std::max(worst_, (std::abs(v) - right) * relative);
-    };
-    // What the start state alone decides is no row.
-    for (std::int32_t k = 0; k < accs; ++k, ++r)
-      if (i > 0 || rows.a2[r] != 0) look_at(acc_, 1);
-    const double relative = 1 / side.right[0];
-    for (int k = 0; k < 3; ++k)
-      for (std::int32_t j = 0; j < jerks; ++j, ++r) look_at(side.right[k], relative);
-    terms_ += static_cast<std::size_t>(2 * accs + 6 * jerks);
-  }
-  const auto bound = [&](Bound& c, double x) {
-    if (!c.used()) return;
-    c.at = x;
-    if (c.price > 0) {
-      if (sinks_) c.top = std::min(c.top, std::max(c.wanted, kSink * x));
-      const double price = price_of(c, x), change = price / c.price;
-      c.price = price;
-      c.z *= change;
-      c.y *= change;
-      sum_ += c.s * c.z + c.t * c.y;
-      terms_ += 2;
-      return;
+  const Pair right = both(section.right);
+  Pair least = right, g01{}, m01{}, x01{}, weights{}, pulls{}, pulls_mu{};
+  double g2 = 0, m2 = 0, x2 = 0;
+  for (; r < end; ++r) {
+    const double c0 = rows.a0[r], c1 = rows.a1[r], c2 = rows.a2[r];
+    if (section.given && c2 == 0) continue;
+    Sides& side = sides_[r];
+    const double v = c0 * b[0] + c1 * b[1] + c2 * b[2];
+    const Pair room = right - Pair{v, -v};
+    // A slack that is too small may grow to what it truly is.
+    const Pair s = larger(side.s + look.primal * side.ds, room);
+    const Pair z = larger(side.z + look.dual * side.dz, both(kLeastMultiplier));
+    const Pair over = 1 / s, w = z * over, back = w * (s - room);
+    side.s = s, side.z = z, side.over = over, side.room = room;
+    least = smaller(least, room);
+    look.sum += s * z;
+    const double weight = w[0] + w[1], pull = back[0] - back[1], pull_mu = over[0] - over[1];
+    const Pair c01 = {c0, c1};
+    q.h0001 += both(weight * c0) * c01;
+    q.h0211 += both(weight) * Pair{c0, c1} * Pair{c2, c1};
+    q.h1222 += both(weight * c2) * Pair{c1, c2};
+    g01 += both(pull) * c01;
+    g2 += pull * c2;
+    m01 += both(pull_mu) * c01;
+    m2 += pull_mu * c2;
+    if constexpr (kSlopes) {
+      const double difference = w[0] - w[1];
+      x01 += both(difference) * c01;
+      x2 += difference * c2;
+      weights += w;
+      pulls += back;
+      pulls_mu += over;
     }
-    c.s = std::max(c.s, c.top - x);
-    sum_ += c.s * c.z;
-    worst_ = std::max(worst_, x / c.top - 1);
-    ++terms_;
-  };
-  for (std::size_t i = first_; i < last_; ++i)
-    bound(at_middle_[i], m_[i]), bound(wish_middle_[i], m_[i]);
-  for (std::size_t i = 1; i < n_; ++i) bound(at_node_[i], node_[i]), bound(wish_node_[i], node_[i]);
+  }
+  look.worst = std::max(look.worst, -std::min(least[0], least[1]) * section.relative);
+  q.g01 -= g01, q.g2 -= g2;
+  q.mu01 -= m01, q.mu2 -= m2;
+  if constexpr (kSlopes) {
+    const double s0 = section.slope[0], s1 = section.slope[1], s2 = section.slope[2];
+    const double weight = weights[0] + weights[1], pull = pulls[0] + pulls[1],
+                 pull_mu = pulls_mu[0] + pulls_mu[1], x0 = x01[0], x1 = x01[1];
+    q.g01 += both(pull) * Pair{s0, s1}, q.g2 += pull * s2;
+    q.mu01 += both(pull_mu) * Pair{s0, s1}, q.mu2 += pull_mu * s2;
+    q.h0001 += Pair{weight * s0 * s0 - 2 * x0 * s0, weight * s0 * s1 - x0 * s1 - x1 * s0};
+    q.h0211 += Pair{weight * s0 * s2 - x0 * s2 - x2 * s0, weight * s1 * s1 - 2 * x1 * s1};
+    q.h1222 += Pair{weight * s1 * s2 - x1 * s2 - x2 * s1, weight * s2 * s2 - 2 * x2 * s2};
+  }
 }
 
-void LawNewton::build(double mu) noexcept {
+/// Of interval i, over the unknowns: b0 = l m[i-1] + r m[i], b2 = ll m[i] + rr m[i+1].
+void LawNewton::add(std::size_t i, const Quadratic& q) noexcept {
+  const double l = left_[i], rt = right_[i], ll = left_[i + 1], rr = right_[i + 1];
+  const double h00 = q.h0001[0], h01 = q.h0001[1], h02 = q.h0211[0], h11 = q.h0211[1],
+               h12 = q.h1222[0], h22 = q.h1222[1];
+  const double g0 = q.g01[0], g1 = q.g01[1], mu0 = q.mu01[0], mu1 = q.mu01[1];
+  if (i > 0) {
+    d0_[i - 1] += l * l * h00;
+    d1_[i - 1] += l * (rt * h00 + h01 + ll * h02);
+    d2_[i - 1] += l * rr * h02;
+    dm_[i - 1] += l * g0;
+    by_mu_[i - 1] += l * mu0;
+  }
+  d0_[i] += rt * (rt * h00 + 2 * h01 + 2 * ll * h02) + h11 + ll * (2 * h12 + ll * h22);
+  d1_[i] += rr * (rt * h02 + h12 + ll * h22);
+  d0_[i + 1] += rr * rr * h22;
+  dm_[i] += rt * g0 + g1 + ll * q.g2;
+  by_mu_[i] += rt * mu0 + mu1 + ll * q.mu2;
+  dm_[i + 1] += rr * q.g2;
+  by_mu_[i + 1] += rr * q.mu2;
+}
+
+void LawNewton::add_at_node(std::size_t i, double h, double g, double by_mu) noexcept {
+  const double l = left_[i], r = right_[i];
+  d0_[i - 1] += h * l * l;
+  d1_[i - 1] += h * l * r;
+  d0_[i] += h * r * r;
+  dm_[i - 1] += g * l;
+  dm_[i] += g * r;
+  by_mu_[i - 1] += by_mu * l;
+  by_mu_[i] += by_mu * r;
+}
+
+/// Moved on by these steps, looked at where x is now, and made ready to be added.
+void LawNewton::prepare(Bound& c, double x, double primal, double dual) noexcept {
+  c.s += primal * c.ds;
+  c.z = std::max(c.z + dual * c.dz, kLeastMultiplier);
+  if (c.length > 0) {
+    c.t += primal * c.dt;
+    c.y = std::max(c.y - dual * c.dz, kLeastMultiplier);
+    if (sinks_) c.top = std::min(c.top, std::max(c.wanted, kSink * x));
+    const double price = price_of(c, x), change = price / c.price;
+    c.price = price;
+    c.z *= change;
+    c.y *= change;
+    sum_ += c.s * c.z + c.t * c.y;
+    terms_ += 2;
+    const double by_z = 1 / c.z, by_y = 1 / c.y;
+    c.weight = 1 / (c.s * by_z + c.t * by_y);
+    c.pull = c.weight * (x - c.top);  // dz without a step
+    c.pull_mu = c.weight * (by_z - by_y);
+    c.push = c.z + c.pull;
+    c.push_mu = c.pull_mu;
+    return;
+  }
+  c.s = std::max(c.s, c.top - x);
+  sum_ += c.s * c.z;
+  ++terms_;
+  if (x > c.top * (1 + worst_)) worst_ = x / c.top - 1;
+  c.push_mu = 1 / c.s;
+  c.weight = c.z * c.push_mu;
+  c.off = x - c.top + c.s;
+  c.push = c.weight * c.off;
+}
+
+/// Moves on by these steps, looks where all is then, and builds the matrix for the next step and its right side, which is linear in mu.
+void LawNewton::look_and_build(double primal, double dual) noexcept {
   const LawRows& rows = *rows_;
-  d0_.assign(n_ + 1, 0);
-  d1_.assign(n_ + 1, 0);
-  d2_.assign(n_ + 1, 0);
-  dm_.assign(n_ + 1, 0);
+  for (std::size_t i = first_; i < last_; ++i) m_[i] += primal * dm_[i];
+  set_nodes();
+  for (Buffer<double>* b : {&d0_, &d1_, &d2_, &dm_, &by_mu_}) b->assign(n_ + 1, 0);
+  sum_ = worst_ = time_ = 0;
+  terms_ = 0;
+  Look look;
+  look.primal = both(primal);
+  look.dual = both(dual);
   for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
     const LawInterval& in = rows[i];
     double b[3];
     coefficients(i, b);
-    // The time, then the rows: matrix h and right side g over b.
-    double h00 = 0, h01 = 0, h02 = 0, h11 = 0, h12 = 0, h22 = 0, g0 = 0, g1 = 0, g2 = 0;
-    {
-      const double xm = (b[0] + 2 * b[1] + b[2]) / 4, d = in.length / 6;
-      const double i0 = 1 / b[0], im = 1 / xm, i2 = 1 / b[2];
-      const double t0 = d * i0 * std::sqrt(i0), tm = 4 * d * im * std::sqrt(im),
-                   t2 = d * i2 * std::sqrt(i2);
-      g0 = 0.5 * t0 + 0.125 * tm;
-      g1 = 0.25 * tm;
-      g2 = 0.5 * t2 + 0.125 * tm;
-      const double hm = 0.75 * tm * im / 16;
-      h00 = 0.75 * t0 * i0 + hm;
-      h22 = 0.75 * t2 * i2 + hm;
-      h01 = h12 = 2 * hm;
-      h11 = 4 * hm;
-      h02 = hm;
-    }
+    const JerkSide& side = side_[i] = JerkSide(b, jerk_);
+    Quadratic q;
+    time_ += build_time(in.length, b, q);
+    const auto accs = static_cast<std::size_t>(in.accs), jerks = static_cast<std::size_t>(in.jerks);
     std::size_t r = in.row;
-    for (std::int32_t k = 0; k < in.accs; ++k, ++r) {
-      const double c0 = rows.a0[r], c1 = rows.a1[r], c2 = rows.a2[r];
-      if (i == 0 && c2 == 0) continue;
-      const double v = v_[r], ip = 1 / sp_[r], im = 1 / sm_[r];
-      over_p_[r] = ip;
-      over_m_[r] = im;
-      const double wp = zp_[r] * ip, wm = zm_[r] * im, w = wp + wm;
-      const double pull =
-          (mu * ip + wp * (v - acc_ + sp_[r])) - (mu * im + wm * (sm_[r] - v - acc_));
-      g0 -= c0 * pull;
-      g1 -= c1 * pull;
-      g2 -= c2 * pull;
-      const double w0 = w * c0, w1 = w * c1;
-      h00 += w0 * c0;
-      h01 += w0 * c1;
-      h02 += w0 * c2;
-      h11 += w1 * c1;
-      h12 += w1 * c2;
-      h22 += w * c2 * c2;
-    }
-    if (in.jerks > 0) {
-      const JerkSide& side = side_[i];
-      for (int k = 0; k < 3; ++k) {
-        const double right = side.right[k];
-        double weights = 0, pulls = 0, x0 = 0, x1 = 0, x2 = 0;
-        for (std::int32_t j = 0; j < in.jerks; ++j, ++r) {
-          const double c0 = rows.a0[r], c1 = rows.a1[r], c2 = rows.a2[r];
-          const double v = v_[r], ip = 1 / sp_[r], im = 1 / sm_[r];
-          over_p_[r] = ip;
-          over_m_[r] = im;
-          const double wp = zp_[r] * ip, wm = zm_[r] * im, w = wp + wm, dw = wp - wm;
-          const double pp = mu * ip + wp * (v - right + sp_[r]),
-                       pm = mu * im + wm * (sm_[r] - v - right);
-          const double pull = pp - pm;
-          weights += w;
-          pulls += pp + pm;
-          x0 += dw * c0;
-          x1 += dw * c1;
-          x2 += dw * c2;
-          g0 -= c0 * pull;
-          g1 -= c1 * pull;
-          g2 -= c2 * pull;
-          const double w0 = w * c0, w1 = w * c1;
-          h00 += w0 * c0;
-          h01 += w0 * c1;
-          h02 += w0 * c2;
-          h11 += w1 * c1;
-          h12 += w1 * c2;
-          h22 += w * c2 * c2;
-        }
-        const double s0 = side.slope[k][0], s1 = side.slope[k][1], s2 = side.slope[k][2];
-        g0 += s0 * pulls;
-        g1 += s1 * pulls;
-        g2 += s2 * pulls;
-        h00 += weights * s0 * s0 - 2 * x0 * s0;
-        h01 += weights * s0 * s1 - x0 * s1 - x1 * s0;
-        h02 += weights * s0 * s2 - x0 * s2 - x2 * s0;
-        h11 += weights * s1 * s1 - 2 * x1 * s1;
-        h12 += weights * s1 * s2 - x1 * s2 - x2 * s1;
-        h22 += weights * s2 * s2 - 2 * x2 * s2;
-      }
-    }
-    // Over m: b0 = l m[i-1] + r m[i], b2 = ll m[i] + rr m[i+1].
-    const double l = left_[i], rt = right_[i], ll = left_[i + 1], rr = right_[i + 1];
-    if (i > 0) {
-      d0_[i - 1] += l * l * h00;
-      d1_[i - 1] += l * (rt * h00 + h01 + ll * h02);
-      d2_[i - 1] += l * rr * h02;
-      dm_[i - 1] += l * g0;
-    }
-    d0_[i] += rt * (rt * h00 + 2 * h01 + 2 * ll * h02) + h11 + ll * (2 * h12 + ll * h22);
-    d1_[i] += rr * (rt * h02 + h12 + ll * h22);
-    d0_[i + 1] += rr * rr * h22;
-    dm_[i] += rt * g0 + g1 + ll * g2;
-    dm_[i + 1] += rr * g2;
+    // What the start state alone decides is no row.
+    add_rows<false>(r, r + accs, b, {acc_, 1, nullptr, i == 0}, q, look);
+    r += accs;
+    const double relative = 1 / side.right[0];
+    for (int k = 0; k < 3 && jerks > 0; ++k, r += jerks)
+      add_rows<true>(r, r + jerks, b, {side.right[k], relative, side.slope[k], false}, q, look);
+    terms_ += 2 * accs + 6 * jerks;
+    add(i, q);
   }
-  const auto bound = [&](Bound& c) {
-    const double g = c.at - c.top;
-    if (c.price > 0) {
-      c.weight = 1 / (c.s / c.z + c.t / c.y);
-      c.pull = c.weight * (g + mu / c.z - mu / c.y);  // dz without a step
-      return c.z + c.pull;
-    }
-    c.weight = c.z / c.s;
-    c.off = g + c.s;
-    return mu / c.s + c.weight * c.off;
-  };
-  for (std::size_t i = first_; i < last_; ++i)
-    for (Bound* c : {&at_middle_[i], &wish_middle_[i]}) {
-      if (!c->used()) continue;
-      dm_[i] -= bound(*c);
-      d0_[i] += c->weight;
-    }
-  const auto at_node = [&](std::size_t i, double h, double g) {
-    const double l = left_[i], r = right_[i];
-    d0_[i - 1] += h * l * l;
-    d1_[i - 1] += h * l * r;
-    d0_[i] += h * r * r;
-    dm_[i - 1] += g * l;
-    dm_[i] += g * r;
-  };
-  for (std::size_t i = 1; i < n_; ++i)
-    for (Bound* c : {&at_node_[i], &wish_node_[i]}) {
-      if (!c->used()) continue;
-      const double g = bound(*c);
-      at_node(i, c->weight, -g);
-    }
+  sum_ = look.sum[0] + look.sum[1];
+  worst_ = look.worst;
+  for (Bound& c : at_middle_) {
+    prepare(c, m_[c.i], primal, dual);
+    d0_[c.i] += c.weight;
+    dm_[c.i] -= c.push;
+    by_mu_[c.i] -= c.push_mu;
+  }
+  for (Bound& c : at_node_) {
+    prepare(c, node_[c.i], primal, dual);
+    add_at_node(c.i, c.weight, -c.push, -c.push_mu);
+  }
   const auto rest = [&](std::size_t i, double length) {
-    const double x = node_[i], t = 1.5 * length / (x * std::sqrt(x));
-    at_node(i, 1.5 * t / x, t);
+    const double x = node_[i], v = std::sqrt(x), t = 1.5 * length / (x * v);
+    time_ += 3 * length / v;
+    add_at_node(i, 1.5 * t / x, t, 0);
   };
   if (rests_) rest(1, rows[0].length);
   rest(n_ - 1, rows[n_ - 1].length);
 }
 
-bool LawNewton::factor_and_solve() noexcept {
+bool LawNewton::factor_and_solve(double mu) noexcept {
+  for (std::size_t i = first_; i < last_; ++i) dm_[i] += mu * by_mu_[i];
   // L D L^T of five diagonals; dm_ holds the right side, then the step. m[0] is no unknown.
   for (std::size_t i = first_; i < last_; ++i) {
     double d = d0_[i], l1 = d1_[i], y = dm_[i];
@@ -457,44 +455,46 @@ bool LawNewton::factor_and_solve() noexcept {
   return std::isfinite(dm_[first_]);
 }
 
+/// What the rows [r, end) say of the largest steps, as 1 over them.
+void LawNewton::step_rows(std::size_t r, std::size_t end, const double db[3], double mu, bool given,
+                          double dright, Pair& primal, Pair& dual) noexcept {
+  const LawRows& rows = *rows_;
+  const Pair more = both(dright), aim = both(mu);
+  for (; r < end; ++r) {
+    const double c2 = rows.a2[r];
+    if (given && c2 == 0) continue;
+    const double dv = rows.a0[r] * db[0] + rows.a1[r] * db[1] + c2 * db[2];
+    Sides& side = sides_[r];
+    const Pair z = side.z, over = side.over;
+    const Pair ds = side.room - side.s - Pair{dv, -dv} + more, dz = (aim - z * ds) * over - z;
+    side.ds = ds, side.dz = dz;
+    primal = larger(primal, -ds * over);
+    dual = larger(dual, -dz / z);
+  }
+}
+
 void LawNewton::step_sizes(double mu) noexcept {
   const LawRows& rows = *rows_;
   // 1 over the largest step.
-  double primal = kToBound, dual = kToBound;
+  Pair primals = both(kToBound), duals = both(kToBound);
   for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
     const LawInterval& in = rows[i];
-    const double db0 = i == 0 ? 0 : left_[i] * dm_[i - 1] + right_[i] * dm_[i], db1 = dm_[i],
-                 db2 = left_[i + 1] * dm_[i] + right_[i + 1] * dm_[i + 1];
+    const double db[3] = {i == 0 ? 0 : left_[i] * dm_[i - 1] + right_[i] * dm_[i], dm_[i],
+                          left_[i + 1] * dm_[i] + right_[i + 1] * dm_[i + 1]};
+    const auto accs = static_cast<std::size_t>(in.accs), jerks = static_cast<std::size_t>(in.jerks);
     std::size_t r = in.row;
-    const auto step = [&](double right, double dright) {
-      const double dv = rows.a0[r] * db0 + rows.a1[r] * db1 + rows.a2[r] * db2;
-      const double ip = over_p_[r], im = over_m_[r], zp = zp_[r], zm = zm_[r];
-      const double dsp = right - v_[r] - sp_[r] - dv + dright,
-                   dsm = right + v_[r] - sm_[r] + dv + dright;
-      const double dzp = (mu - zp * dsp) * ip - zp, dzm = (mu - zm * dsm) * im - zm;
-      dsp_[r] = dsp;
-      dsm_[r] = dsm;
-      dzp_[r] = dzp;
-      dzm_[r] = dzm;
-      primal = std::max({primal, -dsp * ip, -dsm * im});
-      // Seldom, so that there is next to no division.
-      if (-dzp > dual * zp) dual = -dzp / zp;
-      if (-dzm > dual * zm) dual = -dzm / zm;
-    };
-    for (std::int32_t k = 0; k < in.accs; ++k, ++r)
-      if (i > 0 || rows.a2[r] != 0) step(acc_, 0);
-    if (in.jerks == 0) continue;
-    const JerkSide& side = side_[i];
-    for (int k = 0; k < 3; ++k) {
-      const double dright =
-          side.slope[k][0] * db0 + side.slope[k][1] * db1 + side.slope[k][2] * db2;
-      for (std::int32_t j = 0; j < in.jerks; ++j, ++r) step(side.right[k], dright);
+    step_rows(r, r + accs, db, mu, i == 0, 0, primals, duals);
+    r += accs;
+    for (int k = 0; k < 3 && jerks > 0; ++k, r += jerks) {
+      const double* slope = side_[i].slope[k];
+      const double dright = slope[0] * db[0] + slope[1] * db[1] + slope[2] * db[2];
+      step_rows(r, r + jerks, db, mu, false, dright, primals, duals);
     }
   }
+  double primal = std::max(primals[0], primals[1]), dual = std::max(duals[0], duals[1]);
   const auto bound = [&](Bound& c, double dx) {
-    if (!c.used()) return;
-    if (c.price > 0) {
-      c.dz = c.pull + c.weight * dx;
+    if (c.length > 0) {
+      c.dz = c.pull + mu * c.pull_mu + c.weight * dx;
       c.ds = mu / c.z - c.s - c.s / c.z * c.dz;
       c.dt = mu / c.y - c.t + c.t / c.y * c.dz;
       primal = std::max({primal, -c.ds / c.s, -c.dt / c.t});
@@ -502,60 +502,32 @@ void LawNewton::step_sizes(double mu) noexcept {
       return;
     }
     c.ds = -c.off - dx;
-    c.dz = (mu - c.z * c.ds) / c.s - c.z;
-    primal = std::max(primal, -c.ds / c.s);
+    c.dz = (mu - c.z * c.ds) * c.push_mu - c.z;
+    primal = std::max(primal, -c.ds * c.push_mu);
     dual = std::max(dual, -c.dz / c.z);
   };
-  for (std::size_t i = first_; i < last_; ++i) {
-    bound(at_middle_[i], dm_[i]);
-    bound(wish_middle_[i], dm_[i]);
+  for (Bound& c : at_middle_) bound(c, dm_[c.i]);
+  for (Bound& c : at_node_) bound(c, left_[c.i] * dm_[c.i - 1] + right_[c.i] * dm_[c.i]);
+  for (std::size_t i = first_; i < last_; ++i)
     primal = std::max(primal, -dm_[i] / m_[i] * (kToBound / kMostFall));
-  }
-  for (std::size_t i = 1; i < n_; ++i) {
-    const double dx = left_[i] * dm_[i - 1] + right_[i] * dm_[i];
-    bound(at_node_[i], dx);
-    bound(wish_node_[i], dx);
-  }
   primal_ = kToBound / primal;
   dual_ = kToBound / dual;
-}
-
-void LawNewton::move() noexcept {
-  for (std::size_t i = first_; i < last_; ++i) m_[i] += primal_ * dm_[i];
-  set_nodes();
-  for (std::size_t r = 0; r < sp_.size(); ++r) {
-    sp_[r] += primal_ * dsp_[r];
-    sm_[r] += primal_ * dsm_[r];
-    zp_[r] = std::max(zp_[r] + dual_ * dzp_[r], kLeastMultiplier);
-    zm_[r] = std::max(zm_[r] + dual_ * dzm_[r], kLeastMultiplier);
-  }
-  for (Buffer<Bound>* all : {&at_middle_, &wish_middle_, &at_node_, &wish_node_})
-    for (Bound& c : *all) {
-      if (!c.used()) continue;
-      c.s += primal_ * c.ds;
-      c.z = std::max(c.z + dual_ * c.dz, kLeastMultiplier);
-      if (c.price <= 0) continue;
-      c.t += primal_ * c.dt;
-      c.y = std::max(c.y - dual_ * c.dz, kLeastMultiplier);
-    }
 }
 
 bool LawNewton::run(const Aim& aim) noexcept {
   iterations_ = 0;
   acc_ = aim.acc;
   jerk_ = aim.jerk;
-  const std::size_t rows = sp_.size() * 2 + 4 * n_;
+  const std::size_t rows = sides_.size() * 2 + 4 * n_;
   double before = seconds();
   double mu = aim.mu * before / static_cast<double>(rows);
   start_slacks(mu);
-  look();
+  look_and_build(0, 0);
   for (; iterations_ < aim.iterations; ++iterations_) {
-    build(mu);
-    if (!factor_and_solve()) return false;
+    if (!factor_and_solve(mu)) return false;
     step_sizes(mu);
-    move();
-    look();
-    const double now = seconds(), step = std::min(primal_, dual_);
+    look_and_build(primal_, dual_);
+    const double now = time_, step = std::min(primal_, dual_);
     const bool settled = std::abs(now - before) < 3e-3 * now;
     before = now;
     if (!waits_ && sum_ < aim.gap * now && worst_ < aim.violation && settled && step > 0.3)
@@ -567,10 +539,10 @@ bool LawNewton::run(const Aim& aim) noexcept {
       sinks_ = true;
       mu = kRecentre * now / terms;
       wish_truly(mu);
-      look();
+      look_and_build(0, 0);
       continue;
     }
-    const double shrink = step > 0.9 ? 0.1 : step > 0.5 ? 0.3 : step > 0.2 ? 0.7 : 1.2;
+    const double shrink = step > 0.9 ? 0.1 : step > 0.5 ? 0.3 : step > 0.2 ? 0.5 : 1;
     mu = shrink * sum_ / terms;
     if (waits_) mu = std::max(mu, kRough * now / terms);
   }

@@ -39,16 +39,25 @@ class LawNewton {
   [[nodiscard]] int iterations() const noexcept { return iterations_; }
 
  private:
+  /// Of both sides of a row, v <= right first and -v <= right.
+  using Pair [[gnu::vector_size(16), gnu::aligned(8)]] = double;
+  struct Sides {
+    Pair s{1, 1}, z{0, 0};  ///< slack and multiplier
+    Pair ds{0, 0}, dz{0, 0};
+    Pair over{1, 1};  ///< 1 / s
+    Pair room{1, 1};  ///< the true slack
+  };
   /// x <= top; with a length: x - t <= top, where t has a price.
   struct Bound {
+    std::size_t i{0};  ///< of the middle or the node that x belongs to
     double top{0};
     double length{0}, price{0}, wanted{kNoLimit};
     double s{1}, z{0};
     double t{0}, y{0};
-    double at{0}, off{0};  ///< x, and how far the slack is from the true one
-    double weight{0}, pull{0};
+    double off{0};                          ///< how far the slack is from the true one
+    double weight{0}, push{0}, push_mu{0};  ///< in matrix and right side
+    double pull{0}, pull_mu{0};             ///< dz of a wish without a step
     double ds{0}, dz{0}, dt{0};
-    [[nodiscard]] bool used() const noexcept { return top < kNoLimit; }
   };
 
   /// The right side of the jerk rows, x^-1/2 by its tangent at the middle of the interval, and its derivatives.
@@ -59,18 +68,45 @@ class LawNewton {
     JerkSide() = default;
     JerkSide(const double b[3], double share) noexcept;
   };
+  /// Over the coefficients b of an interval: matrix; right side without mu, and what mu is multiplied by in it.
+  struct Quadratic {
+    Pair h0001{0, 0}, h0211{0, 0}, h1222{0, 0};
+    Pair g01{0, 0}, mu01{0, 0};
+    double g2{0}, mu2{0};
+  };
+  /// Rows with one right side.
+  struct Section {
+    double right{0}, relative{0};
+    const double* slope{nullptr};  ///< of the right side by b
+    bool given{false};             ///< b0 and b1 are those of the start
+  };
+  struct Look {
+    Pair primal{0, 0}, dual{0, 0};  ///< steps to take
+    Pair sum{0, 0};
+    double worst{0};
+  };
+  [[nodiscard]] static Pair both(double x) noexcept { return Pair{x, x}; }
 
   [[nodiscard]] static double price_of(const Bound& wish, double x) noexcept;
   static void start_wish(Bound& wish, double x) noexcept;
   void wish_truly(double mu) noexcept;
   void set_nodes() noexcept;
+  template <class F>
+  void each_bound(F&& f) noexcept;
   [[nodiscard]] double seconds() const noexcept;
   void start_slacks(double mu) noexcept;
-  void look() noexcept;
-  void build(double mu) noexcept;
-  [[nodiscard]] bool factor_and_solve() noexcept;
+  [[nodiscard]] static double build_time(double length, const double b[3], Quadratic& q) noexcept;
+  template <bool kSlopes>
+  void add_rows(std::size_t r, std::size_t end, const double b[3], const Section& section,
+                Quadratic& q, Look& look) noexcept;
+  void add(std::size_t i, const Quadratic& q) noexcept;
+  void add_at_node(std::size_t i, double h, double g, double by_mu) noexcept;
+  void prepare(Bound& bound, double x, double primal, double dual) noexcept;
+  void look_and_build(double primal, double dual) noexcept;
+  [[nodiscard]] bool factor_and_solve(double mu) noexcept;
+  void step_rows(std::size_t r, std::size_t end, const double db[3], double mu, bool given,
+                 double dright, Pair& primal, Pair& dual) noexcept;
   void step_sizes(double mu) noexcept;
-  void move() noexcept;
   void shrink_guess() noexcept;
 
   const LawRows* rows_{nullptr};
@@ -83,17 +119,16 @@ class LawNewton {
   double acc_{1}, jerk_{1};
   int iterations_{0};
   double sum_{0}, worst_{0};  ///< of products of slacks and multipliers; largest relative violation
+  double time_{0};            ///< of the law that the unknowns say
   double primal_{0}, dual_{0};
   std::size_t terms_{0};
 
   Buffer<double> m_, dm_, node_, left_, right_;  ///< node i = left m[i-1] + right m[i]
   Buffer<double> d0_, d1_, d2_;
-  Buffer<double> v_;                  ///< left side of a row
-  Buffer<double> sp_, sm_, zp_, zm_;  ///< slack and multiplier on both sides
-  Buffer<double> dsp_, dsm_, dzp_, dzm_;
-  Buffer<double> over_p_, over_m_;  ///< 1 over the slacks
-  Buffer<JerkSide> side_;           ///< of intervals, where x is
-  Buffer<Bound> at_middle_, at_node_, wish_middle_, wish_node_;
+  Buffer<double> by_mu_;   ///< dm_ holds the right side without mu
+  Buffer<Sides> sides_;    ///< of rows
+  Buffer<JerkSide> side_;  ///< of intervals, where x is
+  Buffer<Bound> at_middle_, at_node_;
 };
 
 }  // namespace kerf::motion::path
