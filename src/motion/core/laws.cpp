@@ -8,37 +8,44 @@ namespace {
 constexpr int kStepsPerCycle = 64;
 /// A span ends where its law says so, not where rounding leaves nothing of it: the last bit of a stop takes its time (sigma).
 constexpr double kNotYet = 1e-12;
+constexpr std::size_t kNone = Laws::kSlots;
 }  // namespace
 
+void LawRunner::take(std::size_t slot, std::uint64_t number) noexcept {
+  law_ = &laws_.law[slot];
+  number_ = number;
+  index_ = 0;
+  seconds_ = 0;
+}
+
 LawRunner::Way LawRunner::start(std::uint64_t span, double left) noexcept {
-  for (const Law& law : laws_.law) {
+  for (std::size_t i = 0; i < Laws::kSlots; ++i) {
+    const LawHead& head = laws_.head[i];
     // Acquire: who sees the number sees the law.
-    const std::uint64_t number = law.number.observe();
-    if (number == 0 || law.key.span != span || law.key.left != left) continue;
-    if (law.key.kind == LawKey::Kind::boxes) return Way::boxes;
-    if (law.key.kind != LawKey::Kind::rest) continue;
-    law_ = &law;
-    number_ = number;
-    index_ = 0;
-    seconds_ = 0;
+    const std::uint64_t number = head.number.observe();
+    if (number == 0 || head.key.span != span || head.key.left != left) continue;
+    if (head.key.kind == LawKey::Kind::boxes) return Way::boxes;
+    if (head.key.kind != LawKey::Kind::rest) continue;
+    take(i, number);
     return Way::law;
   }
   return Way::none;
 }
 
-/// The law to change over to within the interval in execution, at the latest `until` seconds into it, which becomes the moment.
-const Law* LawRunner::child(bool stand, double& until) const noexcept {
-  const Law* found = nullptr;
-  for (const Law& law : laws_.law) {
-    if (law.number.observe() == 0) continue;
-    const LawKey& key = law.key;
+/// The slot of the law to change over to within the interval in execution, at the latest `until` seconds into it, which becomes the moment.
+std::size_t LawRunner::child(bool stand, double& until) const noexcept {
+  std::size_t found = kNone;
+  for (std::size_t i = 0; i < Laws::kSlots; ++i) {
+    const LawHead& head = laws_.head[i];
+    if (head.number.observe() == 0) continue;
+    const LawKey& key = head.key;
     if (key.parent != number_ || key.index != index_) continue;
     const bool takes = key.kind == LawKey::Kind::go || (key.kind == LawKey::Kind::stop && stand);
     if (!takes || key.seconds < seconds_ - Law::kSameMoment || key.seconds > until) continue;
     // Where both begin at once, standing counts.
-    const bool stops = found != nullptr && found->key.kind == LawKey::Kind::stop;
+    const bool stops = found != kNone && laws_.head[found].key.kind == LawKey::Kind::stop;
     if (stops && key.seconds == until) continue;
-    found = &law;
+    found = i;
     until = key.seconds;
   }
   return found;
@@ -54,7 +61,7 @@ LawRunner::Moved LawRunner::run(std::uint64_t span, bool stand, double dt) noexc
       return out;
     }
     double until = step.seconds;
-    const Law* next = child(stand, until);
+    const std::size_t next = child(stand, until);
     const double ahead = std::max(0.0, until - seconds_);
     if (dt - out.used < ahead) {
       seconds_ += dt - out.used;
@@ -63,13 +70,9 @@ LawRunner::Moved LawRunner::run(std::uint64_t span, bool stand, double dt) noexc
     }
     out.used += ahead;
     seconds_ = until;
-    if (next != nullptr) {
-      const std::uint64_t number = next->number.observe();
-      if (number == 0) continue;  // taken back in this very moment
-      law_ = next;
-      number_ = number;
-      index_ = 0;
-      seconds_ = 0;
+    if (next != kNone) {
+      const std::uint64_t number = laws_.head[next].number.observe();
+      if (number != 0) take(next, number);  // else taken back in this very moment
       continue;
     }
     if (index_ + 1 >= law_->count) {

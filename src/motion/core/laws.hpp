@@ -29,20 +29,25 @@ struct LawKey {
   double left{0};
 };
 
+/// What the servo looks through in each cycle, for all laws side by side: their steps are far apart.
+struct LawHead {
+  /// 0: nothing to be taken. Published after all else of the law is written; what a law says stays as it is until no cycle can read it any more.
+  rtapi::Word<std::uint64_t> number{0};
+  LawKey key;
+};
+
 struct Law {
   static constexpr std::size_t kSteps = 1024;
   /// Moments as near as this are one (s): cycles often end just where a law begins.
   static constexpr double kSameMoment = 1e-9;
 
-  /// 0: nothing to be taken. Published after all else of the law is written; what a law says stays as it is until no cycle can read it any more.
-  rtapi::Word<std::uint64_t> number{0};
-  LawKey key;
   std::size_t count{0};
   path::LawStep step[kSteps];
 };
 
 struct Laws {
   static constexpr std::size_t kSlots = 16;
+  LawHead head[kSlots];
   Law law[kSlots];
 };
 
@@ -82,7 +87,8 @@ class LawRunner {
   void place(LawPlace& out) const noexcept;
 
  private:
-  [[nodiscard]] const Law* child(bool stand, double& until) const noexcept;
+  void take(std::size_t slot, std::uint64_t number) noexcept;
+  [[nodiscard]] std::size_t child(bool stand, double& until) const noexcept;
 
   const Laws& laws_;
   const Law* law_{nullptr};

@@ -37,10 +37,10 @@ class Runner : public testing::Test {
   void set(std::size_t slot, std::uint64_t number, const LawKey& key,
            const std::vector<path::LawStep>& steps) {
     Law& law = laws->law[slot];
-    law.key = key;
+    laws->head[slot].key = key;
     law.count = 0;
     for (const auto& s : steps) law.step[law.count++] = s;
-    law.number.publish(number);
+    laws->head[slot].number.publish(number);
   }
   /// Law 1: 10 mm of span 7 and 5 of span 8 at 100 mm/s, then to rest at the end of 8.
   void SetUp() override {
@@ -129,7 +129,7 @@ TEST_F(Runner, ACycleThatEndsWhereAChildBeginsTakesIt) {
 TEST_F(Runner, WhatIsTakenBackOrMissedIsNotTaken) {
   set(1, 2, child(LawKey::Kind::go, 0, 0.02), {to_rest(7, 8, 0, 100)});
   ASSERT_EQ(runner.start(7, 10), LawRunner::Way::law);
-  laws->law[1].number.publish(0);
+  laws->head[1].number.publish(0);
   (void)runner.run(7, true, 0.025);
   set(1, 4, child(LawKey::Kind::go, 0, 0.02), {to_rest(7, 8, 0, 100)});
   (void)runner.run(7, true, 0.025);

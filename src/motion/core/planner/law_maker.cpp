@@ -59,7 +59,7 @@ void LawMaker::forget() noexcept {
 void LawMaker::take_back(std::size_t slot) noexcept {
   Info& info = info_[slot];
   if (info.state != State::there) return;
-  laws_.law[slot].number.publish(0);
+  laws_.head[slot].number.publish(0);
   rtapi::full_fence();
   info.state = State::taken_back;
   info.mark = 0;
@@ -174,7 +174,7 @@ bool LawMaker::fill(const Place& place, std::uint64_t at_least, For what, Window
 LawMaker::Info& LawMaker::publish(std::size_t slot, const LawKey& key,
                                   const Window& window) noexcept {
   Law& law = laws_.law[slot];
-  law.key = key;
+  laws_.head[slot].key = key;
   law.count = 0;
   Info& info = info_[slot];
   info = Info{};
@@ -191,7 +191,7 @@ LawMaker::Info& LawMaker::publish(std::size_t slot, const LawKey& key,
     info.last_span = law.step[law.count - 1].span;
     info.last_left = law.step[law.count - 1].left;
   }
-  law.number.publish(info.number);
+  laws_.head[slot].number.publish(info.number);
   return info;
 }
 
@@ -224,7 +224,7 @@ void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t runni
   if (span >= next_ || !stretch(span).by_law || !(wanted_x(stretch(span).speed, scale_) > 0))
     return;
   for (std::size_t i = 0; i < Laws::kSlots; ++i) {
-    const LawKey& key = laws_.law[i].key;
+    const LawKey& key = laws_.head[i].key;
     const Info& info = info_[i];
     if (info.state != State::there || info.number == running || key.parent != 0) continue;
     const bool good = key.span == span && key.left == left && info.scale == scale_ &&
@@ -250,12 +250,12 @@ void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t runni
 /// Takes back what can follow on no law but `running`.
 void LawMaker::keep_only(std::uint64_t running) noexcept {
   for (std::size_t i = 0; i < Laws::kSlots; ++i) {
-    const std::uint64_t parent = laws_.law[i].key.parent;
+    const std::uint64_t parent = laws_.head[i].key.parent;
     if (info_[i].state != State::there || info_[i].number == running || parent == 0) continue;
     // Of a child that is not run yet there may be stops.
     const std::size_t of = find(parent);
     const bool grandchild = of != kNone && info_[of].state == State::there &&
-                            laws_.law[of].key.parent == running && running != 0;
+                            laws_.head[of].key.parent == running && running != 0;
     if (parent != running && !grandchild) take_back(i);
   }
 }
@@ -278,7 +278,7 @@ void LawMaker::follow(std::size_t running, const LawPlace& at) noexcept {
   keep_only(info.number);
   std::size_t child = kNone;
   for (std::size_t i = 0; i < Laws::kSlots; ++i) {
-    const LawKey& key = laws_.law[i].key;
+    const LawKey& key = laws_.head[i].key;
     if (info_[i].state != State::there || key.parent != info.number) continue;
     if (info_[i].begins < now - Law::kSameMoment) {
       if (key.kind == LawKey::Kind::go)
@@ -287,7 +287,7 @@ void LawMaker::follow(std::size_t running, const LawPlace& at) noexcept {
     } else if (key.kind == LawKey::Kind::go)
       child = i;
   }
-  const bool stops = law.key.kind == LawKey::Kind::stop;
+  const bool stops = laws_.head[running].key.kind == LawKey::Kind::stop;
   const bool changed = !(info.scale == scale_) || info.single_step != single_step_;
   const bool more = !info.final && info.last_span + 1 < next_ &&
                     (now > kShare * info.total || info.total - now < kStopTimes * stop_s_);
@@ -312,7 +312,7 @@ void LawMaker::make_child(std::size_t running, double now, bool changed) noexcep
   const double begins = now + std::clamp(lead_, kLead, kMostLead);
   if (slot == kNone || !locate(running, begins, key, place)) return;
   key.kind = LawKey::Kind::go;
-  const bool stops = laws_.law[running].key.kind == LawKey::Kind::stop;
+  const bool stops = laws_.head[running].key.kind == LawKey::Kind::stop;
   Window window;
   if (!fill(place, stops ? place.span : info_[running].last_span,
             changed || stops ? For::soon : For::path, window) ||
