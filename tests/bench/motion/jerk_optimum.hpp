@@ -13,7 +13,8 @@
 
 namespace kerf::bench {
 
-inline constexpr std::size_t kOptimumJoints = 4;
+/// Axes and the joints that mix them; what stands still has no rows.
+inline constexpr std::size_t kOptimumJoints = 8;
 
 /// The curve at one place of the grid and on the way from there to the next one.
 struct CurveNode {

@@ -1,9 +1,12 @@
 // The curve of a program as a fine grid for jerk_optimum, and a look at the motion that comes of it by differences of sampled positions.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 
 #include "bench/motion/jerk_optimum.hpp"
 #include "bench/motion/runs.hpp"
+#include "bench/motion/table_kinematics.hpp"
 
 namespace kerf::bench {
 namespace {
@@ -22,6 +25,82 @@ constexpr int kRefinements = 3;
 /// Where a motion takes the least time, some limit is used up everywhere; differences over three periods blur the changes from one to another.
 constexpr double kSaturated = 0.9;
 
+/// The axes of both machines, and the joints of the table that mix them.
+constexpr std::size_t kAxisAt[] = {0, 1, 2, 3, 5};
+constexpr std::size_t kAxesAt = std::size(kAxisAt), kMixed = kOptimumJoints - kAxesAt;
+/// Joints are differentiated over so much of the path (sigma).
+constexpr double kStep = 0.02;
+
+using Values = std::array<double, kOptimumJoints>;
+
+/// A machine: what its axes and joints do along a piece, and their limits.
+struct Machinery {
+  bool table{false};
+  path::AxisLimits axes;
+  double vel[kMixed]{};
+  JointLimits limits;
+
+  [[nodiscard]] Values of(const path::Vec& q, const path::Piece* at, double s) const {
+    Values out{};
+    for (std::size_t i = 0; i < kAxesAt; ++i) out[i] = q[kAxisAt[i]];
+    if (!table || at == nullptr) return out;
+    const Values there = joints(*at, s);
+    std::copy(there.begin(), there.begin() + kMixed, out.begin() + kAxesAt);
+    return out;
+  }
+  [[nodiscard]] static Values joints(const path::Piece& piece, double s) {
+    motion::JointVector q{};
+    const path::Vec at = piece.point(s);
+    motion::Pose pose;
+    for (std::size_t i = 0; i < path::kAxes; ++i) pose[i] = at[i];
+    (void)TableKinematics{}.inverse(pose, q);
+    Values out{};
+    for (std::size_t j = 0; j < kMixed; ++j) out[j] = q[j];
+    return out;
+  }
+  /// Derivatives of axes and joints; those of joints by differences of fourth order and higher.
+  void derive(const path::Piece& piece, double s, Values& p, Values& e, Values& c) const {
+    p = of(piece.first(s), nullptr, s);
+    e = of(piece.second(s), nullptr, s);
+    c = of(piece.third(s), nullptr, s);
+    if (!table) return;
+    Values f[7];
+    for (int k = -3; k <= 3; ++k) f[k + 3] = joints(piece, s + k * kStep);
+    for (std::size_t j = 0; j < kMixed; ++j) {
+      const auto odd = [&](int k) { return f[3 + k][j] - f[3 - k][j]; };
+      const auto even = [&](int k) { return f[3 + k][j] + f[3 - k][j]; };
+      p[kAxesAt + j] = (45 * odd(1) - 9 * odd(2) + odd(3)) / (60 * kStep);
+      e[kAxesAt + j] =
+          (270 * even(1) - 27 * even(2) + 2 * even(3) - 490 * f[3][j]) / (180 * kStep * kStep);
+      c[kAxesAt + j] = (-13 * odd(1) + 8 * odd(2) - odd(3)) / (8 * kStep * kStep * kStep);
+    }
+  }
+  [[nodiscard]] double cap(const path::Piece& piece, double s) const {
+    double out = speed_cap(piece, piece.first(s), axes);
+    Values p, e, c;
+    derive(piece, s, p, e, c);
+    for (std::size_t j = 0; table && j < kMixed; ++j)
+      if (p[kAxesAt + j] != 0) out = std::min(out, std::pow(vel[j] / p[kAxesAt + j], 2));
+    return out;
+  }
+};
+
+Machinery machinery_of(const Program& program, const path::AxisLimits& axes, double jerk) {
+  Machinery out;
+  out.table = program.machine == Machine::table;
+  out.axes = axes;
+  motion::MachineConfig config;
+  reference_machine(config);
+  for (std::size_t i = 0; i < kAxesAt; ++i)
+    out.limits.acc[i] = axes.acc[kAxisAt[i]], out.limits.jerk[i] = axes.jerk[kAxisAt[i]];
+  for (std::size_t j = 0; j < kMixed; ++j) {
+    out.vel[j] = config.joint[j].max_vel;
+    out.limits.acc[kAxesAt + j] = config.joint[j].max_acc;
+    out.limits.jerk[kAxesAt + j] = jerk;
+  }
+  return out;
+}
+
 /// Where a node stands.
 struct Place {
   std::size_t span{0};
@@ -34,28 +113,30 @@ struct Grid {
 };
 
 /// What the curve is at the places.
-void fill_nodes(const std::vector<motion::PathSpan>& curve, const path::AxisLimits& limits,
-                Grid& grid) {
+void fill_nodes(const std::vector<motion::PathSpan>& curve, const Machinery& machine, Grid& grid) {
   grid.nodes.clear();
   for (std::size_t i = 0; i < grid.places.size(); ++i) {
     const Place& place = grid.places[i];
     const motion::PathSpan& span = curve[place.span];
-    const path::Vec p = span.piece.first(place.s), e = span.piece.second(place.s);
-    path::Vec c = span.piece.third(place.s);
+    Values p, e, c;
+    machine.derive(span.piece, place.s, p, e, c);
     CurveNode node;
-    node.cap = speed_cap(span.piece, p, limits);
+    node.cap = machine.cap(span.piece, place.s);
     if (i > 0 && grid.places[i - 1].span != place.span) {
       // Curvature goes on at joints; what bends it changes there.
       const motion::PathSpan& before = curve[grid.places[i - 1].span];
       const double end = before.from + before.length;
-      c = (c + before.piece.third(end)) * 0.5;
-      node.cap = std::min(node.cap, speed_cap(before.piece, before.piece.first(end), limits));
+      Values pb, eb, cb;
+      machine.derive(before.piece, end, pb, eb, cb);
+      for (std::size_t j = 0; j < kOptimumJoints; ++j) c[j] = (c[j] + cb[j]) * 0.5;
+      node.cap = std::min(node.cap, machine.cap(before.piece, end));
     }
     if (i + 1 < grid.places.size()) {
       const Place& next = grid.places[i + 1];
       node.way = (next.span == place.span ? next.s : span.from + span.length) - place.s;
       const double middle = place.s + node.way / 2;
-      const path::Vec pm = span.piece.first(middle), em = span.piece.second(middle);
+      Values pm, em, cm;
+      machine.derive(span.piece, middle, pm, em, cm);
       for (std::size_t j = 0; j < kOptimumJoints; ++j) node.p_mid[j] = pm[j], node.e_mid[j] = em[j];
     }
     for (std::size_t j = 0; j < kOptimumJoints; ++j)
@@ -66,7 +147,7 @@ void fill_nodes(const std::vector<motion::PathSpan>& curve, const path::AxisLimi
 
 /// Of stretches [begin, end), from stop to stop.
 Grid grid_of(const std::vector<motion::PathSpan>& curve, std::size_t begin, std::size_t end,
-             const path::AxisLimits& limits) {
+             const Machinery& machine) {
   // Steps at the joints of stretches: as fine as the finer side, growing evenly.
   const std::size_t n = end - begin;
   std::vector<double> own(n), joint(n + 1);
@@ -98,12 +179,12 @@ Grid grid_of(const std::vector<motion::PathSpan>& curve, std::size_t begin, std:
       out.places.push_back({begin + k, span.from + at[i] * scale});
   }
   out.places.push_back({end - 1, curve[end - 1].from + curve[end - 1].length});
-  fill_nodes(curve, limits, out);
+  fill_nodes(curve, machine, out);
   return out;
 }
 
 /// Halves the steps that took too long. False: none did.
-bool refine(const std::vector<motion::PathSpan>& curve, const path::AxisLimits& limits,
+bool refine(const std::vector<motion::PathSpan>& curve, const Machinery& machine,
             const std::vector<double>& x, Grid& grid) {
   std::vector<Place> places;
   const std::size_t last = grid.nodes.size() - 1;
@@ -117,7 +198,7 @@ bool refine(const std::vector<motion::PathSpan>& curve, const path::AxisLimits& 
   places.push_back(grid.places[last]);
   if (places.size() == grid.places.size()) return false;
   grid.places = std::move(places);
-  fill_nodes(curve, limits, grid);
+  fill_nodes(curve, machine, grid);
   return true;
 }
 
@@ -125,8 +206,8 @@ bool refine(const std::vector<motion::PathSpan>& curve, const path::AxisLimits& 
 class Sampler {
  public:
   Sampler(const std::vector<motion::PathSpan>& curve, const Grid& grid, const JerkOptimum& found,
-          const path::AxisLimits& limits, LeastTime& out)
-      : curve_(curve), grid_(grid), x_(found.x), limits_(limits), out_(out) {}
+          const Machinery& machine, LeastTime& out)
+      : curve_(curve), grid_(grid), x_(found.x), machine_(machine), out_(out) {}
 
   void run() {
     const std::size_t last = grid_.nodes.size() - 1;
@@ -171,7 +252,9 @@ class Sampler {
 
   void look(std::size_t i, double s) {
     const Place& place = grid_.places[i];
-    const path::Vec q = curve_[place.span].piece.point(place.s + s);
+    const path::Piece& piece = curve_[place.span].piece;
+    const Values q = machine_.of(piece.point(place.s + s), &piece, place.s + s);
+    const JointLimits& limits = machine_.limits;
     if (count_ >= 3) {
       // The middle of the four samples lies a step and a half back; speed hardly changes in that time.
       double used = std::min(x_[i], x_[i + 1]) / grid_.nodes[i].cap;
@@ -179,9 +262,9 @@ class Sampler {
       for (std::size_t j = 0; j < kOptimumJoints; ++j) {
         const double second = std::abs(q[j] - 2 * q_[0][j] + q_[1][j]) / (t * t);
         const double third = std::abs(q[j] - 3 * q_[0][j] + 3 * q_[1][j] - q_[2][j]) / (t * t * t);
-        out_.acc = std::max(out_.acc, second / limits_.acc[j]);
-        out_.jerk = std::max(out_.jerk, third / limits_.jerk[j]);
-        used = std::max({used, second / limits_.acc[j], third / limits_.jerk[j]});
+        out_.acc = std::max(out_.acc, second / limits.acc[j]);
+        out_.jerk = std::max(out_.jerk, third / limits.jerk[j]);
+        used = std::max({used, second / limits.acc[j], third / limits.jerk[j]});
       }
       ++out_.samples;
       if (used >= kSaturated) ++out_.saturated;
@@ -193,9 +276,9 @@ class Sampler {
   const std::vector<motion::PathSpan>& curve_;
   const Grid& grid_;
   const std::vector<double>& x_;
-  const path::AxisLimits& limits_;
+  const Machinery& machine_;
   LeastTime& out_;
-  path::Vec q_[3];
+  Values q_[3]{};
   std::size_t count_{0};
 };
 
@@ -204,21 +287,19 @@ class Sampler {
 LeastTime least_time(const Program& program, double jerk) {
   path::AxisLimits limits;
   const std::vector<motion::PathSpan> curve = curve_of(program, jerk, limits);
-  JointLimits joints;
-  for (std::size_t j = 0; j < kOptimumJoints; ++j)
-    joints.acc[j] = limits.acc[j], joints.jerk[j] = limits.jerk[j];
+  const Machinery machine = machinery_of(program, limits, jerk);
   LeastTime out;
   std::size_t begin = 0;
   for (std::size_t k = 0; k < curve.size(); ++k) {
     if (!curve[k].stop_at_end && k + 1 < curve.size()) continue;
-    Grid grid = grid_of(curve, begin, k + 1, limits);
-    JerkOptimum found = jerk_optimum(grid.nodes, joints);
-    for (int round = 0; round < kRefinements && refine(curve, limits, found.x, grid); ++round)
-      found = jerk_optimum(grid.nodes, joints);
+    Grid grid = grid_of(curve, begin, k + 1, machine);
+    JerkOptimum found = jerk_optimum(grid.nodes, machine.limits);
+    for (int round = 0; round < kRefinements && refine(curve, machine, found.x, grid); ++round)
+      found = jerk_optimum(grid.nodes, machine.limits);
     out.seconds += found.seconds;
     out.gap_s += found.gap_s;
     out.iterations = std::max(out.iterations, found.iterations);
-    Sampler(curve, grid, found, limits, out).run();
+    Sampler(curve, grid, found, machine, out).run();
     begin = k + 1;
   }
   return out;

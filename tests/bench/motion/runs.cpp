@@ -240,7 +240,7 @@ RunResult run(const Program& program, const RunOptions& options) {
 
 double speed_cap(const path::Piece& piece, const path::Vec& slope, const path::AxisLimits& limits) {
   double cap = path::kNoLimit;
-  for (std::size_t i = 0; i < kJoints; ++i)
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
     if (slope[i] != 0) cap = std::min(cap, std::pow(limits.vel[i] / slope[i], 2));
   const auto& feed = piece.feed;
   if (feed.speed >= path::kNoLimit) return cap;
@@ -251,13 +251,22 @@ double speed_cap(const path::Piece& piece, const path::Vec& slope, const path::A
 
 std::vector<motion::PathSpan> curve_of(const Program& program, double jerk,
                                        path::AxisLimits& limits) {
-  Rig rig({0, 1, 2, 3});
-  set_up(rig, Machine::mill, jerk);
-  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-    const bool there = i < kJoints;
-    limits.vel[i] = there ? rig.config.joint[i].max_vel : path::kNoLimit;
-    limits.acc[i] = there ? rig.config.joint[i].max_acc : path::kNoLimit;
-    limits.jerk[i] = there && jerk > 0 ? jerk : path::kNoLimit;
+  const bool table = program.machine == Machine::table;
+  Rig rig(moved_by(table ? Machine::table : Machine::mill));
+  set_up(rig, table ? Machine::table : Machine::mill, jerk);
+  for (path::Vec* of : {&limits.vel, &limits.acc, &limits.jerk})
+    std::fill(std::begin(of->at), std::end(of->at), path::kNoLimit);
+  for (std::int32_t j = 0; j < rig.kinematics.joints(); ++j) {
+    const std::int32_t axis = rig.kinematics.axis_of_joint(j);
+    if (axis < 0) continue;
+    const auto i = static_cast<std::size_t>(axis);
+    limits.vel[i] = rig.config.joint[j].max_vel;
+    limits.acc[i] = rig.config.joint[j].max_acc;
+    if (jerk > 0) limits.jerk[i] = jerk;
+  }
+  for (std::size_t i = 0; i < 3 && table; ++i) {
+    limits.vel[i] = rig.config.axis[i].max_vel;
+    limits.acc[i] = rig.config.axis[i].max_acc;
   }
   std::vector<motion::PathSpan> curve;
   std::size_t next = 0;

@@ -1,6 +1,7 @@
 // Random programs under random overrides, holds and aborts: limits, path and ends.
 #include <gtest/gtest.h>
 
+#include "bench/motion/table_kinematics.hpp"
 #include "property/motion/random_program.hpp"
 
 namespace kerf::motion {
@@ -46,12 +47,25 @@ double stop_time(const JointConfig& c) {
   return c.max_vel / (0.06 * c.max_acc) + c.max_acc / (0.08 * c.max_jerk);
 }
 
+enum class Machine { plain, core_xy, table /**< that turns and tilts */ };
+
+constexpr bench::TableKinematics kTable;
+
+test::RigKinematics moved_by(Machine machine, Random& r) {
+  if (machine == Machine::table) return test::RigKinematics(kTable);
+  test::RigKinematics out(test::random_axes(r));
+  if (machine == Machine::core_xy) {
+    out.core_xy = true;
+    out.kind = KinematicsType::both;
+  }
+  return out;
+}
+
 /// One program on one machine; operators meddle.
-void run_program(unsigned seed, bool core_xy = false, bool jerks = false) {
+void run_program(unsigned seed, Machine machine = Machine::plain, bool jerks = false) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   Random r(seed);
-  Rig rig(test::random_axes(r));
-  rig.kinematics.core_xy = core_xy;
+  Rig rig(moved_by(machine, r));
   test::random_limits(rig, r, jerks);
   rig.ready();
   Oracle oracle;
@@ -61,8 +75,7 @@ void run_program(unsigned seed, bool core_xy = false, bool jerks = false) {
   double stop_s = 0;
   for (std::size_t j = 0; j < rig.controller->joints(); ++j)
     stop_s = std::max(stop_s, stop_time(rig.config.joint[j]));
-  // Kinematics that mix axes stop at every corner.
-  const double p = core_xy || r.chance(0.3) ? 0.0 : r.log(0.002, 0.5);
+  const double p = r.chance(0.3) ? 0.0 : r.log(0.002, 0.5);
   PathControl control;
   control.mode = p > 0 ? PathControl::Mode::continuous : PathControl::Mode::exact_path;
   control.tolerance_mm = p;
@@ -130,7 +143,7 @@ TEST(PathProperty, AnyProgramKeepsLimitsAndPathAndReachesItsEnd) {
 TEST(PathProperty, WithJerkLimitsToo) {
   const int count = test::property_count(25);
   for (int i = 1; i <= count; ++i) {
-    run_program(static_cast<unsigned>(i), false, true);
+    run_program(static_cast<unsigned>(i), Machine::plain, true);
     if (HasFatalFailure() || HasNonfatalFailure()) break;
   }
 }
@@ -138,7 +151,15 @@ TEST(PathProperty, WithJerkLimitsToo) {
 TEST(PathProperty, KinematicsThatMixAxesWithJerkLimits) {
   const int count = test::property_count(60);
   for (int i = 1; i <= count; ++i) {
-    run_program(static_cast<unsigned>(i), true, true);
+    run_program(static_cast<unsigned>(i), Machine::core_xy, true);
+    if (HasFatalFailure() || HasNonfatalFailure()) break;
+  }
+}
+
+TEST(PathProperty, ATiltingTableWithJerkLimits) {
+  const int count = test::property_count(40);
+  for (int i = 1; i <= count; ++i) {
+    run_program(static_cast<unsigned>(i), Machine::table, true);
     if (HasFatalFailure() || HasNonfatalFailure()) break;
   }
 }
@@ -151,7 +172,7 @@ TEST(PathProperty, SeedsThatFailedOnce) {
 TEST(PathProperty, KinematicsThatMixAxesKeepTheLimitsOfTheirJoints) {
   const int count = test::property_count(100);
   for (int i = 1; i <= count; ++i) {
-    run_program(static_cast<unsigned>(i), true);
+    run_program(static_cast<unsigned>(i), Machine::core_xy);
     if (HasFatalFailure() || HasNonfatalFailure()) break;
   }
 }

@@ -101,27 +101,6 @@ double arc_cap(const Piece& p, const Box& box, const AxisLimits& limits) noexcep
   return cap;
 }
 
-/// What all pieces of a region could do if they were straight.
-Box straightest(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
-                const AxisLimits& limits) noexcept {
-  Box out{kNoLimit, kNoLimit};
-  for (std::size_t k = begin; k < end; ++k) {
-    const Piece& piece = pieces[k];
-    const Vec p = steepest(piece);
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      if (p[i] <= 0) continue;
-      out.acc = std::min(out.acc, limits.acc[i] / p[i]);
-      out.jerk = std::min(out.jerk, limits.jerk[i] / p[i]);
-    }
-    const double xyz = norm3(p, 0);
-    if (xyz > 0) {
-      out.acc = std::min(out.acc, limits.path_acc / xyz);
-      out.jerk = std::min(out.jerk, limits.path_jerk / xyz);
-    }
-  }
-  return out;
-}
-
 /// Of the angle between both directions, in accelerations that the axes can do.
 double cosine_between(const Vec& t1, const Vec& t2, const AxisLimits& limits) noexcept {
   double dot = 0, square1 = 0, square2 = 0;
@@ -163,6 +142,30 @@ double box_cap(const Piece& piece, double s0, double s1, const Box& box,
   return v < 1e49 ? v * v : kNoLimit;
 }
 
+double box_cap(const JointBends& joints, const Box& box) noexcept {
+  double v = kNoLimit;
+  for (std::size_t i = 0; i < joints.count; ++i) {
+    const JointBends::Row& b = joints.row[i];
+    if (b.e > 0) {
+      const double room = b.acc * kReserve - b.p * box.acc;
+      v = room > 0 ? std::min(v, std::sqrt(room / b.e)) : 0.0;
+    }
+    if (b.jerk < kNoLimit && (b.e > 0 || b.c > 0))
+      v = std::min(v, jerk_speed(b.c, b.e * box.acc, b.jerk * kReserve - b.p * box.jerk));
+  }
+  return v < 1e49 ? v * v : kNoLimit;
+}
+
+void JointBends::join(const JointBends& other) noexcept {
+  for (std::size_t i = count; i < other.count; ++i) row[i] = other.row[i];
+  count = std::max(count, other.count);
+  for (std::size_t i = 0; i < other.count; ++i) {
+    row[i].p = std::max(row[i].p, other.row[i].p);
+    row[i].e = std::max(row[i].e, other.row[i].e);
+    row[i].c = std::max(row[i].c, other.row[i].c);
+  }
+}
+
 double even_speed(const Piece* pieces, std::size_t count, const AxisLimits& limits,
                   bool by_law) noexcept {
   double cap = kNoLimit;
@@ -201,12 +204,40 @@ bool faster_to_stop(const Piece& a, const Piece& b, double l, double speed,
   return stop < blend;
 }
 
+/// What all pieces of a region could do if they were straight.
+Box Boxes::straightest(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
+                       const AxisLimits& limits) const noexcept {
+  Box out{kNoLimit, kNoLimit};
+  for (std::size_t k = begin; k < end; ++k) {
+    const Piece& piece = pieces[k];
+    const Vec p = steepest(piece);
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      if (p[i] <= 0) continue;
+      out.acc = std::min(out.acc, limits.acc[i] / p[i]);
+      out.jerk = std::min(out.jerk, limits.jerk[i] / p[i]);
+    }
+    const double xyz = norm3(p, 0);
+    if (xyz > 0) {
+      out.acc = std::min(out.acc, limits.path_acc / xyz);
+      out.jerk = std::min(out.jerk, limits.path_jerk / xyz);
+    }
+    for (std::size_t i = 0; joints_ != nullptr && i < joints_[k].count; ++i) {
+      const JointBends::Row& row = joints_[k].row[i];
+      if (row.p <= 0) continue;
+      out.acc = std::min(out.acc, row.acc / row.p);
+      out.jerk = std::min(out.jerk, row.jerk / row.p);
+    }
+  }
+  return out;
+}
+
 /// Estimate: speeds by acceleration alone; each end of the region costs a ramp of acceleration.
 double Boxes::seconds(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
                       const Box& box, const AxisLimits& limits) noexcept {
   for (std::size_t k = begin; k < end; ++k) {
     const Piece& p = pieces[k];
-    double cap = std::min(axis_cap(p, 0, p.length, limits), feed_cap(p, 0, p.length));
+    double cap =
+        std::min({axis_cap(p, 0, p.length, limits), feed_cap(p, 0, p.length), joint_cap(k, box)});
     if (p.shape == Piece::Shape::arc) {
       cap_[k] = std::min(cap, arc_cap(p, box, limits));
       continue;
@@ -238,7 +269,8 @@ void Boxes::make_region(const Buffer<Piece>& pieces, std::size_t begin, std::siz
   const Box whole = straightest(pieces, begin, end, limits);
   // Straights leave nothing to turning: a short one between two stops is such a region.
   const bool straight = std::all_of(pieces.begin() + begin, pieces.begin() + end,
-                                    [](const Piece& p) { return p.straight(); });
+                                    [](const Piece& p) { return p.straight(); }) &&
+                        joints_ == nullptr;
   Box best = straight ? whole : Box{};
   double least = 0;
   for (const Share& share : kShares) {
@@ -253,7 +285,7 @@ void Boxes::make_region(const Buffer<Piece>& pieces, std::size_t begin, std::siz
   (void)seconds(pieces, begin, end, best, limits);  // leaves its speeds in cap_
 }
 
-/// A long arc by itself: sped up on and braked on as its neighbours' speeds ask.
+/// A long arc (or a straight along which joints bend) by itself: sped up on and braked on as its neighbours' speeds ask.
 void Boxes::make_arc(const Buffer<Piece>& pieces, std::size_t k,
                      const AxisLimits& limits) noexcept {
   const Piece& piece = pieces[k];
@@ -266,7 +298,8 @@ void Boxes::make_arc(const Buffer<Piece>& pieces, std::size_t k,
   for (const double acc : kArcShares)
     for (const double jerk : kArcShares) {
       const Box box{whole.acc * acc, whole.jerk * jerk};
-      const double cap = std::sqrt(std::min(axes, arc_cap(piece, box, limits)));
+      const double cap =
+          std::sqrt(std::min({axes, arc_cap(piece, box, limits), joint_cap(k, box)}));
       const double t = level_time(piece.length, from, to, cap, {box.acc, box.jerk});
       if (box_[k].acc > 0 && t >= least) continue;
       box_[k] = box;
@@ -274,7 +307,9 @@ void Boxes::make_arc(const Buffer<Piece>& pieces, std::size_t k,
     }
 }
 
-void Boxes::make(const Buffer<Piece>& pieces, const AxisLimits& limits) noexcept {
+void Boxes::make(const Buffer<Piece>& pieces, const AxisLimits& limits,
+                 const JointBends* joints) noexcept {
+  joints_ = joints;
   box_.assign(pieces.size(), Box{});
   // Nothing is known yet of neighbours that have no cap: they are what straights are.
   cap_.assign(pieces.size(), kNoLimit);
@@ -282,7 +317,8 @@ void Boxes::make(const Buffer<Piece>& pieces, const AxisLimits& limits) noexcept
     const Piece& piece = pieces[k];
     const bool arc = piece.shape == Piece::Shape::arc;
     if (!arc && !piece.straight()) return false;
-    const Box box = arc ? straightest(pieces, k, k + 1, limits) : straight_box(piece, limits);
+    const Box box = arc || joints_ != nullptr ? straightest(pieces, k, k + 1, limits)
+                                              : straight_box(piece, limits);
     return piece.length >= kOwnRegion * box.acc * box.acc * box.acc / (box.jerk * box.jerk);
   };
   std::size_t begin = 0;
@@ -294,7 +330,7 @@ void Boxes::make(const Buffer<Piece>& pieces, const AxisLimits& limits) noexcept
   }
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     if (box_[k].acc > 0) continue;
-    if (pieces[k].straight())
+    if (pieces[k].straight() && joints_ == nullptr)
       box_[k] = straight_box(pieces[k], limits);
     else
       make_arc(pieces, k, limits);

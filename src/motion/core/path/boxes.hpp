@@ -19,6 +19,20 @@ struct Box {
   double acc{0}, jerk{0};  ///< of sigma
 };
 
+/// The largest rates, curls and twists of joints on a stretch (joint_curve.hpp), beside their limits.
+struct JointBends {
+  struct Row {
+    double p{0}, e{0}, c{0}, acc{0}, jerk{0};
+  };
+  static constexpr std::size_t kMost = 8;  ///< joints that are not an axis each
+  std::size_t count{0};
+  Row row[kMost];
+  /// Those of another stretch besides.
+  void join(const JointBends& other) noexcept;
+};
+/// Largest v^2 for which the box keeps the acceleration and jerk limits of the joints.
+[[nodiscard]] double box_cap(const JointBends& joints, const Box& box) noexcept;
+
 /// Straights only: what all axes can do.
 [[nodiscard]] Box straight_box(const Piece& piece, const AxisLimits& limits) noexcept;
 /// Largest v^2 on [s0, s1] for which the box keeps the acceleration and jerk limits of all axes (not their velocities).
@@ -39,8 +53,9 @@ class Boxes {
   [[nodiscard]] bool create(Memory& memory, std::size_t pieces) noexcept {
     return box_.create(memory, pieces) && cap_.create(memory, pieces);
   }
-  /// A box for each piece.
-  void make(const Buffer<Piece>& pieces, const AxisLimits& limits) noexcept;
+  /// A box for each piece. `joints`: of each piece, where kinematics mix axes.
+  void make(const Buffer<Piece>& pieces, const AxisLimits& limits,
+            const JointBends* joints) noexcept;
   [[nodiscard]] const Box& operator[](std::size_t piece) const noexcept { return box_[piece]; }
 
  private:
@@ -49,9 +64,15 @@ class Boxes {
   void make_arc(const Buffer<Piece>& pieces, std::size_t k, const AxisLimits& limits) noexcept;
   [[nodiscard]] double seconds(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
                                const Box& box, const AxisLimits& limits) noexcept;
+  [[nodiscard]] double joint_cap(std::size_t piece, const Box& box) const noexcept {
+    return joints_ != nullptr ? box_cap(joints_[piece], box) : kNoLimit;
+  }
+  [[nodiscard]] Box straightest(const Buffer<Piece>& pieces, std::size_t begin, std::size_t end,
+                                const AxisLimits& limits) const noexcept;
 
   Buffer<Box> box_;
   Buffer<double> cap_;
+  const JointBends* joints_{nullptr};
 };
 
 }  // namespace kerf::motion::path

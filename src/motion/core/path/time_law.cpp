@@ -91,17 +91,19 @@ LawState at(const LawStep& step, double t) noexcept {
   return out;
 }
 
-bool TimeLaw::create(Memory& memory, std::size_t intervals) noexcept {
-  return rows_.create(memory, intervals) && newton_.create(memory, intervals) &&
-         law_.create(memory, intervals) && kept_.create(memory, intervals) &&
-         x_.create(memory, intervals + 1) && sums_.create(memory, intervals + 1) &&
-         way_.create(memory, intervals + 1) && stop_.create(memory, intervals);
+bool TimeLaw::create(Memory& memory, std::size_t intervals,
+                     std::size_t rows_per_interval) noexcept {
+  return rows_.create(memory, intervals, rows_per_interval) &&
+         newton_.create(memory, intervals, rows_per_interval) && law_.create(memory, intervals) &&
+         kept_.create(memory, intervals) && x_.create(memory, intervals + 1) &&
+         sums_.create(memory, intervals + 1) && way_.create(memory, intervals + 1) &&
+         stop_.create(memory, intervals);
 }
 
 void TimeLaw::begin(const AxisLimits& limits) noexcept { rows_.begin(limits); }
 
 bool TimeLaw::add(std::uint64_t number, const Piece& piece, double from, double to, double span_end,
-                  double cap, double wish, int fineness) noexcept {
+                  double cap, double wish, int fineness, const JointCurve* joints) noexcept {
   LawStretch s;
   s.piece = piece;
   s.from = from;
@@ -111,6 +113,7 @@ bool TimeLaw::add(std::uint64_t number, const Piece& piece, double from, double 
   s.wish = wish;
   s.number = number;
   s.fineness = fineness;
+  s.joints = joints != nullptr && joints->count > 0 ? joints : nullptr;
   return !(to > from) || rows_.add(s);
 }
 
@@ -390,7 +393,7 @@ double TimeLaw::stop_way(const Start& start) const noexcept {
   // As on a straight like the first place of the window; speeding up ends first.
   const LawStretch& first = rows_.stretches().front();
   double acc = 0, jerk = 0;
-  straight_limits(first.piece, first.from, rows_.limits(), acc, jerk);
+  straight_limits(first, first.from, rows_.limits(), acc, jerk);
   const double v = std::sqrt(start.x), rise = std::max(start.u, 0.0) / jerk;
   const double top = v + start.u * rise / 2;
   return v * rise + top * top / (2 * acc) + top * acc / (2 * jerk);

@@ -49,16 +49,20 @@ class TimeLaw {
   };
   enum class Result : std::int32_t { ok, failed, full /**< no room for the intervals */ };
 
+  /// Rows of an interval: of six axes; of as many, and the joints of a machine whose kinematics mix them.
+  static constexpr std::size_t kRows = 30, kRowsWithJoints = 64;
   /// Room for `intervals`. False: no memory.
-  [[nodiscard]] bool create(Memory& memory, std::size_t intervals) noexcept;
+  [[nodiscard]] bool create(Memory& memory, std::size_t intervals,
+                            std::size_t rows_per_interval = kRows) noexcept;
 
   /// A window: add() its stretches in path order, then solve. Limits with jerk.
   void begin(const AxisLimits& limits) noexcept;
   /// [from, to] of a piece, a part of span `number` that ends at `span_end` (>= to) of the piece. `cap` bounds x everywhere
-  /// (axis velocities), `wish` bounds x softly (feed at the override in force; kNoLimit: none). `fineness` 1: few intervals (dense
+  /// (axis velocities; those of `joints` besides), `wish` bounds x softly (feed at the override in force; kNoLimit: none). `fineness` 1: few intervals (dense
   /// streams, 1 on a cubic), 4: as fine as pays. The straight's grid is graded from both ends. False: full.
   [[nodiscard]] bool add(std::uint64_t number, const Piece& piece, double from, double to,
-                         double span_end, double cap, double wish, int fineness) noexcept;
+                         double span_end, double cap, double wish, int fineness,
+                         const JointCurve* joints = nullptr) noexcept;
   /// Roughly, before solve().
   [[nodiscard]] std::size_t intervals() const noexcept { return rows_.expected(); }
 

@@ -6,7 +6,6 @@
 namespace kerf::motion::path {
 namespace {
 
-constexpr std::size_t kRowsPerInterval = 30;
 constexpr double kToBound = 0.97;
 /// m may fall by this share of itself in one step.
 constexpr double kMostFall = 0.7;
@@ -52,8 +51,9 @@ LawNewton::JerkSide::JerkSide(const double b[3], double share) noexcept {
   }
 }
 
-bool LawNewton::create(Memory& memory, std::size_t intervals) noexcept {
-  const std::size_t rows = intervals * kRowsPerInterval, n = intervals + 1;
+bool LawNewton::create(Memory& memory, std::size_t intervals,
+                       std::size_t rows_per_interval) noexcept {
+  const std::size_t rows = intervals * rows_per_interval, n = intervals + 1;
   for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_, &d0_, &d1_, &d2_, &by_mu_})
     if (!b->create(memory, n)) return false;
   // A limit and a wish each.

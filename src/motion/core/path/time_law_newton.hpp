@@ -23,7 +23,8 @@ class LawNewton {
     int iterations{60};
   };
 
-  [[nodiscard]] bool create(Memory& memory, std::size_t intervals) noexcept;
+  [[nodiscard]] bool create(Memory& memory, std::size_t intervals,
+                            std::size_t rows_per_interval) noexcept;
   /// x at node 0 is x0 and the first interval begins with u0; x0 0: at rest. `patient`: does not brake for wishes before limits are kept.
   void begin(const LawRows& rows, double x0, double u0, bool patient) noexcept;
   /// Guess of x at node i, 0 < i < intervals.

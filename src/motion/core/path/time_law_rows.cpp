@@ -6,7 +6,6 @@
 namespace kerf::motion::path {
 namespace {
 
-constexpr std::size_t kRowsPerInterval = 30;
 constexpr double kArcStep = 0.05;  ///< rad
 /// Largest ratio of the steps of neighbouring cubics, and into how many steps one is divided at most.
 constexpr double kCubicRatio = 4;
@@ -22,6 +21,11 @@ constexpr double kFirstChange = 0.25, kFineGrowth = 0.5;
 /// So many steps before the end of a stretch are equal.
 constexpr double kEvenParts = 3;
 
+/// What the curl of a joint may be off a line within a step, as a share of its acceleration.
+constexpr double kJointBend = 3e-4;
+/// A stop may be so many of these long.
+constexpr double kMostBends = 2;
+
 /// Of q' and of q'', relative to its largest component.
 constexpr double kSameSlope = 1e-6;
 
@@ -34,6 +38,9 @@ double least_steps(int fineness) noexcept { return fineness >= 4 ? 12 : fineness
 bool is_even(const LawStretch& s) noexcept {
   return s.piece.shape == Piece::Shape::cubic && !s.piece.straight();
 }
+
+/// It bends nowhere: neither in the axes nor in the joints.
+bool is_straight(const LawStretch& s) noexcept { return s.piece.straight() && s.joints == nullptr; }
 
 struct Derivatives {
   Vec p0, p1, p2, e0, e1, c0, c1, c2;
@@ -57,12 +64,41 @@ Derivatives derivatives(const Piece& piece, double s0, double s1) noexcept {
   return d;
 }
 
+/// f(what it does, its limits) of each joint.
+template <class F>
+void for_each_joint(const LawStretch& s, double s0, double s1, F&& f) noexcept {
+  for (std::size_t i = 0; s.joints != nullptr && i < s.joints->count; ++i)
+    f(part_of(*s.joints, i, s0, s1), s.joints->row[i]);
+}
+
+/// x at which the joints can just be held on their curves.
+double even_x(const JointCurve& joints, double cap) noexcept {
+  double x = cap;
+  for (std::size_t i = 0; i < joints.count; ++i)
+    for (const double at : {0.0, 0.5, 1.0}) {
+      const double curl = std::abs(place_on(joints, i, joints.from + at * joints.length).curl);
+      if (curl > 0) x = std::min(x, joints.row[i].acc / curl);
+    }
+  return x;
+}
+
 /// The way on which a start reaches the largest acceleration.
 double rise(double acc, double jerk) noexcept {
   return acc < kNoLimit && jerk < kNoLimit ? acc * acc * acc / (6 * jerk * jerk) : kNoLimit;
 }
 
 }  // namespace
+
+void straight_limits(const LawStretch& stretch, double s, const AxisLimits& limits, double& acc,
+                     double& jerk) noexcept {
+  straight_limits(stretch.piece, s, limits, acc, jerk);
+  for (std::size_t i = 0; stretch.joints != nullptr && i < stretch.joints->count; ++i) {
+    const double steep = std::abs(place_on(*stretch.joints, i, s).rate);
+    if (steep <= 0) continue;
+    acc = std::min(acc, stretch.joints->row[i].acc / steep);
+    jerk = std::min(jerk, stretch.joints->row[i].jerk / steep);
+  }
+}
 
 void straight_limits(const Piece& piece, double s, const AxisLimits& limits, double& acc,
                      double& jerk) noexcept {
@@ -80,8 +116,9 @@ void straight_limits(const Piece& piece, double s, const AxisLimits& limits, dou
   jerk = std::min(jerk, limits.path_jerk / xyz);
 }
 
-bool LawRows::create(Memory& memory, std::size_t intervals) noexcept {
-  const std::size_t rows = intervals * kRowsPerInterval;
+bool LawRows::create(Memory& memory, std::size_t intervals,
+                     std::size_t rows_per_interval) noexcept {
+  const std::size_t rows = intervals * rows_per_interval;
   return stretches_.create(memory, intervals) && intervals_.create(memory, intervals) &&
          nodes_.create(memory, intervals) && a0.create(memory, rows) && a1.create(memory, rows) &&
          a2.create(memory, rows);
@@ -101,12 +138,15 @@ bool LawRows::add(const LawStretch& stretch) noexcept {
   s.end = s.to;
   s.fineness = std::clamp(s.fineness, 1, kMostPerCubic);
   double least = s.fineness;
+  if (s.joints != nullptr) s.bends = even_step(*s.joints, even_x(*s.joints, s.cap), kJointBend);
   if (is_even(s)) {
-    s.widest = whole / s.fineness;
+    s.widest = std::min(whole / s.fineness, s.bends);
+    least = std::max(least, std::min(std::ceil((s.to - s.from) / s.widest), double{kMostPerCubic}));
   } else {
     s.widest = whole / least_steps(s.fineness);
     if (s.piece.shape == Piece::Shape::arc && s.piece.rate != 0)
       s.widest = std::min(s.widest, kArcStep / std::abs(s.piece.rate));
+    s.widest = std::min(s.widest, s.bends);
     least = (s.to - s.from) / s.widest + least_steps(s.fineness);
   }
   const auto more = static_cast<std::size_t>(std::min(std::ceil(least), 1e6));
@@ -119,7 +159,7 @@ void LawRows::push(std::size_t k, double from, double to) noexcept {
   const LawStretch& s = stretches_[k];
   LawInterval in;
   in.length = to - from;
-  in.cap = s.cap;
+  in.cap = s.joints != nullptr ? std::min(s.cap, velocity_cap(*s.joints, from, to)) : s.cap;
   in.wish = s.wish < s.cap ? s.wish : kNoLimit;
   in.from = from;
   in.stretch = k;
@@ -193,7 +233,7 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
   for (std::size_t k = 0; k < n; ++k) {
     LawStretch& s = stretches_[k];
     if (is_even(s)) continue;
-    straight_limits(s.piece, s.from, limits_, acc, jerk);
+    straight_limits(s, s.from, limits_, acc, jerk);
     const double fine = std::max(kRestShare * rise(acc, jerk), s.step / 8);
     const auto joint = [&](const LawStretch& other) {
       return std::min(s.step, is_even(other) ? other.step : std::min(fine, other.step));
@@ -204,7 +244,7 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
   fine_ = kNoLimit;
   LawStretch &head = stretches_[0], &tail = stretches_[n - 1];
   const auto at_rest = [&](const LawStretch& s, double at) {
-    straight_limits(s.piece, at, limits_, acc, jerk);
+    straight_limits(s, at, limits_, acc, jerk);
     return std::min({s.step, kRestShare * rise(acc, jerk), kRestOfPiece * s.piece.length});
   };
   if (x0 <= 0)
@@ -260,6 +300,7 @@ bool LawRows::add_step(double most) noexcept {
   const LawStretch& s = stretches_[used_ - 1];
   if (s.piece.shape == Piece::Shape::arc && s.piece.rate != 0)
     most = std::min(most, kArcStep / std::abs(s.piece.rate));
+  most = std::min(most, s.bends);
   const double left = s.to - at_, parts = std::ceil(left / most - 1e-9);
   const double to = parts <= 1 ? s.to : at_ + (parts <= kEvenParts ? left / parts : most);
   push(used_ - 1, at_, to);
@@ -293,7 +334,8 @@ bool LawRows::goes_on(std::size_t i, const Vec& first, const Vec& second) const 
 
 bool LawRows::make_rows(std::size_t i) noexcept {
   LawInterval& in = intervals_[i];
-  const Piece& piece = stretches_[in.stretch].piece;
+  const LawStretch& stretch = stretches_[in.stretch];
+  const Piece& piece = stretch.piece;
   in.row = a0.size();
   const double over = 1 / in.length;
   bool fits = true;
@@ -302,9 +344,9 @@ bool LawRows::make_rows(std::size_t i) noexcept {
     a1.push_back(k1 / limit);
     fits = a2.push_back(k2 / limit) && fits;
   };
-  if (piece.straight()) {
+  if (is_straight(stretch)) {
     double acc = 0, jerk = 0;
-    straight_limits(piece, in.from, limits_, acc, jerk);
+    straight_limits(stretch, in.from, limits_, acc, jerk);
     // Within a straight the acceleration at its start is that at the end of the interval before.
     const bool same = i > 0 && intervals_[i - 1].stretch == in.stretch;
     if (!same) row(-over, over, 0, acc);
@@ -319,18 +361,47 @@ bool LawRows::make_rows(std::size_t i) noexcept {
   in.accs = in.jerks = 0;
   // Where q' and q'' go on the acceleration at its start is that at the end of the interval before.
   const bool same = i > 0 && goes_on(i, d.p0, d.e0);
-  for (std::size_t j = 0; j < kAxes; ++j) {
-    const double limit = limits_.acc[j];
-    const double p0 = d.p0[j] * over, p1 = d.p1[j] * over, p2 = d.p2[j] * over, e0 = d.e0[j],
-                 e1 = d.e1[j];
-    if ((p0 == 0 && p2 == 0 && e0 == 0 && e1 == 0) || limit >= kNoLimit) continue;
-    if (!same) row(e0 - p0, p0, 0, limit);
+  const auto acc_rows = [&](double p0, double p1, double p2, double e0, double e1, double limit,
+                            bool begins) {
+    p0 *= over, p1 *= over, p2 *= over;
+    if (begins) row(e0 - p0, p0, 0, limit);
     row((e1 - 2 * p1) / 3, (2 * p1 - p0 + 2 * e0) / 3, p0 / 3, limit);
     row(-p2 / 3, (p2 - 2 * p1 + 2 * e1) / 3, (2 * p1 + e0) / 3, limit);
     row(0, -p2, p2 + e1, limit);
-    in.accs += same ? 3 : 4;
+    in.accs += begins ? 4 : 3;
+  };
+  for (std::size_t j = 0; j < kAxes; ++j) {
+    if ((d.p0[j] == 0 && d.p2[j] == 0 && d.e0[j] == 0 && d.e1[j] == 0) ||
+        limits_.acc[j] >= kNoLimit)
+      continue;
+    acc_rows(d.p0[j], d.p1[j], d.p2[j], d.e0[j], d.e1[j], limits_.acc[j], !same);
   }
+  const double along = piece.straight() ? norm3(piece.b, 0) : 0.0;
+  if (along > 0 && limits_.path_acc < kNoLimit)
+    acc_rows(along, along, along, 0, 0, limits_.path_acc,
+             i == 0 || intervals_[i - 1].stretch != in.stretch);
   const double ww = over * over;
+  const auto jerk_row = [&](int k, double p0, double p1, double p2, double e0, double e1, double c,
+                            double limit) {
+    e0 *= over, e1 *= over;
+    if (k == 0) {
+      const double w = p0 * ww;
+      row(w - 3 * e0 + c, -2 * w + 3 * e0, w, limit);
+    } else if (k == 1) {
+      const double w = p1 * ww;
+      row(w - 1.5 * e1, -2 * w + 1.5 * (e1 - e0) + c, w + 1.5 * e0, limit);
+    } else {
+      const double w = p2 * ww;
+      row(w, -2 * w - 3 * e1, w + 3 * e1 + c, limit);
+    }
+  };
+  JointPart joint[JointCurve::kMost];
+  std::size_t joints = 0;
+  for_each_joint(stretch, in.from, in.from + in.length,
+                 [&](const JointPart& p, const JointCurve::Row& limit) {
+                   joint[joints++] = p;
+                   acc_rows(p.p0, p.p1, p.p2, p.e0, p.e1, limit.acc, !same);
+                 });
   for (int k = 0; k < 3; ++k) {
     int count = 0;
     for (std::size_t j = 0; j < kAxes; ++j) {
@@ -338,17 +409,15 @@ bool LawRows::make_rows(std::size_t i) noexcept {
       if (limit >= kNoLimit || (d.p0[j] == 0 && d.p2[j] == 0 && d.e0[j] == 0 && d.e1[j] == 0))
         continue;
       ++count;
-      const double e0 = d.e0[j] * over, e1 = d.e1[j] * over;
-      if (k == 0) {
-        const double w = d.p0[j] * ww;
-        row(w - 3 * e0 + d.c0[j], -2 * w + 3 * e0, w, limit);
-      } else if (k == 1) {
-        const double w = d.p1[j] * ww;
-        row(w - 1.5 * e1, -2 * w + 1.5 * (e1 - e0) + d.c1[j], w + 1.5 * e0, limit);
-      } else {
-        const double w = d.p2[j] * ww;
-        row(w, -2 * w - 3 * e1, w + 3 * e1 + d.c2[j], limit);
-      }
+      const Vec& c = k == 0 ? d.c0 : k == 1 ? d.c1 : d.c2;
+      jerk_row(k, d.p0[j], d.p1[j], d.p2[j], d.e0[j], d.e1[j], c[j], limit);
+    }
+    for (std::size_t j = 0; j < joints; ++j) {
+      const double limit = stretch.joints->row[j].jerk;
+      if (limit >= kNoLimit) continue;
+      ++count;
+      const JointPart& p = joint[j];
+      jerk_row(k, p.p0, p.p1, p.p2, p.e0, p.e1, k == 0 ? p.c0 : k == 1 ? p.c1 : p.c2, limit);
     }
     const double xyz = std::max({norm3(d.p0, 0), norm3(d.p1, 0), norm3(d.p2, 0)});
     if (limits_.path_jerk < kNoLimit && xyz > 0) {
@@ -367,6 +436,16 @@ bool LawRows::make_rows(std::size_t i) noexcept {
       in.jerk_rest_b = std::max(in.jerk_rest_b, std::abs(d.c2[j] - d.c0[j]) / 3 / limits_.jerk[j]);
     }
   }
+  for (std::size_t j = 0; j < joints; ++j) {
+    const JointPart& p = joint[j];
+    const JointCurve::Row& limit = stretch.joints->row[j];
+    in.acc_rest = std::max(in.acc_rest, p.e_off / limit.acc);
+    in.acc_rest_u = std::max(in.acc_rest_u, p.p_off / limit.acc);
+    in.jerk_rest = std::max(in.jerk_rest, p.c_off / limit.jerk);
+    in.jerk_rest_u = std::max(in.jerk_rest_u, 3 * p.e_off / limit.jerk);
+    in.jerk_rest_b = std::max(in.jerk_rest_b, std::abs(p.c2 - p.c0) / 3 / limit.jerk);
+    in.jerk_rest_w = std::max(in.jerk_rest_w, p.p_off / limit.jerk);
+  }
   return fits;
 }
 
@@ -376,27 +455,36 @@ double LawRows::rest_cap(std::size_t i, double way, bool start) const noexcept {
   const LawInterval& in = intervals_[i];
   const Derivatives d = derivatives(stretches_[in.stretch].piece, in.from, in.from + way);
   double cap = in.cap, acc = 0, jerk = 0;
-  for (std::size_t j = 0; j < kAxes; ++j) {
-    const double sign = start ? 1 : -1;
-    const double p0 = sign * (start ? d.p0[j] : d.p2[j]), p1 = sign * d.p1[j],
-                 p2 = sign * (start ? d.p2[j] : d.p0[j]);
-    const double e0 = start ? d.e0[j] : d.e1[j], e1 = start ? d.e1[j] : d.e0[j];
-    const double c = sign * (start ? d.c2[j] : d.c0[j]);
+  const double sign = start ? 1 : -1;
+  const auto take = [&](double p0, double p1, double p2, double e0, double e1, double c,
+                        double acc_limit, double jerk_limit) {
     const double ka = 2 / (3 * way), kj = 2 / (9 * way * way);
     const double a =
         std::max({std::abs(p0 * ka), std::abs(p1 * ka + e0 / 2), std::abs(p2 * ka + e1)});
     const double k = std::max(
         {std::abs(p0 * kj), std::abs(p1 * kj + e0 / way), std::abs(p2 * kj + 2 * e1 / way + c)});
-    acc = std::max(acc, a / limits_.acc[j]);
-    jerk = std::max(jerk, k / limits_.jerk[j]);
-  }
-  const Piece& piece = stretches_[in.stretch].piece;
+    acc = std::max(acc, a / acc_limit);
+    jerk = std::max(jerk, k / jerk_limit);
+  };
+  for (std::size_t j = 0; j < kAxes; ++j)
+    take(sign * (start ? d.p0[j] : d.p2[j]), sign * d.p1[j], sign * (start ? d.p2[j] : d.p0[j]),
+         start ? d.e0[j] : d.e1[j], start ? d.e1[j] : d.e0[j], sign * (start ? d.c2[j] : d.c0[j]),
+         limits_.acc[j], limits_.jerk[j]);
+  const LawStretch& stretch = stretches_[in.stretch];
+  for_each_joint(stretch, in.from, in.from + way,
+                 [&](const JointPart& p, const JointCurve::Row& limit) {
+                   take(sign * (start ? p.p0 : p.p2), sign * p.p1, sign * (start ? p.p2 : p.p0),
+                        start ? p.e0 : p.e1, start ? p.e1 : p.e0, sign * (start ? p.c2 : p.c0),
+                        limit.acc, limit.jerk);
+                 });
+  const Piece& piece = stretch.piece;
   double acc_path = 0, jerk_path = 0;
-  straight_limits(piece, in.from, limits_, acc_path, jerk_path);
+  straight_limits(stretch, in.from, limits_, acc_path, jerk_path);
   if (piece.straight()) acc = std::max(acc, 2 / (3 * way) / acc_path);
   if (limits_.path_jerk < kNoLimit) jerk = std::max(jerk, 2 / (9 * way * way) / jerk_path);
   // What arcs leave out: see kArcStep.
-  const double reserve = piece.shape == Piece::Shape::arc ? 0.995 : 1.0;
+  const double reserve =
+      piece.shape == Piece::Shape::arc || stretch.joints != nullptr ? 0.995 : 1.0;
   if (acc > 0) cap = std::min(cap, reserve / acc);
   if (jerk > 0) cap = std::min(cap, reserve / std::cbrt(jerk * jerk));
   return cap;
@@ -412,13 +500,25 @@ double LawRows::stop_cap(std::size_t i, double way) const noexcept {
   if (intervals_[i].from + way > s.to) return 0;
   // The rows of an arc hold for short parts of it.
   if (s.piece.shape == Piece::Shape::arc && std::abs(s.piece.rate) * way > kArcStep) return 0;
+  if (way > kMostBends * s.bends) return 0;
   return rest_cap(i, way, false);
 }
 
 double LawRows::even_cap(std::size_t i) const noexcept {
   const LawInterval& in = intervals_[i];
-  const Piece& piece = stretches_[in.stretch].piece;
+  const LawStretch& stretch = stretches_[in.stretch];
+  const Piece& piece = stretch.piece;
   double x = in.cap;
+  for_each_joint(stretch, in.from, in.from + in.length,
+                 [&](const JointPart& p, const JointCurve::Row& limit) {
+                   const double e = std::max(std::abs(p.e0), std::abs(p.e1)),
+                                third = std::max(std::abs(p.c0), std::abs(p.c2));
+                   if (e > 0) x = std::min(x, 0.6 * limit.acc / e);
+                   if (third > 0) {
+                     const double v = std::cbrt(0.5 * limit.jerk / third);
+                     x = std::min(x, v * v);
+                   }
+                 });
   if (piece.straight()) return x;
   const Vec e0 = piece.second(in.from), e1 = piece.second(in.from + in.length),
             c = piece.third(in.from + in.length / 2);
@@ -435,7 +535,7 @@ double LawRows::even_cap(std::size_t i) const noexcept {
 
 void LawRows::straightest(std::size_t i, double& acc, double& jerk) const noexcept {
   const LawInterval& in = intervals_[i];
-  straight_limits(stretches_[in.stretch].piece, in.from + in.length / 2, limits_, acc, jerk);
+  straight_limits(stretches_[in.stretch], in.from + in.length / 2, limits_, acc, jerk);
 }
 
 LawExcess LawRows::excess(std::size_t i, const double b[3], bool given) const noexcept {
@@ -448,12 +548,12 @@ LawExcess LawRows::excess(std::size_t i, const double b[3], bool given) const no
   for (std::int32_t k = 0; k < in.accs; ++k, ++r)
     if (!given || a2[r] != 0)
       acc = std::max(acc, std::abs(a0[r] * b[0] + a1[r] * b[1] + a2[r] * b[2]));
-  out.acc = acc + in.acc_rest * top - 1;
+  const double u = std::max(std::abs(b[1] - b[0]), std::abs(b[2] - b[1]));
+  out.acc = acc + in.acc_rest * top + in.acc_rest_u * u / in.length - 1;
   if (in.jerks == 0) return out;
   const double xm = (b[0] + 2 * b[1] + b[2]) / 4, v = std::sqrt(xm);
-  const double rest =
-      in.jerk_rest_u * std::max(std::abs(b[1] - b[0]), std::abs(b[2] - b[1])) / in.length +
-      in.jerk_rest_b * std::max(std::abs(b[1] - b[0]), std::abs(b[2] - b[1]));
+  const double rest = in.jerk_rest * top + in.jerk_rest_u * u / in.length + in.jerk_rest_b * u +
+                      in.jerk_rest_w * std::abs(b[0] - 2 * b[1] + b[2]) / (in.length * in.length);
   double jerk = -1;
   for (int k = 0; k < 3; ++k) {
     const double right = (1.5 - b[k] / (2 * xm)) / v;

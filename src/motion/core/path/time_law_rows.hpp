@@ -5,7 +5,7 @@
 //   acceleration  p0 u0 + e0 b0, (p0 u1 + 2 p1 u0 + 2 e0 b1 + e1 b0)/3, (2 p1 u1 + p2 u0 + e0 b2 + 2 e1 b1)/3, p2 u1 + e1 b2
 //   jerk          p0 w + 3 e0 u0 + c b0, p1 w + 3 (e0 u1 + e1 u0)/2 + c b1, p2 w + 3 e1 u1 + c b2, over the speed
 // are the Bernstein coefficients of what the axis does: a row each, linear in b and true on the whole interval. Arcs are divided until their
-// q'' is linear but for a remainder, which the certificate adds.
+// q'' is linear but for a remainder, which the certificate adds. Where kinematics mix axes the joints have rows like axes do (joint_curve.hpp).
 #pragma once
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include "motion/core/path/buffer.hpp"
+#include "motion/core/path/joint_curve.hpp"
 #include "motion/core/path/limits.hpp"
 #include "motion/core/path/piece.hpp"
 
@@ -24,7 +25,9 @@ struct LawStretch {
   double from{0}, to{0}, end{0}, span_end{0};  ///< to: in a shortened window, else end
   double cap{0}, wish{0};
   std::uint64_t number{0};
+  const JointCurve* joints{nullptr};  ///< where kinematics mix axes
   int fineness{1};
+  double bends{kNoLimit};  ///< the widest step by the joints
   double widest{0},
       step{0};  ///< of its grid, away from its ends: as it would like, and beside its neighbours
   double first{0}, last{0};  ///< steps at its ends
@@ -38,8 +41,8 @@ struct LawInterval {
   std::size_t row{0};     ///< its first row; accelerations first, then jerks by coefficient
   std::int32_t accs{0};   ///< by axis; the last one of each that of its end
   std::int32_t jerks{0};  ///< of each of the three coefficients
-  /// Arcs: what the rows leave out, times the largest b; times the largest |u|; times the largest difference of neighbouring b.
-  double acc_rest{0}, jerk_rest_u{0}, jerk_rest_b{0};
+  /// Arcs and joints: what the rows leave out, times the largest b; times the largest |u|; times the largest difference of neighbouring b; times |w|.
+  double acc_rest{0}, acc_rest_u{0}, jerk_rest{0}, jerk_rest_u{0}, jerk_rest_b{0}, jerk_rest_w{0};
 };
 
 /// Shares of the limits by which a law goes over them at most; 0: within.
@@ -50,10 +53,14 @@ struct LawExcess {
 /// Acceleration and jerk of sigma at a place as if the path went on straight there.
 void straight_limits(const Piece& piece, double s, const AxisLimits& limits, double& acc,
                      double& jerk) noexcept;
+/// Of the joints too.
+void straight_limits(const LawStretch& stretch, double s, const AxisLimits& limits, double& acc,
+                     double& jerk) noexcept;
 
 class LawRows {
  public:
-  [[nodiscard]] bool create(Memory& memory, std::size_t intervals) noexcept;
+  [[nodiscard]] bool create(Memory& memory, std::size_t intervals,
+                            std::size_t rows_per_interval) noexcept;
   void begin(const AxisLimits& limits) noexcept;
   [[nodiscard]] bool add(const LawStretch& stretch) noexcept;
   /// At least as many as there will be.

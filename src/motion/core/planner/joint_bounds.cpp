@@ -30,10 +30,34 @@ constexpr int kMostHalvings = 14;
 constexpr int kForSpeed = 3;  ///< of these, such as only make boxes fit better
 /// Where nothing fits: the machine creeps (mm/s, mm/s2).
 constexpr double kCreep = 0.1, kCreepAcc = 1;
+constexpr double kCreepJerk = 10;  ///< mm/s3
+/// The same for curves. Less is left to chance there.
+constexpr double kCurveVelShare = 0.9995, kCurveAccShare = 0.999, kCurveJerkShare = 0.995;
+/// How far a curve may be off a quarter from its ends, as shares of the limits; of the way, where another solution would be taken.
+constexpr double kVelOff = 2e-4, kAccOff = 2e-4, kJerkOff = 4e-3, kWayOff = 1e-3;
+/// The largest second derivative of (t (t - 1/2) (t - 1))^2 over its value there.
+constexpr double kTwistOff = 228;
+/// What takes less time than that is too short for its twist to be told from rounding, and for a cycle to see (s).
+constexpr double kNoTwist = 1e-4;
+/// Speeds are judged up to this much above what the curls leave; places at which less than this share of the rates is left for what u may be.
+constexpr double kMostX = 1.5, kLeastRate = 0.1;
 constexpr double kLimitTolerance = 1e-6;
 constexpr int kLooks = 5;
 
 double square(double x) noexcept { return x * x; }
+
+/// No stretch is longer than it can be looked at in one; `per_blend` stretches of each piece of a blend at least.
+void shorten(const Piece& piece, int per_blend, double from, double& to) noexcept {
+  // sigma is stretched where slow axes decide.
+  const double along = max_abs(piece.first(from));
+  double most = along > 0 ? kLongest / along : piece.length;
+  if (piece.shape == Piece::Shape::arc)
+    most = kLongestSweep / std::abs(piece.rate);
+  else if (!piece.straight())
+    most = piece.length / per_blend;
+  // A short rest would be a stretch of its own.
+  if (to - from > most) to = to - from < 1.5 * most ? (from + to) / 2 : from + most;
+}
 
 }  // namespace
 
@@ -50,6 +74,16 @@ void JointBounds::configure(const MachineConfig& config, const path::AxisLimits&
     limit_[j] = {rest * c.max_vel * kVelShare, rest * c.max_acc * kAccShare};
     low_[j] = c.min_limit;
     high_[j] = c.max_limit;
+  }
+  mixed_count_ = 0;
+  for (std::size_t j = 0; j < joints_; ++j) {
+    if (kinematics_.axis_of_joint(static_cast<std::int32_t>(j)) >= 0) continue;
+    const JointConfig& c = config.joint[j];
+    path::JointCurve::Row& row = mixed_limit_[mixed_count_];
+    row.vel = rest * c.max_vel * kCurveVelShare;
+    row.acc = rest * c.max_acc * kCurveAccShare;
+    row.jerk = c.max_jerk > 0 ? rest * c.max_jerk * kCurveJerkShare : kNoLimit;
+    mixed_[mixed_count_++] = j;
   }
   near_ = JointVector{};
 }
@@ -187,15 +221,7 @@ bool JointBounds::even(const Place& a, const Place& m, const Place& b, const Box
 
 JointBounds::Box JointBounds::box_of(const Piece& piece, double from, double& to,
                                      double x_wanted) noexcept {
-  // sigma is stretched where slow axes decide.
-  const double along = max_abs(piece.first(from));
-  double most = along > 0 ? kLongest / along : piece.length;
-  if (piece.shape == Piece::Shape::arc)
-    most = kLongestSweep / std::abs(piece.rate);
-  else if (!piece.straight())
-    most = piece.length / kPerBlend;
-  // A short rest would be a stretch of its own.
-  if (to - from > most) to = to - from < 1.5 * most ? (from + to) / 2 : from + most;
+  shorten(piece, kPerBlend, from, to);
   Place a, m, b;
   look(piece, from, a);
   look(piece, (from + to) / 2, m);
@@ -227,6 +253,112 @@ JointBounds::Box JointBounds::box_of(const Piece& piece, double from, double& to
     if (a.solved) near_ = a.joint;
     look(piece, (from + to) / 2, m);
   }
+}
+
+/// The curve through what was found at the first, third and fifth place, and whether it foretells what was found at the others.
+bool JointBounds::foretold(const Piece& piece, const Place (&at)[kPlaces],
+                           path::JointCurve& out) const noexcept {
+  const double length = at[4].s - at[0].s;
+  out.from = at[0].s;
+  out.length = length;
+  out.count = mixed_count_;
+  double x = path::axis_cap(piece, at[0].s, at[4].s, axes_), least = kNoLimit, most = 0;
+  for (const Place& place : at) {
+    double share = 0;  // of the accelerations, at u = 1
+    for (std::size_t i = 0; i < path::kAxes; ++i)
+      share = std::max(share, std::abs(place.first[i]) / axes_.acc[i]);
+    for (std::size_t n = 0; n < mixed_count_; ++n) {
+      const path::JointCurve::Row& limit = mixed_limit_[n];
+      const double rate = std::abs(place.rate[mixed_[n]]), curl = std::abs(place.curl[mixed_[n]]);
+      share = std::max(share, rate / limit.acc);
+      if (rate > 0) x = std::min(x, square(limit.vel / rate));
+      if (curl > 0) x = std::min(x, kMostX * limit.acc / curl);
+    }
+    least = std::min(least, share);
+    most = std::max(most, share);
+  }
+  const double u = 1 / std::max({least, kLeastRate * most, 1e-99}), v = std::sqrt(x);
+  for (std::size_t n = 0; n < mixed_count_; ++n) {
+    const std::size_t j = mixed_[n];
+    path::JointCurve::Row& row = out.row[n];
+    row = mixed_limit_[n];
+    const double r0 = at[0].rate[j], d0 = at[0].curl[j] * length;
+    // (j' - r0 - d0 t) / t^2 is a cubic from the middle to the end: its values, slopes there, then coefficients in 2 t - 1.
+    const double f0 = 4 * (at[2].rate[j] - r0 - d0 / 2), f1 = at[4].rate[j] - r0 - d0;
+    const double m0 = (4 * (at[2].curl[j] * length - d0) - 4 * f0) / 2,
+                 m1 = (at[4].curl[j] * length - d0 - 2 * f1) / 2;
+    const double c2 = 3 * (f1 - f0) - 2 * m0 - m1, c3 = m0 + m1 - 2 * (f1 - f0);
+    row.k[0] = r0;
+    row.k[1] = d0;
+    row.k[2] = f0 - m0 + c2 - c3;
+    row.k[3] = 2 * m0 - 4 * c2 + 6 * c3;
+    row.k[4] = 4 * c2 - 12 * c3;
+    row.k[5] = 8 * c3;
+    for (const Place* place : {&at[1], &at[3]}) {
+      const path::JointPlace told = path::place_on(out, n, place->s);
+      const double rate = std::abs(told.rate - place->rate[j]),
+                   curl = std::abs(told.curl - place->curl[j]);
+      if (rate * v > kVelOff * row.vel || rate * u > kAccOff * row.acc ||
+          curl * x > kAccOff * row.acc)
+        return false;
+      if (length > kNoTwist * v && kTwistOff * rate * v * x > kJerkOff * row.jerk * length * length)
+        return false;
+    }
+    double way = 0, steep = 0;
+    for (std::size_t i = 0; i < std::size(row.k); ++i)
+      way += row.k[i] / static_cast<double>(i + 1) * length;
+    for (const Place& place : at) steep = std::max(steep, std::abs(place.rate[j]));
+    if (std::abs(at[4].joint[j] - at[0].joint[j] - way) > kWayOff * steep * length + 1e-7)
+      return false;
+  }
+  return true;
+}
+
+bool JointBounds::curve_of(const Piece& piece, double from, double& to,
+                           path::JointCurve& out) noexcept {
+  shorten(piece, 1, from, to);
+  Place at[kPlaces];
+  for (std::size_t i = 0; i < kPlaces; ++i)
+    look(piece, from + (to - from) * static_cast<double>(i) / (kPlaces - 1), at[i]);
+  for (int n = 0;; ++n) {
+    const bool solved =
+        std::all_of(std::begin(at), std::end(at), [](const Place& p) { return p.solved; });
+    if (solved && foretold(piece, at, out)) {
+      near_ = at[4].joint;
+      return true;
+    }
+    if (n == kMostHalvings || to - from <= kShortest) {
+      // A pole, or the end of the workspace: the servo cycle looks for itself and stops there if need be.
+      if (at[4].solved) near_ = at[4].joint;
+      out.count = 0;
+      return false;
+    }
+    at[4] = at[2];
+    at[2] = at[1];
+    to = at[4].s;
+    if (at[0].solved) near_ = at[0].joint;
+    look(piece, from + (to - from) / 4, at[1]);
+    look(piece, from + (to - from) * 3 / 4, at[3]);
+  }
+}
+
+path::Box JointBounds::creep(double& cap) noexcept {
+  cap = square(kCreep);
+  return {kCreepAcc, kCreepJerk};
+}
+
+void JointBounds::bends_of(const path::Buffer<Piece>& pieces, path::JointBends* out) noexcept {
+  const JointVector here = near_;
+  path::JointCurve curve;
+  for (const Piece& piece : pieces) {
+    path::JointBends& of_piece = *out++;
+    of_piece = path::JointBends{};
+    for (double from = 0, to = 0; from < piece.length; from = to) {
+      to = piece.length;
+      if (curve_of(piece, from, to, curve)) of_piece.join(path::bends_of(curve, from, to));
+    }
+  }
+  near_ = here;
 }
 
 bool JointBounds::reaches(const Piece& piece, const double* skew) const noexcept {

@@ -34,8 +34,10 @@ constexpr double kDense = 0.0015, kMiddling = 0.004;
 
 }  // namespace
 
-bool LawMaker::create(path::Memory& memory) noexcept {
-  return stretch_.create(memory, kSpans) && solver_.create(memory, Law::kSteps);
+bool LawMaker::create(path::Memory& memory, bool joints) noexcept {
+  const std::size_t rows = joints ? path::TimeLaw::kRowsWithJoints : path::TimeLaw::kRows;
+  return stretch_.create(memory, kSpans) && (!joints || joints_.create(memory, kSpans)) &&
+         solver_.create(memory, Law::kSteps, rows);
 }
 
 void LawMaker::configure(const path::AxisLimits& limits, bool on, double longest_stop_s) noexcept {
@@ -44,10 +46,17 @@ void LawMaker::configure(const path::AxisLimits& limits, bool on, double longest
   on_ = on;
   stop_s_ = longest_stop_s;
   if (stretch_.size() < kSpans) stretch_.assign(kSpans, Stretch{});
+  joints_.assign(kSpans, path::JointCurve{});
 }
 
-void LawMaker::add(std::uint64_t number, const Stretch& stretch) noexcept {
+void LawMaker::add(std::uint64_t number, const Stretch& stretch,
+                   const path::JointCurve* joints) noexcept {
   stretch_[number % kSpans] = stretch;
+  if (joints_.empty()) return;
+  if (joints != nullptr)
+    joints_[number % kSpans] = *joints;
+  else
+    joints_[number % kSpans].count = 0;
 }
 
 void LawMaker::forget() noexcept {
@@ -141,9 +150,9 @@ bool LawMaker::fill(const Place& place, std::uint64_t at_least, For what, Window
     const int fineness = stops || seconds < kDense ? 1 : seconds < kMiddling ? 2 : 4;
     const double end = s.from + s.length;
     if (!solver_.add(n, s.piece, end - left, end, end, s.speed.cap,
-                     wish > 0 ? wish : path::kNoLimit, fineness))
+                     wish > 0 ? wish : path::kNoLimit, fineness, joints(n)))
       return false;
-    out.straight = out.straight && s.piece.straight();
+    out.straight = out.straight && s.piece.straight() && joints(n) == nullptr;
     // Where a block ends within a span it is driven from rest, by boxes (Executor::cut_).
     const bool step_ends = s.block_end || (n + 1 < next_ && stretch(n + 1).blocks);
     if (s.stop_at_end || (single_step_ && step_ends)) break;

@@ -15,8 +15,8 @@ namespace kerf::motion {
 class LawMaker {
  public:
   explicit LawMaker(Laws& laws) noexcept : laws_(laws) {}
-  /// False: no memory.
-  [[nodiscard]] bool create(path::Memory& memory) noexcept;
+  /// `joints`: for kinematics that mix axes too. False: no memory.
+  [[nodiscard]] bool create(path::Memory& memory, bool joints) noexcept;
   void configure(const path::AxisLimits& limits, bool on, double longest_stop_s) noexcept;
   [[nodiscard]] bool on() const noexcept { return on_; }
 
@@ -30,7 +30,8 @@ class LawMaker {
     bool stop_at_end{false}, block_end{false};
     bool blocks{false};  ///< blocks begin within it
   };
-  void add(std::uint64_t number, const Stretch& stretch) noexcept;
+  /// `joints`: where kinematics mix axes.
+  void add(std::uint64_t number, const Stretch& stretch, const path::JointCurve* joints) noexcept;
   /// Nothing of what was added will be driven any more.
   void forget() noexcept;
 
@@ -103,10 +104,14 @@ class LawMaker {
   [[nodiscard]] const Stretch& stretch(std::uint64_t n) const noexcept {
     return stretch_[n % kSpans];
   }
+  [[nodiscard]] const path::JointCurve* joints(std::uint64_t n) const noexcept {
+    return joints_.empty() || joints_[n % kSpans].count == 0 ? nullptr : &joints_[n % kSpans];
+  }
 
   Laws& laws_;
   Info info_[Laws::kSlots];
   path::Buffer<Stretch> stretch_;
+  path::Buffer<path::JointCurve> joints_;  ///< of them
   path::TimeLaw solver_;
   path::AxisLimits limits_;
   FeedScale scale_;

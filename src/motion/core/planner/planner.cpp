@@ -70,11 +70,13 @@ void unstretch(const Curve& curve, path::Piece& piece) noexcept {
 }  // namespace
 
 bool Planner::create(path::Memory& memory) noexcept {
+  // What joints need beside axes with jerk limits.
+  const bool joints = kinematics_.type() != KinematicsType::identity;
   return moves_.create(memory, kMoves) && meta_.create(memory, kMoves) &&
          blocks_.create(memory, kPendingBlocks) && events_.create(memory, kEvents) &&
          pieces_.create(memory, kPieces) && boxes_.create(memory, kPieces) &&
          sent_.create(memory, kSpans) && program_path_.create(memory, kMoves) &&
-         laws_.create(memory);
+         (!joints || bends_.create(memory, kPieces)) && laws_.create(memory, joints);
 }
 
 void Planner::configure(const MachineConfig& config) noexcept {
@@ -83,15 +85,41 @@ void Planner::configure(const MachineConfig& config) noexcept {
   limits_ = limits.axes;
   stop_s_ = stop_seconds();
   plain_ = limits.plain;
-  laws_.configure(limits_, config.time_laws && plain_ && limits_.jerks, stop_s_);
-  mixed_ = !plain_ && !limits_.jerks && kinematics_.answers_at_once();
+  mixed_ = !plain_ && kinematics_.answers_at_once();
   if (mixed_) joint_bounds_.configure(config, limits_);
+  if (limits_.jerks) mixed_ = mixed_ && bends_.room() > 0 && joint_bounds_.few_enough();
+  laws_.configure(limits_, config.time_laws && (plain_ || mixed_) && limits_.jerks, stop_s_);
+  guide_ = mixed_ && limits_.jerks ? guide() : limits_;
   path::PathSettings settings;
   low_ = settings.low = limits.low;
   high_ = settings.high = limits.high;
-  settings.limits = limits.axes;
+  settings.limits = guide_;
   settings.by_law = laws_.on();
   program_path_.configure(settings);
+}
+
+/// Where kinematics mix axes these may have limits far beyond what joints can do, or none of jerk; then the path is made as if each axis were the
+/// best joint of its kind. What it may be driven at follows from the joints themselves.
+path::AxisLimits Planner::guide() const noexcept {
+  path::AxisLimits out = limits_;
+  for (const bool turns : {false, true}) {
+    JointConfig best;
+    best.max_vel = best.max_acc = best.max_jerk = 0;
+    for (std::int32_t j = 0; j < joints_of(kinematics_.joints(), config_); ++j) {
+      const JointConfig& c = config_.joint[j];
+      if (kinematics_.axis_of_joint(j) >= 0 || c.rotary != turns) continue;
+      best.max_vel = std::max(best.max_vel, c.max_vel);
+      best.max_acc = std::max(best.max_acc, c.max_acc);
+      best.max_jerk = std::max(best.max_jerk, c.max_jerk);
+    }
+    for (std::size_t i = 0; i < path::kAxes; ++i) {
+      if ((i >= 3 && i < 6) != turns || !(best.max_vel > 0)) continue;
+      out.vel[i] = std::min(out.vel[i], best.max_vel);
+      out.acc[i] = std::min(out.acc[i], best.max_acc);
+      if (best.max_jerk > 0) out.jerk[i] = std::min(out.jerk[i], best.max_jerk);
+    }
+  }
+  return out;
 }
 
 Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
@@ -468,7 +496,7 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   if (!traverse) spindle_changed_ = false;
   path::Move move;
   move.piece =
-      piece_of(curve, traverse && speed == 0 ? path::kNoLimit : speed, traverse, limits_.vel);
+      piece_of(curve, traverse && speed == 0 ? path::kNoLimit : speed, traverse, guide_.vel);
   if (alone) unstretch(curve, move.piece);
   if (sync != nullptr && !join_thread(*sync, move.piece, meta, fault)) return refuse(item, fault);
   if (per_rev_.spindle >= 0 && !traverse && probe == nullptr && sync == nullptr) {
@@ -532,7 +560,7 @@ bool Planner::merge_line(const Block& block, const path::Piece& line, const Meta
   if (!merge_.add(end, merge_mm_)) return false;
   const double speed = line.feed.speed;
   path::Piece& piece = moves_.back().piece;
-  piece = path::line_move(merge_.start(), end, speed, false, limits_.vel);
+  piece = path::line_move(merge_.start(), end, speed, false, guide_.vel);
   piece.feed = line.feed;
   meta_.back() = meta;
   meta_.back().merged_off_mm = merge_.off_mm();

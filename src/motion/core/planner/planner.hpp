@@ -158,6 +158,7 @@ class Planner {
   Take output_change(const PathItem& item, const OutputChange& change) noexcept;
   Take spindle_change(const PathItem& item, const SpindleChange& change) noexcept;
   void stop_here() noexcept;
+  [[nodiscard]] path::AxisLimits guide() const noexcept;
   void forget() noexcept;
   /// The line becomes a part of the last pending one. False: it is one of its own.
   [[nodiscard]] bool merge_line(const Block& block, const path::Piece& line,
@@ -203,12 +204,15 @@ class Planner {
   FaultRing& faults_;
   MachineConfig config_{};
   path::AxisLimits limits_;
-  double stop_s_{0};  ///< what a stop takes at most
-  bool plain_{true};  ///< each joint is one axis: limits along the path; else ...
+  path::AxisLimits guide_;  ///< by which the path gets its shape and its sigma
+  double stop_s_{0};        ///< what a stop takes at most
+  bool plain_{true};        ///< each joint is one axis: limits along the path; else ...
   bool mixed_{
       false};  ///< ... joint_bounds_ of each stretch; if this is false too, each move by itself
   JointBounds joint_bounds_;
-  JointBounds::Box box_;  ///< of the stretch that is being sent
+  JointBounds::Box box_;  ///< of the stretch that is being sent, limited in acceleration; in jerk:
+  path::JointCurve curve_;
+  bool foretold_{false};  ///< curve_ tells how joints move there
   std::int32_t digital_{static_cast<std::int32_t>(kMaxDigital)},
       analog_{static_cast<std::int32_t>(kMaxAnalog)};
   std::int32_t spindles_{static_cast<std::int32_t>(kMaxSpindles)};
@@ -249,8 +253,9 @@ class Planner {
   // being sent
   path::ProgramPath program_path_;
   path::Buffer<path::Piece> pieces_;
-  path::Boxes boxes_;       ///< of the pieces, with jerk limits
-  std::size_t sending_{0};  ///< moves of which pieces_ were made; 0: none
+  path::Boxes boxes_;                     ///< of the pieces, with jerk limits
+  path::Buffer<path::JointBends> bends_;  ///< of the pieces, where joints mix axes besides
+  std::size_t sending_{0};                ///< moves of which pieces_ were made; 0: none
   std::size_t events_sending_{0}, events_sent_{0};
   std::size_t piece_{0}, stretch_{0}, move_{0};
   std::size_t blocks_sending_{0}, blocks_done_{0};

@@ -140,7 +140,9 @@ void Planner::commit(std::size_t moves, bool hand_over) noexcept {
       meta_[i].sigma_end = sigma += moves_[i].piece.length;
     }
     make_pieces(moves);
-    if (plain_ && limits_.jerks) boxes_.make(pieces_, limits_);
+    if (mixed_ && limits_.jerks) joint_bounds_.bends_of(pieces_, bends_.begin());
+    if ((plain_ || mixed_) && limits_.jerks)
+      boxes_.make(pieces_, limits_, mixed_ ? bends_.begin() : nullptr);
     if (hand_over) {
       moves_[moves - 1].piece =
           path::part_of(whole.piece, whole.piece.length / 2, whole.piece.length);
@@ -205,7 +207,10 @@ bool Planner::send() noexcept {
     const double from = sigma_ - piece_sigma_;
     double to = piece.length;
     bool last = true;
-    if (mixed_ && !whole) {
+    if (mixed_ && !whole && limits_.jerks) {
+      foretold_ = joint_bounds_.curve_of(piece, from, to, curve_);
+      last = to >= piece.length;
+    } else if (mixed_ && !whole) {
       const double most =
           piece.feed.rapid ? 1.0 : config_.max_feed_override * config_.max_feed_override;
       box_ = joint_bounds_.box_of(piece, from, to,
@@ -307,13 +312,20 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
     speed.cap = meta.cap;
     body.even_acc = meta.even_acc;
     body.even_jerk = meta.even_jerk;
-  } else if (mixed_) {
+  } else if (mixed_ && !limits_.jerks) {
     speed.cap = box_.cap;
     body.even_acc = box_.acc;
   } else {
     speed.cap = axis_cap = path::axis_cap(piece, from, to, limits_);
     if (limits_.jerks) {
-      const path::Box& box = boxes_[piece_];
+      path::Box box = boxes_[piece_];
+      if (mixed_ && !foretold_) {
+        box = JointBounds::creep(speed.cap);
+        axis_cap = 0;
+      } else if (mixed_) {
+        speed.cap = axis_cap = std::min(axis_cap, path::velocity_cap(curve_, from, to));
+        speed.cap = std::min(speed.cap, path::box_cap(path::bends_of(curve_, from, to), box));
+      }
       body.even_acc = box.acc;
       body.even_jerk = box.jerk;
       speed.cap = std::min(speed.cap, path::box_cap(piece, from, to, box, limits_));
@@ -334,7 +346,7 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
                               body.even_acc,  body.even_jerk, body.by_law, body.stop_at_end,
                               sent.block_end, sent.blocks};
     stretch.speed.cap = axis_cap;  // not that of the box
-    laws_.add(next_number_, stretch);
+    laws_.add(next_number_, stretch, mixed_ && body.by_law ? &curve_ : nullptr);
   }
   sent.speed = speed;
   sent.even_acc = body.even_acc;
