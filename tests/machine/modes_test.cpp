@@ -163,6 +163,61 @@ TEST(Modes, MdiFromIdleComesByPolicyAndGoesBackByNobody) {
   EXPECT_NEAR(m->joint(0), 41, 1e-6);
 }
 
+TEST(Modes, AJogFromIdleTakesItsModesAlong) {
+  auto m = homed_machine();
+  EXPECT_EQ(m->task().mode, TaskMode::mdi);
+  EXPECT_EQ(m->command({"jog", "x", "10", "5", "in-mode=on"}).state, CommandState::error);
+  ASSERT_TRUE(m->does({"jog", "x", "10", "5"})) << m->errors();
+  EXPECT_EQ(m->task().mode, TaskMode::manual);
+  m->run_for(2);
+  EXPECT_EQ(m->motion().mode, motion::MotionMode::teleop);
+  EXPECT_NEAR(m->joint(0), 15, 1e-6);
+  EXPECT_EQ(m->command({"jog", "0", "10", "5", "in-mode=on"}).state, CommandState::error);
+  ASSERT_TRUE(m->does({"jog", "0", "10", "5"})) << m->errors();
+  EXPECT_EQ(m->command({"jog", "x", "10", "5"}).state, CommandState::error) << "while it moves";
+  m->run_for(2);
+  EXPECT_EQ(m->motion().mode, motion::MotionMode::free);
+  EXPECT_NEAR(m->joint(0), 20, 1e-6);
+  ASSERT_TRUE(m->does({"mode", "auto"}));
+  ASSERT_TRUE(m->does({"jog", "y", "10", "5"})) << m->errors();
+  m->run_for(2);
+  EXPECT_NEAR(m->joint(1), 15, 1e-6);
+  EXPECT_EQ(m->motion().faults, 0U) << m->errors();
+}
+
+TEST(Modes, ALineThatComesBackLeavesTheModeAsItWas) {
+  auto m = homed_machine();
+  const auto line = [&](const char* x) {
+    return m->send({"mdi", std::string("G1 F6000 X") + x, "and-back=on"});
+  };
+  for (const char* mode : {"manual", "auto", "mdi"}) {
+    ASSERT_TRUE(m->does({"mode", mode}));
+    const auto before = m->task().mode;
+    const auto motion_before = m->motion().mode;
+    const auto first = line("30"), second = line("20");
+    m->run_for(0.1);
+    EXPECT_EQ(m->task().mode, TaskMode::mdi);
+    ASSERT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(first).state); }, 10));
+    EXPECT_EQ(m->task().mode, TaskMode::mdi) << "another one waits";
+    ASSERT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(second).state); }, 10));
+    m->run_for(0.1);
+    EXPECT_EQ(m->task().mode, before) << mode;
+    EXPECT_EQ(m->motion().mode, motion_before) << mode;
+    EXPECT_NEAR(m->joint(0), 20, 1e-9);
+  }
+  // Joint mode comes back too; somebody's own line keeps MDI mode.
+  ASSERT_TRUE(m->does({"teleop", "off"}));
+  EXPECT_EQ(m->command({"mdi", "G999", "and-back=on"}).state, CommandState::error);
+  m->run_for(0.5);
+  EXPECT_EQ(m->task().mode, TaskMode::manual);
+  EXPECT_EQ(m->motion().mode, motion::MotionMode::free);
+  line("30");
+  m->run_for(0.1);
+  EXPECT_TRUE(m->mdi("G0 X20"));
+  m->run_for(0.5);
+  EXPECT_EQ(m->task().mode, TaskMode::mdi);
+}
+
 TEST(Modes, TheMdiQueueKeepsOrderIsBoundedAndEndsWithAnAbort) {
   MachineOptions options;
   options.replace = {{"[TASK]\n", "[TASK]\nMDI_QUEUED_COMMANDS = 3\n"}};

@@ -52,7 +52,7 @@ void Halui::update(const Stat& stat, std::int64_t now) {
   for (const Button& button : buttons_)
     if (board_.rose(button.pin)) (this->*button.press)(button.index);
   for (Knob& knob : knobs_) knob.look(board_, stat, port_);
-  mdi_.look(board_, stat, port_, now);
+  mdi_.look(board_, stat, port_);
   jogs_.joints.look(board_, stat, port_, selected_joint_);
   jogs_.axes.look(board_, stat, port_, selected_axis_);
   const bool runs = jogs_.joints.runs() || jogs_.axes.runs();

@@ -54,7 +54,8 @@ void JogGroup::step(const PinBoard& board, const Buttons& buttons, const One& on
       (board.rose(buttons.increment_plus) ? 1 : 0) - (board.rose(buttons.increment_minus) ? 1 : 0);
   const double distance = board.value(buttons.increment), speed = speed_a_second(board);
   if (way == 0 || !std::isfinite(distance) || distance == 0 || speed == 0) return;
-  (void)port.send({"jog", one.name, word(std::fabs(speed)), "distance=" + word(way * distance)});
+  (void)port.send(
+      {"jog", one.name, word(std::fabs(speed)), "distance=" + word(way * distance), "in-mode=on"});
 }
 
 void JogGroup::look(const PinBoard& board, const Stat& stat, Port& port, int selected) {
@@ -76,7 +77,7 @@ void JogGroup::look(const PinBoard& board, const Stat& stat, Port& port, int sel
       (void)port.send({"jog-stop", one.name});
       one.runs = false;
     } else if (news && now != 0 && possible) {
-      one.runs = port.send({"jog", one.name, word(now), kLease}) != 0;
+      one.runs = port.send({"jog", one.name, word(now), kLease, "in-mode=on"}) != 0;
     }
     runs_ = runs_ || one.runs;
     if (!possible) continue;

@@ -20,20 +20,7 @@ void TaskPort::complain(const std::string& text) {
 
 bool TaskPort::poll() {
   if (!client_->poll().ok()) return false;
-  for (const auto& message : client_->new_messages())
-    if (message.kind == task::MessageKind::error) last_error_ = message.text.view();
-  for (auto at = open_.begin(); at != open_.end();) {
-    const auto reply = client_->finished(*at) ? client_->outcome(*at) : std::nullopt;
-    if (!reply) {
-      ++at;
-      continue;
-    }
-    // Task tells the operator itself of much that it refuses.
-    if (reply->state == task::CommandState::error &&
-        last_error_.find(reply->text) == std::string::npos)
-      complain("halui: " + reply->text);
-    at = open_.erase(at);
-  }
+  std::erase_if(open_, [this](std::uint64_t id) { return client_->finished(id); });
   return client_->connected();
 }
 

@@ -14,7 +14,7 @@
 
 namespace kerf::clients::halui {
 
-/// A Port over a connection to task. What task refuses is told to the operator, unless task has done so.
+/// A Port over a connection to task, which tells the operator itself of what it refuses.
 class TaskPort final : public Port {
  public:
   explicit TaskPort(std::unique_ptr<task::Client> client) : client_(std::move(client)) {}
@@ -28,7 +28,6 @@ class TaskPort final : public Port {
  private:
   std::unique_ptr<task::Client> client_;
   std::set<std::uint64_t> open_;
-  std::string last_error_;
 };
 
 /// Without a task, commands go nowhere.

@@ -165,7 +165,7 @@ constexpr Subcommand kRows[]{
      .set_arguments = kJog,
      .set =
          [](Session& s, const Values& v) {
-           Done done = s.task({"jog", jog_name(v), per_second(v.number[1])});
+           Done done = s.task({"jog", jog_name(v), per_second(v.number[1]), "in-mode=on"});
            s.jogs = s.jogs || done.kind == Done::Kind::sent;
            return done;
          }},
@@ -175,7 +175,8 @@ constexpr Subcommand kRows[]{
      .set_arguments = kJogIncrement,
      .set =
          [](Session& s, const Values& v) {
-           return s.task({"jog", jog_name(v), per_second(v.number[1]), exact(v.number[2])});
+           return s.task(
+               {"jog", jog_name(v), per_second(v.number[1]), exact(v.number[2]), "in-mode=on"});
          }},
     {.name = "jog_stop",
      .help = "Stops a jog.",

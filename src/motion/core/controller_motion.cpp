@@ -247,8 +247,15 @@ void Controller::watch_locks() noexcept {
 void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
   const Intent& want = *orders.values;
   const bool ready = may_jog(in, orders);
+  // A jog comes together with its mode, and what still goes off the path (a word of the spindle's) may keep motion in the old one
+  // for some cycles. The jog waits for as long, unless it is not possible anyway; its end never waits.
+  const bool refused = want.mode != MotionMode::free && want.mode == refused_mode_;
+  const bool changes = ready && want.mode != mode_ && !refused && !away_;
+  const auto waits = [changes](const JogIntent& jog) {
+    return changes && jog.kind != JogIntent::Kind::none;
+  };
   for (std::size_t j = 0; j < joints_; ++j) {
-    if (want.joint_jog[j].seq == joint_jog_seen_[j]) continue;
+    if (want.joint_jog[j].seq == joint_jog_seen_[j] || waits(want.joint_jog[j])) continue;
     const Range range = joint_range(j, want);
     joint_wheel_[j].drives = false;
     if (ready && joint_locked(j) && want.joint_jog[j].kind != JogIntent::Kind::none) {
@@ -263,7 +270,7 @@ void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
              static_cast<std::int32_t>(j), config_.joint[j].max_vel, range.low, range.high);
   }
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-    if (want.axis_jog[i].seq == axis_jog_seen_[i]) continue;
+    if (want.axis_jog[i].seq == axis_jog_seen_[i] || waits(want.axis_jog[i])) continue;
     const bool exists = (kinematics_.axis_mask() >> i & 1U) != 0;
     const Range range = axis_range(i, want);
     axis_wheel_[i].drives = false;

@@ -228,10 +228,15 @@ void jog(CommandObject& c, int kind, int joint_flag, int index, std::optional<do
       return c.send({{"cmd", "jog-stop"}, {"what", what}}, Ends::with_motion);
     case 1:
       takes("JOG_CONTINUOUS", 4);
-      return c.send({{"cmd", "jog"}, {"what", what}, {"speed", *speed}}, Ends::with_motion);
+      return c.send({{"cmd", "jog"}, {"what", what}, {"speed", *speed}, {"in-mode", true}},
+                    Ends::with_motion);
     case 2:
       takes("JOG_INCREMENT", 5);
-      return c.send({{"cmd", "jog"}, {"what", what}, {"speed", *speed}, {"distance", *increment}},
+      return c.send({{"cmd", "jog"},
+                     {"what", what},
+                     {"speed", *speed},
+                     {"distance", *increment},
+                     {"in-mode", true}},
                     Ends::with_motion);
     default: wrong("jog() first argument must be JOG_xxx");
   }

@@ -25,13 +25,17 @@ constexpr ArgumentInfo kUnhomeArgs[]{
     {"joint", integer, false, nullptr,
      "joint number; -1 (default): all, -2: those with VOLATILE_HOME"}};
 constexpr ArgumentInfo kJogArgs[]{
-    {"what", text, true, nullptr, "axis letter (teleop) or joint number (joint mode)"},
+    {"what", text, true, nullptr, "axis letter or joint number"},
     {"speed", number, true, nullptr, "machine units a second; its sign is the direction"},
     {"distance", number, false, nullptr,
      "machine units; absent: until jog-stop or the end of the connection"},
     {"lease", number, false, nullptr,
      "seconds, at least 0.05, of a jog without distance: it also stops when this connection says "
-     "nothing, at least jog-keep, for so long"}};
+     "nothing, at least jog-keep, for so long"},
+    {"in-mode", flag, false, kOnOff,
+     "on: only in manual mode, an axis in teleop mode and a joint in joint mode; off (default): "
+     "goes "
+     "there"}};
 constexpr ArgumentInfo kJogStopArgs[]{
     {"what", text, false, nullptr, "axis letter or joint number; absent: all"}};
 constexpr ArgumentInfo kTeleopArgs[]{
@@ -45,9 +49,12 @@ constexpr ArgumentInfo kRunArgs[]{
      "machine brought to the state that the line needs"},
     {"then", text, false, "run|hold|check",
      "at the line: go on (default); wait for resume; or only tell what differs"}};
-constexpr ArgumentInfo kMdiArgs[]{{"text", text, true, nullptr, "one line of G-code"},
-                                  {"in-mode", flag, false, kOnOff,
-                                   "on: only in MDI mode; off (default): goes there from manual"}};
+constexpr ArgumentInfo kMdiArgs[]{
+    {"text", text, true, nullptr, "one line of G-code"},
+    {"in-mode", flag, false, kOnOff, "on: only in MDI mode; off (default): goes there from manual"},
+    {"and-back", flag, false, kOnOff,
+     "on: runs in MDI mode, and when nothing runs any more the mode "
+     "that was there before comes back"}};
 constexpr ArgumentInfo kScaleArgs[]{{"value", number, true, nullptr, "1 = as programmed"}};
 constexpr ArgumentInfo kSpindleScaleArgs[]{
     {"value", number, true, nullptr, "1 = as programmed"},
@@ -438,8 +445,18 @@ rtapi::Result<std::string> request_from_words(std::uint64_t id,
   if (command == nullptr) return rtapi::fail(Errc::bad_argument, unknown_command(words[0]));
   json j{{"id", id}, {"cmd", words[0]}};
   if (command->id == CommandId::mdi || command->id == CommandId::message) {
+    // Behind the text, words that name another argument: G-code has none such.
+    std::size_t end = words.size();
+    for (; end > 2; --end) {
+      const auto equal = words[end - 1].find('=');
+      const ArgumentInfo* info = nullptr;
+      for (const auto& a : command->arguments)
+        if (a.type == ArgumentType::flag && words[end - 1].substr(0, equal) == a.name) info = &a;
+      if (info == nullptr || equal == std::string::npos) break;
+      j[info->name] = word_value(*info, words[end - 1].substr(equal + 1));
+    }
     std::string all;
-    for (std::size_t i = 1; i < words.size(); ++i) all += (i > 1 ? " " : "") + words[i];
+    for (std::size_t i = 1; i < end; ++i) all += (i > 1 ? " " : "") + words[i];
     if (words.size() > 1) j["text"] = all;
   } else {
     std::size_t position = 0;

@@ -131,7 +131,7 @@ struct RequestError {
 /// From JSON. The error names what was expected and the nearest valid name.
 [[nodiscard]] rtapi::Result<Request, RequestError> parse_request(std::string_view json);
 /// JSON of a request from words as a person types them: {"jog", "x", "10"}; arguments by position or as name=value. An mdi
-/// command takes all words behind it.
+/// command takes all words behind it as its line, up to flags at the end (and-back=on).
 [[nodiscard]] rtapi::Result<std::string> request_from_words(std::uint64_t id,
                                                             const std::vector<std::string>& words);
 /// JSON of `{"id":id,"cmd":cmd}` with one text argument, the commonest case.

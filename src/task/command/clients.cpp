@@ -101,10 +101,12 @@ void CommandParticipant::reply(Ticket ticket, CommandState state, const std::str
   const auto at = pending_.find(ticket);
   if (at == pending_.end()) return;
   const int client = at->second.client;
-  // Every client's screen shows what was refused, whoever asked for it; what was said already is not said twice.
-  if (state == CommandState::error && client != kNobody &&
-      (last_said_.empty() || text.find(last_said_) == std::string::npos))
-    say(MessageKind::error, text);
+  // Every client's screen shows what was refused, whoever asked for it; what was said already for this answer is not said twice.
+  if (state == CommandState::error && client != kNobody) {
+    if (last_said_.empty() || text.find(last_said_) == std::string::npos)
+      say(MessageKind::error, text);
+    last_said_.clear();
+  }
   reply_to(client, Reply{at->second.id, state, text});
   if (!is_terminal(state)) return;
   if (is_program(at->second.command) && at->second.order) journal_end(state, text);

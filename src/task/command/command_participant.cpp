@@ -76,6 +76,7 @@ void CommandParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   update_away();
   serve_clients();
   update_pending();
+  go_back();
   write_status();
   write_journal();
   send_replies();
@@ -161,6 +162,7 @@ void CommandParticipant::take_faults() {
     if (pending.order && pending.begun) ended.push_back(ticket);
   for (const Ticket ticket : ended) {
     if (is_program(pending_.at(ticket).command)) ++programs_ended_;
+    last_said_ = last_fault_;
     reply(ticket, CommandState::error, stop);
   }
 }

@@ -164,6 +164,8 @@ class CommandParticipant final : public rtapi::Participant {
   void go_estop(const char* why);
   void go_off();
   void set_mode(TaskMode mode);
+  /// To the mode that was there before lines with `and-back`, as soon as nothing runs.
+  void go_back();
   bool refuse_unless_on(Ticket ticket, const char* what);
   void do_state(Ticket ticket, const Request& request);
   void do_mode(Ticket ticket, const Request& request);
@@ -197,7 +199,8 @@ class CommandParticipant final : public rtapi::Participant {
   void execute(Ticket ticket, const Request& request, int client);
   void do_program(Ticket ticket, const Request& request);
   /// `by_hand`: words that move nothing; they keep the mode, and the machine may be moving by hand.
-  void do_mdi(Ticket ticket, const std::string& text, bool by_hand);
+  void do_mdi(Ticket ticket, const Request& request);
+  void do_mdi(Ticket ticket, const std::string& text, bool by_hand, bool and_back);
   void pause();
   void do_step(Ticket ticket);
   void do_direction(Ticket ticket, bool backwards);
@@ -224,6 +227,12 @@ class CommandParticipant final : public rtapi::Participant {
 
   Parts p_;
   motion::Intent want_;
+  /// Modes of task and motion to come back to; whoever asks for a mode of his own ends it.
+  struct Back {
+    TaskMode mode;
+    motion::MotionMode motion;
+  };
+  std::optional<Back> back_to_;
   motion::MachineConfig machine_;  ///< as the INI file says, and as changed since
   std::shared_ptr<const io::ToolTable> tools_shown_;
   std::uint64_t echo_serial_{0};

@@ -179,6 +179,7 @@ void CommandParticipant::do_state(Ticket ticket, const Request& request) {
 
 void CommandParticipant::set_mode(TaskMode mode) {
   mode_ = mode;
+  back_to_.reset();
   const MotionMode motion_mode = mode != TaskMode::manual ? MotionMode::coordinated
                                  : all_homed()            ? MotionMode::teleop
                                                           : MotionMode::free;
@@ -187,12 +188,24 @@ void CommandParticipant::set_mode(TaskMode mode) {
   write_intent();
 }
 
+void CommandParticipant::go_back() {
+  if (!back_to_ || !idle()) return;
+  const Back back = *back_to_;
+  set_mode(back.mode);
+  if (back.mode != TaskMode::manual || back.motion != MotionMode::free) return;
+  want_.mode = MotionMode::free;
+  write_intent();
+}
+
 void CommandParticipant::do_mode(Ticket ticket, const Request& request) {
   const std::string& name = request.text("mode");
   const TaskMode mode = name == "manual" ? TaskMode::manual
                         : name == "auto" ? TaskMode::automatic
                                          : TaskMode::mdi;
-  if (mode == mode_) return reply(ticket, CommandState::done);
+  if (mode == mode_) {
+    back_to_.reset();
+    return reply(ticket, CommandState::done);
+  }
   if (!idle())
     return reply(ticket, CommandState::error,
                  mode_ == TaskMode::automatic
@@ -225,6 +238,7 @@ void CommandParticipant::do_home(Ticket ticket, const Request& request) {
   if (!view_.idle || moving_orders(ticket) || on_path || homing(ticket) || jogs())
     return reply(ticket, CommandState::error, "can't home while something runs");
   mode_ = TaskMode::manual;
+  back_to_.reset();
   want_.mode = MotionMode::free;
   want_.home_joint = joint;
   ++want_.home_seq;
@@ -286,15 +300,26 @@ void CommandParticipant::do_jog(Ticket ticket, const Request& request, int clien
   if (jog == nullptr) return reply(ticket, CommandState::error, why);
   if (refuse_unless_on(ticket, "jog")) return;
   const bool away = axis && status_.away && returning_ == Returning::no;
-  if (!away && (mode_ != TaskMode::manual || !view_.idle))
+  const bool in_mode = request.flag("in-mode");
+  if (!away && in_mode && (mode_ != TaskMode::manual || !view_.idle))
     return reply(ticket, CommandState::error,
                  "jog needs manual mode and an idle machine (mode manual)");
-  if (axis && !away && want_.mode != MotionMode::teleop)
+  if (axis && !away && want_.mode != MotionMode::teleop && (in_mode || !all_homed()))
     return reply(ticket, CommandState::error,
                  "jogging an axis needs teleop mode and homed joints (home, teleop on)");
   if (homing()) return reply(ticket, CommandState::error, "can't jog while the machine homes");
-  if (!axis && want_.mode != MotionMode::free)
+  if (!axis && (in_mode || status_.away) && want_.mode != MotionMode::free)
     return reply(ticket, CommandState::error, "jogging a joint needs joint mode (teleop off)");
+  const MotionMode wanted = axis ? MotionMode::teleop : MotionMode::free;
+  if (!away && (mode_ != TaskMode::manual || want_.mode != wanted)) {
+    if (!idle())
+      return reply(ticket, CommandState::error, "can't jog while something runs; abort or wait");
+    stop_jogs(kNobody);
+    // Mode and jog go out as one: motion changes the mode before it looks at jogs.
+    mode_ = TaskMode::manual;
+    back_to_.reset();
+    want_.mode = wanted;
+  }
   const bool rotary = axis ? rtapi::is_rotary(index) : p_.setup.motion.joint[index].rotary;
   const double unit = rotary ? p_.setup.angular_unit_deg : p_.setup.linear_unit_mm;
   const double speed = request.number("speed") * unit;
@@ -388,6 +413,7 @@ void CommandParticipant::do_teleop(Ticket ticket, const Request& request) {
   stop_jogs(kNobody);
   // Both belong to manual mode. Screens ask for them from idle MDI and auto mode too, before they start a program.
   mode_ = TaskMode::manual;
+  back_to_.reset();
   want_.mode = on ? MotionMode::teleop : MotionMode::free;
   write_intent();
   if (state_ != TaskState::on) return reply(ticket, CommandState::done);
@@ -406,6 +432,7 @@ void CommandParticipant::do_motion_mode(Ticket ticket, const Request& request) {
   if (wanted != MotionMode::free && !all_homed() && !machine_.no_force_homing)
     return reply(ticket, CommandState::error, "motion mode " + name + " needs all joints homed");
   stop_jogs(kNobody);
+  back_to_.reset();
   want_.mode = wanted;
   write_intent();
   if (state_ != TaskState::on) return reply(ticket, CommandState::done);

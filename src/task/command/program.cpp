@@ -43,10 +43,7 @@ void CommandParticipant::execute(Ticket ticket, const Request& request, int clie
       pending_[ticket].epoch = epoch_;
       return;
     }
-    case CommandId::mdi:
-      if (request.flag("in-mode") && mode_ != TaskMode::mdi && state_ == TaskState::on)
-        return reply(ticket, CommandState::error, "Must be in MDI mode to issue MDI command");
-      return do_mdi(ticket, request.text("text"), false);
+    case CommandId::mdi: return do_mdi(ticket, request);
     case CommandId::feed_override:
     case CommandId::rapid_override:
     case CommandId::spindle_override:
@@ -272,7 +269,14 @@ void CommandParticipant::do_direction(Ticket ticket, bool backwards) {
   reply(ticket, CommandState::done);
 }
 
-void CommandParticipant::do_mdi(Ticket ticket, const std::string& text, bool by_hand) {
+void CommandParticipant::do_mdi(Ticket ticket, const Request& request) {
+  if (request.flag("in-mode") && mode_ != TaskMode::mdi && state_ == TaskState::on)
+    return reply(ticket, CommandState::error, "Must be in MDI mode to issue MDI command");
+  do_mdi(ticket, request.text("text"), false, request.flag("and-back"));
+}
+
+void CommandParticipant::do_mdi(Ticket ticket, const std::string& text, bool by_hand,
+                                bool and_back) {
   if (refuse_unless_on(ticket, "command (EMC_TASK_PLAN_EXECUTE)")) return;
   if (!by_hand && refuse_unless_homed(ticket, "Can't issue MDI command when not homed")) return;
   std::int32_t queued = 0;
@@ -293,7 +297,12 @@ void CommandParticipant::do_mdi(Ticket ticket, const std::string& text, bool by_
         ticket, CommandState::error,
         "the MDI queue is full: [TASK]MDI_QUEUED_COMMANDS = " + std::to_string(p_.setup.mdi_queue));
   // An idle machine in AUTO takes MDI and stays in AUTO; from manual it goes to MDI. Nothing moves by a spindle's words.
-  if (!by_hand) set_mode(mode_ == TaskMode::manual ? TaskMode::mdi : mode_);
+  if (!by_hand) {
+    auto back_to = and_back ? back_to_ : std::nullopt;
+    if (and_back && mode_ != TaskMode::mdi) back_to = Back{mode_, want_.mode};
+    set_mode(mode_ == TaskMode::manual || and_back ? TaskMode::mdi : mode_);
+    back_to_ = back_to;
+  }
   post(Order::Kind::mdi, ticket, text, by_hand);
 }
 
@@ -362,7 +371,7 @@ void CommandParticipant::do_spindle(Ticket ticket, const Request& request) {
     std::snprintf(line, sizeof line, "G97 S%.6f %s $%d", std::fabs(speed), code, spindle);
   else
     std::snprintf(line, sizeof line, "S%.6f $%d", std::fabs(speed), spindle);
-  do_mdi(ticket, line, true);
+  do_mdi(ticket, line, true, false);
 }
 
 void CommandParticipant::do_switch(Ticket ticket, const Request& request) {

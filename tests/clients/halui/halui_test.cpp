@@ -207,23 +207,24 @@ TEST(Halui, TwoTurnsBeforeTheAnswerAddUp) {
 TEST(Halui, JogsRunWhileTheButtonIsHeld) {
   Panel p;
   p.set("axis.jog-speed", 600);
-  EXPECT_EQ(p.change("axis.x.plus", 1), "jog x 10 lease=1");
+  EXPECT_EQ(p.change("axis.x.plus", 1), "jog x 10 lease=1 in-mode=on");
   p.look();
   EXPECT_EQ(p.take(), "") << "once";
-  EXPECT_EQ(p.change("axis.jog-speed", 1200), "jog x 20 lease=1") << "the knob is turned meanwhile";
+  EXPECT_EQ(p.change("axis.jog-speed", 1200), "jog x 20 lease=1 in-mode=on")
+      << "the knob is turned meanwhile";
   EXPECT_EQ(p.change("axis.x.minus", 1), "jog-stop x") << "both buttons";
-  EXPECT_EQ(p.change("axis.x.plus", 0), "jog x -20 lease=1");
+  EXPECT_EQ(p.change("axis.x.plus", 0), "jog x -20 lease=1 in-mode=on");
   EXPECT_EQ(p.change("axis.x.minus", 0), "jog-stop x");
   p.set("axis.y.increment", 0.5);
-  EXPECT_EQ(p.press("axis.y.increment-minus"), "jog y 20 distance=-0.5");
+  EXPECT_EQ(p.press("axis.y.increment-minus"), "jog y 20 distance=-0.5 in-mode=on");
 }
 
 TEST(Halui, SticksActBeyondTheDeadband) {
   Panel p;
   p.set("axis.jog-speed", 60);
   EXPECT_EQ(p.change("axis.z.analog", 0.2), "");
-  EXPECT_EQ(p.change("axis.z.analog", 0.5), "jog z 0.5 lease=1");
-  EXPECT_EQ(p.change("axis.z.analog", -1), "jog z -1 lease=1");
+  EXPECT_EQ(p.change("axis.z.analog", 0.5), "jog z 0.5 lease=1 in-mode=on");
+  EXPECT_EQ(p.change("axis.z.analog", -1), "jog z -1 lease=1 in-mode=on");
   EXPECT_EQ(p.change("axis.z.analog", std::nan("")), "jog-stop z");
   EXPECT_EQ(p.change("axis.z.analog", 0.1), "");
 }
@@ -237,7 +238,7 @@ TEST(Halui, JogsNeedTheirMode) {
   p.look();
   EXPECT_EQ(p.take(), "") << "nor when the mode comes with the button held";
   EXPECT_EQ(p.change("joint.1.plus", 0), "");
-  EXPECT_EQ(p.change("joint.1.plus", 1), "jog 1 1 lease=1");
+  EXPECT_EQ(p.change("joint.1.plus", 1), "jog 1 1 lease=1 in-mode=on");
   EXPECT_EQ(p.change("axis.x.plus", 1), "");
   p.stat.task_mode = 2;
   EXPECT_EQ(p.change("joint.2.plus", 1), "");
@@ -247,7 +248,7 @@ TEST(Halui, JogsNeedTheirMode) {
 TEST(Halui, TheSelectedOneMovesByAPressOnly) {
   Panel p;
   p.set("axis.jog-speed", 60);
-  EXPECT_EQ(p.change("axis.selected.plus", 1), "jog x 1 lease=1");
+  EXPECT_EQ(p.change("axis.selected.plus", 1), "jog x 1 lease=1 in-mode=on");
   EXPECT_EQ(p.press("axis.y.select"), "jog-stop x");
   EXPECT_EQ(p.get("axis.selected"), 1);
   EXPECT_EQ(p.get("axis.y.is-selected"), 1);
@@ -255,70 +256,35 @@ TEST(Halui, TheSelectedOneMovesByAPressOnly) {
   p.look();
   EXPECT_EQ(p.take(), "");
   EXPECT_EQ(p.change("axis.selected.plus", 0), "");
-  EXPECT_EQ(p.change("axis.selected.plus", 1), "jog y 1 lease=1");
+  EXPECT_EQ(p.change("axis.selected.plus", 1), "jog y 1 lease=1 in-mode=on");
   p.set("joint.selected.increment", 2);
   p.stat.motion_mode = 1;
   p.set("joint.jog-speed", 60);
   EXPECT_EQ(p.press("joint.2.select"), "");
-  EXPECT_EQ(p.press("joint.selected.increment-plus"), "jog 2 1 distance=2");
+  EXPECT_EQ(p.press("joint.selected.increment-plus"), "jog 2 1 distance=2 in-mode=on");
   EXPECT_EQ(p.press("joint.selected.unhome"), "unhome 2");
 }
 
-TEST(Halui, MdiCommandsComeBackToTheModeBefore) {
+TEST(Halui, MdiCommandsAreSentOneBehindTheOther) {
   Panel p;
   p.port.answers_at_once = false;
-  EXPECT_EQ(p.press("mdi-command-01"), "mode mdi; mdi G0 X2");
+  EXPECT_EQ(p.press("mdi-command-01"), "mdi G0 X2 and-back=on");
   EXPECT_EQ(p.get("halui-mdi-is-running"), 1);
   p.stat.task_mode = 3;
   p.stat.interp_state = 2;
-  EXPECT_EQ(p.press("mdi-command-00"), "mdi G0 X1") << "the next one waits in task's queue";
+  EXPECT_EQ(p.press("mdi-command-00"), "mdi G0 X1 and-back=on") << "it waits in task's queue";
+  p.port.replies[1] = *FakePort::done(1);
+  p.look();
+  EXPECT_EQ(p.get("halui-mdi-is-running"), 1);
   p.port.replies[2] = *FakePort::done(2);
   p.look();
-  EXPECT_EQ(p.take(), "");
-  p.port.replies[3] = *FakePort::done(3);
-  p.look();
   EXPECT_EQ(p.get("halui-mdi-is-running"), 0);
-  p.stat.interp_state = 1;
-  p.look();
-  EXPECT_EQ(p.take(), "mode manual");
-  p.port.replies[4] = *FakePort::done(4);
-  p.look();
   EXPECT_EQ(p.take(), "");
-}
-
-TEST(Halui, TheWayBackIsAskedForWhenTheMachineStandsAndNotAtEachLook) {
-  Panel p;
-  p.port.answers_at_once = false;
-  EXPECT_EQ(p.press("mdi-command-01"), "mode mdi; mdi G0 X2");
-  p.stat.task_mode = 3;
-  // Aborted: the interpreter is idle, the machine brakes.
-  p.port.replies[2] = task::Reply{.id = 2, .state = task::CommandState::aborted, .text = ""};
-  p.stat.state = RcsState::exec;
-  p.look();
-  p.look();
-  EXPECT_EQ(p.take(), "");
-  p.stat.state = RcsState::done;
-  p.look();
-  EXPECT_EQ(p.take(), "mode manual");
-  // Somebody was quicker, and something runs again.
-  p.port.replies[3] = task::Reply{.id = 3, .state = task::CommandState::error, .text = ""};
-  for (int i = 0; i < 20; ++i) p.look();
-  EXPECT_EQ(p.take(), "");
-  for (int i = 0; i < 40; ++i) p.look();
-  EXPECT_EQ(p.take(), "mode manual");
-  p.port.replies[4] = *FakePort::done(4);
-  for (int i = 0; i < 40; ++i) p.look();
-  EXPECT_EQ(p.take(), "");
-}
-
-TEST(Halui, MdiFromJointModeComesBackToIt) {
-  Panel p;
-  p.stat.motion_mode = 1;
-  EXPECT_EQ(p.press("mdi-command-00"), "mode mdi; mdi G0 X1; mode manual / teleop off");
 }
 
 TEST(Halui, MdiIsRefusedWhileAProgramRuns) {
   Panel p;
+  p.stat.task_mode = 2;
   p.stat.interp_state = 2;
   EXPECT_EQ(p.press("mdi-command-00"), "");
   ASSERT_EQ(p.port.complaints.size(), 1U);

@@ -308,6 +308,7 @@ TEST(HaluiMachine, MdiButtonsExecuteTheirLineAndComeBack) {
   p.press("mode.auto");
   p.press("mdi-command-01");
   p.press("mdi-command-00");
+  EXPECT_TRUE(p.bit("mode.is-mdi"));
   EXPECT_TRUE(p.until("mode.is-auto", 10));
   EXPECT_NEAR(p.machine->joint(1), 3, 1e-9);
 }
