@@ -189,7 +189,7 @@ TEST_F(RshServer, EndsASessionWithAJogWhenItsInputEnds) {
   Client client(server.port());
   client.send("hello EMC c 1.1\nset enable EMCTOO\nset jog 0 600\n");
   ASSERT_TRUE(until([&] { return !record.sent.empty(); }));
-  EXPECT_EQ(record.sent[0], "jog 0 10");
+  EXPECT_EQ(record.sent[0], "jog 0 10 in-mode=on");
   client.end_input();
   EXPECT_TRUE(until([&] { return record.alive == 0; }));
 }

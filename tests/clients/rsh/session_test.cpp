@@ -162,8 +162,8 @@ TEST_F(RshSession, SendsWhatTaskUnderstands) {
       {"set mdi G1 X5  F100 (Text, as typed)", "mdi G1 X5  F100 (Text, as typed)"},
       {"set home -1", "home -1"},
       {"set joint_unhome 2", "unhome 2"},
-      {"set jog 1 -600", "jog 1 -10"},  // units a minute, as observed
-      {"set jog_incr X 60 0.5", "jog x 1 0.5"},
+      {"set jog 1 -600", "jog 1 -10 in-mode=on"},  // units a minute, as observed
+      {"set jog_incr X 60 0.5", "jog x 1 0.5 in-mode=on"},
       {"set jog_stop x", "jog-stop x"},
       {"set teleop_enable on", "teleop on"},
       {"set spindle forward", "spindle forward spindle=0"},
