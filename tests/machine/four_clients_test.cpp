@@ -21,7 +21,7 @@ namespace {
 
 using task::CommandState;
 
-constexpr double kMachineTime_s = 600;
+constexpr double kMachineSeconds = 600;
 constexpr int kFewest = 50;
 /// The line that the panel's button stands for; its analog output tells that it ran.
 constexpr const char* kPanelIni =
@@ -224,7 +224,7 @@ TEST(FourClients, MeetNoErrorAboutModesAndLoseNoLine) {
     jog_cycles += s.jogging ? 1 : 0;
     line_cycles += line ? 1 : 0;
   });
-  const auto end = m->now() + rtapi::seconds(kMachineTime_s);
+  const auto end = m->now() + rtapi::seconds(kMachineSeconds);
   while (m->now() < end && !HasFailure()) {
     first.look();
     second.look();

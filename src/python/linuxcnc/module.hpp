@@ -23,8 +23,8 @@ class LiveView {
   /// Takes a new copy; an error when no machine runs.
   rtapi::Status poll();
   [[nodiscard]] const clients::Stat& stat() const {
-    static const clients::Stat kNothing;
-    return view_ ? view_->stat() : kNothing;
+    static const clients::Stat nothing;
+    return view_ ? view_->stat() : nothing;
   }
   /// Null before the first poll().
   [[nodiscard]] const clients::MachineView* view() const { return view_.get(); }

@@ -421,7 +421,11 @@ rtapi::Result<Request, RequestError> parse_request(std::string_view packet) {
     if (at == table.size()) {
       std::vector<std::string_view> names;
       for (const auto& a : table) names.emplace_back(a.name);
-      return refuse(name + ": unknown argument '" + key + "'" + rtapi::did_you_mean(key, names));
+      return refuse(std::string(name)
+                        .append(": unknown argument '")
+                        .append(key)
+                        .append("'")
+                        .append(rtapi::did_you_mean(key, names)));
     }
     if (auto complaint = take_argument(*request.command, table[at], value, request.arguments[at]);
         !complaint.empty())
