@@ -3,11 +3,11 @@
 #include <cmath>
 #include <string_view>
 
-#include "plasmac_machine.hpp"
+#include "plasmac_height.hpp"
 
 namespace kerf::components {
 
-class Plasmac final : public PlasmacMachine {
+class Plasmac final : public PlasmacHeight {
  public:
   static constexpr hal::Info kInfo{
       .name = "plasmac",
@@ -27,7 +27,7 @@ class Plasmac final : public PlasmacMachine {
           "that cut the power.",
       .singleton = true};
 
-  using PlasmacMachine::PlasmacMachine;
+  using PlasmacHeight::PlasmacHeight;
 
  private:
   void update(const hal::Period& period) noexcept {
@@ -66,14 +66,6 @@ class Plasmac final : public PlasmacMachine {
     was_cutting_ = cutting_start_;
     if (debug_print_ && state_ != printed_) say(kPlasmaStates[static_cast<std::size_t>(state_)]);
     printed_ = state_;
-  }
-
-  void allow_height_control() noexcept {
-    thc_allowed_ = thc_enable_ && !thc_disable_ && !mesh_enable_ && !ignores_arc() && !arc_missing_;
-    thc_enabled_ = thc_allowed_;
-    thc_active_ =
-        thc_allowed_ && ((state_ == S::cut_mode_01 && begun_ && !corner_lock_ && !void_lock_) ||
-                         state_ == S::cut_mode_2);
   }
 
   // What ends a cut from outside.
@@ -182,8 +174,10 @@ class Plasmac final : public PlasmacMachine {
       case S::probe_down: return probe_down();
       case S::probe_up: return probe_up();
       case S::zero_height:
-        deploy_.over(dt_);
-        if (z_to(zero_, setup_feed_rate_) && z_follows(1.5 * scale_)) state_ = S::pierce_height;
+        if (z_to(zero_, setup_feed_rate_) && z_follows(1.5 * scale_)) {
+          deploy_.set(x_ != 0.0 || y_ != 0.0 ? offset_probe_delay_ : 0.0);
+          state_ = S::pierce_height;
+        }
         return;
       case S::pierce_height: return pierce_height();
       case S::torch_on: return torch_start();
@@ -197,8 +191,8 @@ class Plasmac final : public PlasmacMachine {
           state_ = S::cut_height;
         return;
       case S::cut_height: return cut_height();
-      case S::cut_mode_01: return cut_01();
-      case S::cut_mode_2: return cut_2();
+      case S::cut_mode_01: return cut(cut_01());
+      case S::cut_mode_2: return cut(cut_2());
       case S::pause_at_end:
         hold_ = true;
         if (timer_.ends(dt_)) end_of_cut();
@@ -211,6 +205,7 @@ class Plasmac final : public PlasmacMachine {
         }
         return;
       case S::max_height:
+        hold_ = true;
         if (z_settled(0.0))
           state_ =
               consumable_change_ && stop_ == Stop::pause ? S::consumable_change_on : S::end_cut;
@@ -231,6 +226,7 @@ class Plasmac final : public PlasmacMachine {
         }
         return;
       case S::probe_test:
+        z_offset_enable_ = true;
         if (!probe_test_) end_probe_test();
         return;
       case S::scribing: return scribing();
@@ -338,30 +334,57 @@ class Plasmac final : public PlasmacMachine {
     const bool near = skip_probe_ && skip_ihs_distance_ > 0.0 && way < skip_ihs_distance_;
     if (near && found_) zero_ = static_cast<std::int32_t>(std::clamp(found_zero_, -2e9, 2e9));
     found_ = false;
-    state_ = near ? S::pierce_height : S::probe_height;
     first_ = true;
+    if (near) {
+      deploy_.set(0.0);
+      state_ = S::pierce_height;
+    } else if (const std::string_view no = beside_limits(); !no.empty()) {
+      say(no);
+      stop_ = Stop::pause;
+      ask_pause();
+    } else {
+      state_ = S::probe_height;
+    }
+  }
+  /// What says no to the probe's place beside the torch.
+  [[nodiscard]] std::string_view beside_limits() const noexcept {
+    if (!probes_beside()) return {};
+    const double x = axis_x_position_ + offset_probe_x_, y = axis_y_position_ + offset_probe_y_;
+    if (x <= axis_x_min_limit_) return "probe offset would violate axis X minimum limit";
+    if (x >= axis_x_max_limit_) return "probe offset would violate axis X maximum limit";
+    if (y <= axis_y_min_limit_) return "probe offset would violate axis Y minimum limit";
+    if (y >= axis_y_max_limit_) return "probe offset would violate axis Y maximum limit";
+    return {};
   }
   void begin_probe_test() noexcept {
     hold_ = true;
     testing_ = true;
     spotting_ = false;
     ohmic_tries_ = 0;
-    if (sensor_active_.last()) {
-      say("a sensor is active before probing, probe test aborted");
-      return;
+    const std::string_view no = sensor_active_.last()
+                                    ? "a sensor is active before probing, probe test aborted"
+                                    : beside_limits();
+    if (no.empty()) {
+      first_ = true;
+      state_ = S::probe_height;
+    } else {
+      // Said once, and nothing moves when the reason goes while the test is still asked for.
+      say(no);
+      probe_test_error_ = true;
+      state_ = S::probe_test;
     }
-    first_ = true;
-    state_ = S::probe_height;
   }
+  /// Back up, and back from beside the torch. The probe stays until then.
   void end_probe_test() noexcept {
-    ohmic_on_ = false;
+    xy_straight_to(0.0, 0.0, step_counts(setup_feed_rate_));
     z_to(0.0, setup_feed_rate_);
-    state_ = z_ == 0 ? S::end_cut : S::probe_test;
+    const bool is_back = z_ == 0 && x_ == 0.0 && y_ == 0.0;
+    state_ = is_back ? S::end_cut : S::probe_test;
   }
 
   bool left_probe_test() noexcept {
     if (!testing_ || probe_test_) return false;
-    end_probe_test();
+    state_ = S::probe_test;
     return true;
   }
   void probe_height() noexcept {
@@ -386,9 +409,9 @@ class Plasmac final : public PlasmacMachine {
     probe_time_ = probe_time_.last() + dt_;
     bool there = z_to(start_, setup_feed_rate_);
     if (probes_beside()) {
-      there = xy_to(std::trunc(counts(offset_probe_x_)), std::trunc(counts(offset_probe_y_)),
-                    step_counts(setup_feed_rate_)) &&
-              there;
+      const double x = counts(offset_probe_x_), y = counts(offset_probe_y_);
+      xy_straight_to(x, y, step_counts(setup_feed_rate_));
+      there = there && x_ == std::trunc(x) && y_ == std::trunc(y);
       deploy_.over(dt_);
     }
     if (there) state_ = S::probe_down;
@@ -407,7 +430,10 @@ class Plasmac final : public PlasmacMachine {
         return;
       }
       touched_by_contact_ = ohmic_contact_;
-      if (axis_z_position_ + pierce_height_ > highest()) return too_high();
+      // Of a cut a millimetre stays free above.
+      if (axis_z_position_ + pierce_height_ >
+          (testing_ ? axis_z_max_limit_.get() : highest() - units_per_mm_))
+        return too_high();
       state_ = S::probe_up;
     } else if (!bottom_ && axis_z_position_ - axis_z_min_limit_ <= 0.5 * units_per_mm_) {
       bottom_ = true;
@@ -433,7 +459,7 @@ class Plasmac final : public PlasmacMachine {
                                        "while float switch probing";
     if (!testing_) return fail(why);
     say(why);
-    end_probe_test();
+    state_ = S::probe_test;
   }
   void probe_up() noexcept {
     if (left_probe_test()) return;
@@ -445,7 +471,6 @@ class Plasmac final : public PlasmacMachine {
       return;
     }
     ohmic_on_ = false;
-    deploy_.set(x_ != 0.0 || y_ != 0.0 ? offset_probe_delay_ : 0.0);
     zero_ = z_ + static_cast<std::int32_t>(
                      counts(touched_by_contact_ ? ohmic_probe_offset_ : float_switch_travel_));
     zero_height_ = base_z() + zero_ * scale_;
@@ -453,6 +478,9 @@ class Plasmac final : public PlasmacMachine {
     last_y_ = axis_y_position_;
     skip_probe_ = probed_ = true;
     state_ = S::zero_height;
+    // Above the pierce two millimetres stay free.
+    if (!testing_ && zero_height_ + pierce_height_ + 2.0 * units_per_mm_ > highest())
+      fail("material is too high for safe traverse, program is paused");
   }
   void pierce_height() noexcept {
     if (left_probe_test()) return;
@@ -460,10 +488,11 @@ class Plasmac final : public PlasmacMachine {
       if (!testing_) fail("invalid pierce height, cut height or cut volts, program is paused");
       return;
     }
-    // The offset of the probe goes first.
-    const bool probe_is_in = deploy_.over(dt_);
-    if (!recovering_ && (!xy_to(0.0, 0.0, step_counts(setup_feed_rate_)) || !probe_is_in)) return;
-    if (!z_settled(zero_ + counts(pierce_height_))) return;
+    // The probe goes away first; the torch may go up while it still comes back over the place.
+    const bool probe_is_in = deploy_.ends(dt_);
+    if (!recovering_) xy_straight_to(0.0, 0.0, step_counts(setup_feed_rate_));
+    const bool is_back = recovering_ || (x_ == 0.0 && y_ == 0.0);
+    if (!probe_is_in || !z_settled(zero_ + counts(pierce_height_)) || !is_back) return;
     if (testing_) {
       state_ = S::probe_test;
     } else {
@@ -541,124 +570,13 @@ class Plasmac final : public PlasmacMachine {
     }
   }
 
-  void cut_01() noexcept {
-    count_cut();
-    if (!torch_) return;
-    if (target_volts_.last() == 0.0) {
-      if (mesh_enable_ || ignores_arc()) return;
-      corner_lock_ = true;
-      cornerlock_is_locked_ = true;
-      find_target();
-      return;
-    }
-    if (mesh_enable_ || ignores_arc() || follow_override()) return;
-    if (!thc_allowed_) {
-      led_up_ = false;
-      led_down_ = false;
-      pid_.reset();
-      return;
-    }
-    if (!begun_) {
-      begun_ = true;
-      corner_lock_ = false;
-    }
-    if (cornerlock_enable_) {
-      if (feed_now_ < requested_ * cornerlock_threshold_ * 0.01)
-        corner_lock_ = true;
-      else if (at_speed())
-        corner_lock_ = false;
-    } else {
-      corner_lock_ = false;
-    }
-    cornerlock_is_locked_ = corner_lock_;
-    void_lock_ =
-        void_.follow(volts_, dt_, voidlock_slope_, voidlock_on_cycles_, voidlock_off_cycles_) &&
-        voidlock_enable_;
-    voidlock_is_locked_ = void_lock_;
-    if (corner_lock_ || void_lock_) {
-      led_up_ = false;
-      led_down_ = false;
-      pid_.reset();
-      return;
-    }
-    move_by_voltage();
+  /// After a cycle of a cut, with what height control says against going on.
+  void cut(std::string_view trouble) noexcept {
+    if (trouble.empty()) return;
+    fail(trouble);
+    // The pause comes first, the hold with the way up.
+    hold_ = false;
   }
-  /// The voltage to keep, once the torch is at speed and the arc steady.
-  void find_target() noexcept {
-    if (!waits_) {
-      if (!at_speed()) return;
-      waits_ = true;
-      timer_.set(thc_delay_);
-    }
-    if (thc_auto_ && use_auto_volts_) {
-      if (is_steady_) target_volts_ = volts_;
-      return;
-    }
-    if (!timer_.over(dt_)) return;
-    if (!use_auto_volts_) {
-      target_volts_ = cut_volts_;
-      return;
-    }
-    sum_volts_ += volts_;
-    if (++samples_ >= std::max<std::int32_t>(target_samples_, 1))
-      target_volts_ = sum_volts_ / samples_;
-  }
-  /// A new height-override moves the torch by height-per-volt. True in the cycles that it takes.
-  bool follow_override() noexcept {
-    const double wanted = height_override_;
-    if (wanted == override_seen_) return false;
-    if (!override_waits_) {
-      override_waits_ = true;
-      led_up_ = false;
-      led_down_ = false;
-      return true;
-    }
-    override_waits_ = false;
-    move_z(std::trunc(counts((wanted - override_seen_) * height_per_volt_)));
-    override_seen_ = wanted;
-    return true;
-  }
-  void move_by_voltage() noexcept {
-    double error = target_volts_.last() + override_seen_ - volts_;
-    if (std::fabs(error) <= thc_threshold_) error = 0.0;
-    const double most = step_counts(thc_feed_rate_);
-    const double change = std::clamp(
-        pid_.follow(error, pid_p_gain_, pid_i_gain_, pid_d_gain_, dt_) * resolution_ * 0.1, -most,
-        most);
-    if (change > 0.0) {
-      led_up_ = true;
-    } else if (change < 0.0) {
-      led_down_ = true;
-    } else {
-      led_up_ = false;
-      led_down_ = false;
-    }
-    move_z(change);
-    check_limits(change);
-  }
-  void check_limits(double change) noexcept {
-    if (change < 0.0 && axis_z_position_ <= axis_z_min_limit_ + 0.5 * units_per_mm_)
-      fail("bottom limit reached while THC moving down, program is paused");
-    else if (change > 0.0 && axis_z_position_ >= highest())
-      fail("top limit reached while THC moving up, program is paused");
-  }
-  void cut_2() noexcept {
-    count_cut();
-    if (!torch_) return;
-    cornerlock_is_locked_ = corner_lock_ =
-        cornerlock_enable_ &&
-        (corner_lock_ ? !at_speed() : feed_now_ < requested_ * cornerlock_threshold_ * 0.01);
-    const bool up = move_up_ && thc_allowed_ && !corner_lock_,
-               down = move_down_ && thc_allowed_ && !corner_lock_ && !up;
-    led_up_ = up;
-    led_down_ = down;
-    if (!up && !down) return;
-    const double most = step_counts(thc_feed_rate_);
-    const double change = std::min(std::trunc(counts(pid_p_gain_ * dt_)), most) * (up ? 1.0 : -1.0);
-    move_z(change);
-    check_limits(change);
-  }
-
   void end_of_cut() noexcept {
     torch_off_now();
     // The next cut may begin from the height that the voltage found.
@@ -682,6 +600,7 @@ class Plasmac final : public PlasmacMachine {
   }
   void end_cut() noexcept {
     torch_off_now();
+    ohmic_on_ = false;
     led_up_ = false;
     led_down_ = false;
     target_volts_ = 0.0;
@@ -778,10 +697,11 @@ class Plasmac final : public PlasmacMachine {
       return;
     }
     sensor_told_ = false;
-    if (xy_to(x_offset_, y_offset_, step_of(xy_feed_rate_)) && xy_follows()) state_ = S::idle;
+    if (xy_straight_to(x_offset_, y_offset_, step_of(xy_feed_rate_)) && xy_follows())
+      state_ = S::idle;
   }
   void consumables_off() noexcept {
-    if (!xy_to(0.0, 0.0, step_of(xy_feed_rate_))) return;
+    if (!xy_straight_to(0.0, 0.0, step_of(xy_feed_rate_))) return;
     if (!xy_follows()) return;
     consumables_ = false;
     consumable_changing_ = false;
@@ -802,7 +722,7 @@ class Plasmac final : public PlasmacMachine {
   }
   /// The offset of the torch's new place, and of the laser over it.
   void place_recovery() noexcept {
-    const double speed = step_of(cut_feed() * 0.5);
+    const double step = recovery_step();
     if (laser_stage_ == 0 && laser_recovery_start_ != 0) {
       const double at_x = axis_x_position_ + laser_x_offset_ * scale_,
                    at_y = axis_y_position_ + laser_y_offset_ * scale_;
@@ -810,18 +730,22 @@ class Plasmac final : public PlasmacMachine {
           at_y <= axis_y_max_limit_)
         laser_stage_ = 1;
     } else if (laser_stage_ == 1) {
+      laser_from_x_ = x_;
+      laser_from_y_ = y_;
       laser_stage_ = 2;
     } else if (laser_stage_ == 2) {
-      if (xy_to(laser_x_offset_, laser_y_offset_, speed)) laser_stage_ = 3;
+      if (xy_straight_to(laser_from_x_ + laser_x_offset_, laser_from_y_ + laser_y_offset_,
+                         step_of(cut_feed())))
+        laser_stage_ = 3;
     } else if (laser_stage_ == 3) {
-      xy_to(x_offset_ + laser_x_offset_, y_offset_ + laser_y_offset_, speed);
+      xy_apart_to(x_offset_ + laser_x_offset_, y_offset_ + laser_y_offset_, step);
     } else {
-      xy_to(x_offset_, y_offset_, speed);
+      xy_apart_to(x_offset_, y_offset_, step);
     }
     laser_recovery_state_ = laser_stage_;
   }
   void recovery_off() noexcept {
-    if (!xy_to(0.0, 0.0, torch_ ? step_counts(cut_feed()) : step_of(cut_feed() * 0.5))) return;
+    if (!xy_to(0.0, 0.0, torch_ ? step_counts(cut_feed()) : recovery_step())) return;
     if (!xy_follows()) return;
     recovering_ = false;
     cut_recovering_ = false;

@@ -22,8 +22,9 @@ class PlasmacMachine : public PlasmacPins {
   using S = PlasmaState;
   enum class Stop : std::uint8_t { none, abort, end, pause };
   static constexpr double kAtSpeed = 0.999, kArrived = 0.01;
-  /// A rate that comes to whole counts is taken as below them: no faster than asked.
-  static constexpr double kALittleLess = 1.0 - 1e-12;
+  /// A rate that comes to whole counts is taken as below them: no faster than asked. Cut recovery takes half of one, and as the
+  /// whole counts that it is.
+  static constexpr double kALittleLess = 1.0 - 1e-12, kALittleMore = 1.0 + 1e-12;
 
   void read_sensors() noexcept {
     const bool relay = ohmic_sense_in_;
@@ -123,7 +124,10 @@ class PlasmacMachine : public PlasmacPins {
         std::clamp(units_per_minute / 60.0 * dt_ / scale_ * kALittleLess, 0.0, 1e9));
   }
   [[nodiscard]] double step_of(double units_per_minute) const noexcept {
-    return std::max(counts(units_per_minute / 60.0 * dt_), 0.0);
+    return std::max(counts(units_per_minute / 60.0 * dt_) * kALittleLess, 0.0);
+  }
+  [[nodiscard]] double recovery_step() const noexcept {
+    return std::trunc(std::max(counts(cut_feed() * 0.5 / 60.0 * dt_ * kALittleMore), 0.0));
   }
   [[nodiscard]] double counts(double units) const noexcept {
     return scale_ > 0.0 ? std::clamp(units / scale_, -2e9, 2e9) : 0.0;
@@ -156,6 +160,7 @@ class PlasmacMachine : public PlasmacPins {
                std::fabs(y_offset_current_ - y_ * scale_) <=
            kArrived * units_per_mm_;
   }
+  /// Straight to a place, with a new look at it each cycle.
   bool xy_to(double x, double y, double step) noexcept {
     const double dx = x - x_, dy = y - y_, way = std::hypot(dx, dy);
     if (way == 0.0) return true;
@@ -168,10 +173,37 @@ class PlasmacMachine : public PlasmacPins {
     }
     return false;
   }
+  /// The same in equal steps all the way, those of its start, to the whole counts of the place. Another place or rate has its own
+  /// start; the way back is that of the way there.
+  bool xy_straight_to(double x, double y, double step) noexcept {
+    const double at_x = std::trunc(x), at_y = std::trunc(y);
+    if (x_ == at_x && y_ == at_y) return true;
+    const bool went = x_ == way_.at_x && y_ == way_.at_y;
+    if (x != way_.x || y != way_.y || step != way_.step || !went) {
+      const bool was_there = went && x_ == std::trunc(way_.x) && y_ == std::trunc(way_.y);
+      const double dx = x - (was_there ? way_.x : x_), dy = y - (was_there ? way_.y : y_),
+                   way = std::hypot(dx, dy);
+      way_ = {x, y, step, x_, y_, std::trunc(step * dx / way), std::trunc(step * dy / way)};
+    }
+    const bool arrives = std::hypot(x - x_, y - y_) <= step;
+    x_ = way_.at_x = arrives ? at_x : x_ + way_.step_x;
+    y_ = way_.at_y = arrives ? at_y : y_ + way_.step_y;
+    return false;
+  }
+  /// Each axis on its own.
+  void xy_apart_to(double x, double y, double step) noexcept {
+    x_ = std::clamp(x, x_ - step, x_ + step);
+    y_ = std::clamp(y, y_ - step, y_ + step);
+  }
   [[nodiscard]] double highest() const noexcept {
     return axis_z_max_limit_ - max_offset_ * units_per_mm_;
   }
   [[nodiscard]] double base_z() const noexcept { return axis_z_position_ - z_offset_current_; }
+
+  /// Where xy_straight_to goes, in which steps, and where it left off.
+  struct Way {
+    double x, y, step, at_x, at_y, step_x, step_y;
+  };
 
   const hal::OperatorLine* line_;
   ArcVoltage voltage_;
@@ -180,6 +212,7 @@ class PlasmacMachine : public PlasmacPins {
   VoidDetector void_;
   HeightPid pid_;
   PlasmaTimer timer_, deploy_, lost_;
+  Way way_{};
   S state_{S::idle}, printed_{S::idle};
   Stop stop_{Stop::none};
   double dt_{0.001}, scale_{1e-5};
@@ -188,6 +221,7 @@ class PlasmacMachine : public PlasmacPins {
   double sum_volts_{0.0}, override_seen_{0.0}, found_zero_{0.0};
   std::int32_t z_{0}, zero_{0}, starts_{0}, pierces_{0}, samples_{0};
   std::int32_t sense_cycles_{0}, ohmic_tries_{0}, hold_step_{0}, laser_stage_{0};
+  double laser_from_x_{0.0}, laser_from_y_{0.0};
   bool sense_{false}, ohmic_on_{false}, ohmic_contact_{false}, touched_by_contact_{false};
   bool torch_{false}, hold_{false}, arc_good_{false}, arc_was_good_{false}, arc_missing_{false};
   bool was_idle_{true}, is_steady_{false}, job_{false}, first_{false}, spotting_{false},

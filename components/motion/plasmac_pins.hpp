@@ -158,8 +158,9 @@ class PlasmacPins : public hal::Component<Plasmac> {
       pin<hal::In<double>>("paused-motion-speed", "Speed along the path while paused, -1 to 1")};
   hal::In<double> pid_d_gain_{pin<hal::In<double>>("pid-d-gain", "Derivative gain of the height")};
   hal::In<double> pid_i_gain_{pin<hal::In<double>>("pid-i-gain", "Integral gain of the height")};
-  hal::In<double> pid_p_gain_{
-      pin<hal::In<double>>("pid-p-gain", "Proportional gain of the height")};
+  hal::In<double> pid_p_gain_{pin<hal::In<double>>(
+      "pid-p-gain",
+      "Proportional gain of the height; in mode 2 the speed, in percent of thc-feed-rate")};
   hal::In<double> pierce_delay_{pin<hal::In<double>>("pierce-delay", "Time to pierce [s]")};
   hal::In<double> probe_feed_rate_{
       pin<hal::In<double>>("probe-feed-rate", "Speed of probing down [units per minute]")};

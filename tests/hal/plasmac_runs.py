@@ -106,7 +106,7 @@ NORMAL = {
     "cut-feed-rate": 3000, "float-switch-travel": 0.5, "thc-feed-rate": 6000, "thc-threshold": 0.5, "thc-delay": 0.05,
     "pid-p-gain": 10, "height-per-volt": 0.1, "feed-override": 1, "setup-feed-rate": 30000, "probe-feed-rate": 12000,
     "probe-start-height": 22, "safe-height": 3, "probe-final-speed": 10, "ohmic-max-attempts": 2, "ohmic-probe-offset": 0.3,
-    "xy-feed-rate": 6000, "torch-pulse-time": 0.05, "scribe-arm-delay": 0.05, "scribe-on-delay": 0.03, "spotting-time": 50,
+    "xy-feed-rate": 6000, "axis-x-position": 5, "axis-y-position": 50, "torch-pulse-time": 0.05, "scribe-arm-delay": 0.05, "scribe-on-delay": 0.03, "spotting-time": 50,
 }
 # What a machine may have instead, one at a time or some together.
 OTHER = {
@@ -126,6 +126,10 @@ class Run:
         self.sets = dict(NORMAL)
         for key in rng.sample(sorted(OTHER), rng.choice([0, 1, 2, 4])):
             self.sets[key] = rng.choice(OTHER[key])
+        if not {"offset-probe-x", "offset-probe-y"} & set(self.sets):
+            self.sets.pop("offset-probe-delay", None)  # LinuxCNC waits for ever
+        # To a cut by hand LinuxCNC answers with a pause of the program, for ever.
+        self.heights = self.sets["cut-height"] > 0 and self.sets["cut-volts"] > 0
         # LinuxCNC begins such a cut at a height of a cut that there was not.
         self.spots = self.sets.get("skip-ihs-distance") is None
         self.lag = rng.choice([1000, 1000, 300])
@@ -157,7 +161,7 @@ class Run:
     def without_program(self):
         rng, at = self.rng, 5
         while at < 110:
-            what = rng.choice(["pulse", "ohmic", "probe", "scribe", "hand", "out"])
+            what = rng.choice(["pulse", "ohmic", "probe", "scribe", "out"] + ["hand"] * self.heights)
             pin = {"pulse": "plasmac.torch-pulse-start", "ohmic": "plasmac.ohmic-test", "probe": "plasmac.probe-test",
                    "scribe": "plasmac.scribe-start", "hand": START, 
                    "out": rng.choice(["plasmac.offset-set-probe", "plasmac.offset-set-scribe"])}[what]
