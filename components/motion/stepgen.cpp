@@ -101,8 +101,9 @@ Settings read_settings(hal::Builder& b) noexcept {
   if (b.failed()) out.size = 0;
   return out;
 }
-/// One motor. make_pulses() follows a place that moves with `speed_`; a step that the times do not allow yet holds the place back, so
-/// that no step is lost.
+/// One motor. make_pulses() moves a place by `addend_` each call, which itself runs towards `target_`; crossing the border of a step
+/// makes one. Turning back before the times of the last step are over holds the place still, as LinuxCNC does. A pulse that dir has
+/// not been set up for comes late, and is not lost.
 class StepgenChannel : public hal::Channel {
  public:
   StepgenChannel(hal::Builder& b, std::size_t index, const Settings& list) noexcept
@@ -117,75 +118,63 @@ class StepgenChannel : public hal::Channel {
   }
 
   void make_pulses(const hal::Period& period) noexcept {
-    if (base_ns_ == 0 && type_ >= 2) show_phases();
     base_ns_ = period.nominal_ns;
-    for (std::int64_t* left : {&high_left_ns_, &low_left_ns_, &dir_left_ns_, &setup_left_ns_})
+    for (std::int64_t* left : {&high_left_ns_, &low_left_ns_, &turn_left_ns_, &setup_left_ns_})
       *left = std::max<std::int64_t>(*left - base_ns_, 0);
-    if (type_ < 2 && high_left_ns_ == 0 && high_) end_pulse();
-    if (!enabled_) return;
-    const std::int64_t wanted = place_ + addend_;
-    const bool forward = addend_ >= 0;
-    if (addend_ != 0 && !turn(forward)) return;  // the place waits with the motor
-    const std::int64_t step = (wanted >> kFraction) - steps_;
-    if (step == 0) {
-      place_ = wanted;
-    } else if (may_step()) {
-      place_ = wanted;
-      do_step(forward);
-    } else {
-      // As far as the end of this step, no further.
-      place_ = forward ? ((steps_ + 1) << kFraction) - 1 : steps_ << kFraction;
+    if (type_ >= 2) {
+      show_phases();
+    } else if (high_ && high_left_ns_ == 0) {
+      end_pulse();
     }
+    if (!enable_) {
+      drop_owed_steps();
+      return;
+    }
+    move();
+    const std::int64_t owed = owed_steps();
+    if (owed != 0 && may_step(owed < 0)) do_step(owed < 0);
     rawcounts_ = static_cast<std::int32_t>(steps_);
   }
 
   void capture_position(const hal::Period&) noexcept {
+    const double scale = position_scale_;
+    if (scale != 0.0 && std::fabs(scale) < 1e-20) position_scale_ = 1.0;
     counts_ = static_cast<std::int32_t>(steps_);
-    position_fb_ = (static_cast<double>(place_) / kOne - 0.5) / scale();
+    // Without a scale nothing moves.
+    position_fb_ = scale == 0.0 ? 0.0 : position_steps() / position_scale_;
   }
 
   void update_freq(const hal::Period& period) noexcept {
-    const double scale_now = scale();
-    if (base_ns_ == 0) {  // the period of make_pulses is not known before its first call
-      command_before_ = velocity_mode_ ? 0.0 : command_.get() * scale_now;
-      return;
-    }
+    const double scale = position_scale_, size = std::fabs(scale);
     const double dt = period.seconds(), base_s = static_cast<double>(base_ns_) * 1e-9;
     round_times();
-    const double size = std::fabs(scale_now);
-    // The fastest row of steps that the times allow.
-    double most = fastest(base_s);
-    const double asked = std::fabs(maxvel_.get()) * size;
-    if (asked > 0.0) {
-      if (asked > most) maxvel_ = most / size;
-      most = std::min(most, asked);
-    }
-    double change = std::fabs(maxaccel_.get()) * size * dt;
-    if (change == 0.0) change = most;  // no limit
-    enabled_ = enable_;
-    if (!enabled_) {
-      speed_ = 0.0;
-      addend_ = 0;
-      // The command may jump while the motor stands.
-      command_before_ = command_.get() * scale_now;
-      frequency_ = 0.0;
+    const double command = command_ * scale;
+    const double command_speed = (command - command_before_) / dt;
+    command_before_ = command;  // also while the motor stands: then it may jump
+    if (!enable_) {
+      addend_ = target_ = 0;
+      frequency_ = speed_ = 0.0;
       return;
     }
-    double wanted = 0.0;
-    if (velocity_mode_) {
-      wanted = command_ * scale_now;
-    } else {
-      wanted = follow(command_ * scale_now, change / dt, dt);
-    }
+    // The fastest row of steps that the times allow, and what of the limits lies below it.
+    const double most = bounded(maxvel_, size, 1.0, fastest(base_s));
+    const double change = bounded(maxaccel_, size, dt, most);
+    double wanted = 0.0;  // of a command that is no number
+    if (std::isfinite(velocity_mode_ ? command : command_speed))
+      wanted = velocity_mode_ ? rtapi::limited(command, -most, most)
+                              : follow(command, command_speed, change, dt);
+    wanted = rtapi::limited(wanted, speed_ - change, speed_ + change);
     wanted = rtapi::limited(wanted, -most, most);
-    speed_ = rtapi::limited(wanted, speed_ - change, speed_ + change);
-    addend_ = std::llround(speed_ * base_s * kOne);
-    frequency_ = speed_;
+    frequency_ = speed_ = wanted;
+    target_ = static_cast<std::int64_t>(wanted * base_s * kOne);
+    addend_change_ = static_cast<std::int64_t>(change / dt * base_s * base_s * kOne);
   }
 
  private:
-  static constexpr int kFraction = 32;
-  static constexpr double kOne = 4294967296.0;
+  /// Of a step. With these and truncated products samples agree with LinuxCNC's to the last digit.
+  static constexpr int kFraction = 28;
+  static constexpr double kOne = 268435456.0;
+  static constexpr std::int64_t kHalf = std::int64_t{1} << (kFraction - 1);
 
   void declare_items(hal::Builder& b) noexcept {
     command_.declare(
@@ -222,63 +211,91 @@ class StepgenChannel : public hal::Channel {
     }
   }
 
-  [[nodiscard]] double scale() noexcept {
-    const double scale = position_scale_;
-    if (std::fabs(scale) >= 1e-20) return scale;
-    position_scale_ = 1.0;
-    return 1.0;
-  }
-
-  [[nodiscard]] std::int64_t whole_calls(std::int64_t ns) const noexcept {
-    return (ns + base_ns_ - 1) / base_ns_ * base_ns_;
-  }
-
   /// What the parameters say, in whole calls of make_pulses.
   void round_times() noexcept {
     if (steplen_ns_ == 0) steplen_ns_ = 1U;
-    high_ns_ = whole_calls(steplen_ns_);
-    if (type_ < 2) space_ns_ = whole_calls(stepspace_ns_);
-    if (type_ == 0) {
-      setup_ns_ = whole_calls(dirsetup_ns_);
-      hold_ns_ = whole_calls(dirhold_ns_);
-    } else {
-      hold_ns_ = whole_calls(dirdelay_ns_);
-    }
+    if (type_ == 0 && dirsetup_ns_ == 0 && dirhold_ns_ == 0) dirhold_ns_ = 1U;
+    if (type_ == 1 && dirdelay_ns_ == 0) dirdelay_ns_ = 1U;
+    round_time(steplen_ns_, high_ns_);
+    space_ns_ = setup_ns_ = 0;
+    if (type_ < 2) round_time(stepspace_ns_, space_ns_);
+    if (type_ == 0) round_time(dirsetup_ns_, setup_ns_);
+    round_time(type_ == 0 ? dirhold_ns_ : dirdelay_ns_, hold_ns_);
+  }
+
+  void round_time(hal::Param<std::uint32_t>& parameter, std::int64_t& time) noexcept {
+    time = (parameter + base_ns_ - 1) / base_ns_ * base_ns_;
+    parameter = static_cast<std::uint32_t>(std::min<std::int64_t>(time, UINT32_MAX));
+  }
+
+  /// What a limit of the user's allows in this time [steps], a unit of it being `size`. Without one, and where it asks for more,
+  /// `most` it is.
+  static double bounded(hal::Param<double>& limit, double size, double time_s,
+                        double most) noexcept {
+    if (limit < 0.0) limit = 0.0;
+    const double asked = limit * size * time_s;
+    if (asked > most) limit = most / (size * time_s);
+    return asked > 0.0 && asked < most ? asked : most;
   }
 
   /// Steps per second.
   [[nodiscard]] double fastest(double base_s) const noexcept {
-    const double between_s =
-        static_cast<double>(type_ < 2 ? high_ns_ + space_ns_ : high_ns_) * 1e-9;
-    return 1.0 / std::max(between_s, base_s);
+    return 1.0 / std::max(static_cast<double>(high_ns_ + space_ns_) * 1e-9, base_s);
   }
 
-  /// True when a step in this direction may come; starts the change of direction when it may.
-  bool turn(bool forward) noexcept {
-    if (forward == forward_) return setup_left_ns_ == 0;
-    if (dir_left_ns_ > 0 || high_) return false;
-    forward_ = forward;
-    if (type_ == 0) {
-      outputs_[1] = !forward;
-      setup_left_ns_ = setup_ns_;
-      return setup_left_ns_ == 0;
+  [[nodiscard]] double position_steps() const noexcept {
+    return static_cast<double>(place_ - kHalf) / kOne;
+  }
+
+  /// Between the place and the pulses made: none, or what dir is not yet set up for.
+  [[nodiscard]] std::int64_t owed_steps() const noexcept { return (place_ >> kFraction) - steps_; }
+
+  /// Whoever disables the motor wants no more steps, not even late ones.
+  void drop_owed_steps() noexcept {
+    const std::int64_t lowest = steps_ << kFraction;
+    place_ = std::clamp(place_, lowest, lowest + (std::int64_t{1} << kFraction) - 1);
+  }
+
+  void move() noexcept {
+    if (held_) {
+      face(addend_);
+      if (turn_left_ns_ > 0) return;
+      held_ = false;
     }
-    return true;
+    const bool before = addend_ < 0;
+    addend_ += std::clamp(target_ - addend_, -addend_change_, addend_change_);
+    held_ = (addend_ < 0) != before && turn_left_ns_ > 0;
+    face(addend_);
+    if (!held_) place_ += addend_;
   }
 
-  [[nodiscard]] bool may_step() const noexcept {
-    return type_ < 2 ? !high_ && low_left_ns_ == 0 : high_left_ns_ == 0;
+  /// Sets dir to where the place goes, as early as the last pulse allows; before that, to where pulses are owed.
+  void face(std::int64_t addend) noexcept {
+    const std::int64_t owed = owed_steps(), way = owed != 0 ? owed : addend;
+    if (type_ != 0 || way == 0 || (way < 0) == backward_) return;
+    if (high_ || turn_left_ns_ > setup_ns_) return;
+    backward_ = way < 0;
+    outputs_[1] = backward_;
+    setup_left_ns_ = setup_ns_;
   }
 
-  void do_step(bool forward) noexcept {
-    steps_ += forward ? 1 : -1;
+  [[nodiscard]] bool may_step(bool backward) const noexcept {
+    if (high_left_ns_ > 0 || setup_left_ns_ > 0) return false;
+    // Up and down are pulses on two pins: between them is dirdelay, not stepspace.
+    if (backward != backward_) return type_ != 0 && turn_left_ns_ == 0;
+    return low_left_ns_ == 0;
+  }
+
+  void do_step(bool backward) noexcept {
+    steps_ += backward ? -1 : 1;
+    backward_ = backward;
     high_left_ns_ = high_ns_;
+    turn_left_ns_ = high_ns_ + hold_ns_ + setup_ns_;
     if (type_ < 2) {
       high_ = true;
-      outputs_[type_ == 1 && !forward ? 1 : 0] = true;
+      outputs_[type_ == 1 && backward ? 1 : 0] = true;
     } else {
       show_phases();
-      dir_left_ns_ = high_ns_ + hold_ns_;
     }
   }
 
@@ -287,7 +304,6 @@ class StepgenChannel : public hal::Channel {
     outputs_[0] = false;
     if (type_ == 1) outputs_[1] = false;
     low_left_ns_ = space_ns_;
-    dir_left_ns_ = hold_ns_;
   }
 
   void show_phases() noexcept {
@@ -296,17 +312,22 @@ class StepgenChannel : public hal::Channel {
     for (int i = 0; i < pattern_.phases; ++i) outputs_[i] = (pattern_.states[place] >> i & 1) != 0;
   }
 
-  /// The speed that brings the place to the command, which moves on as it did in the last period.
-  double follow(double command, double accel, double dt) noexcept {
-    const double command_speed = (command - command_before_) / dt;
-    command_before_ = command;
-    const double missing = command - (static_cast<double>(place_) / kOne - 0.5);
-    const double size = std::fabs(missing), step = accel * dt;
-    // Near: there after this period. Far: the speed from which it can still be braked in whole periods.
-    const double closing = size <= step * dt
-                               ? size / dt
-                               : std::sqrt(0.25 * step * step + 2.0 * accel * size) - 0.5 * step;
-    return command_speed + std::copysign(std::min(closing, size / dt), missing);
+  /// The speed [steps/s] that leads to the moving command, a period and a half behind it, as LinuxCNC does: the place is where the
+  /// command was in the middle of the period before. `change` is the most that the speed may change in a period.
+  [[nodiscard]] double follow(double command, double command_speed, double change,
+                              double dt) const noexcept {
+    double accel = std::copysign(change * (1.0 / dt), command_speed > speed_ ? 1.0 : -1.0);
+    // As fast as the command after this time; the place will have gone on until then, and the command too.
+    const double match_s = (command_speed - speed_) / accel;
+    const double place = position_steps() + 0.5 * (command_speed + speed_) * match_s;
+    const double error = place - (command + command_speed * (match_s - 1.5 * dt));
+    if (match_s < dt) {
+      constexpr double kNear = 1e-4;  // steps
+      return std::fabs(error) < kNear ? command_speed : command_speed - 0.5 * error / dt;
+    }
+    // Further away: towards the command's speed, or from it if the place gets nearer by that.
+    if (std::fabs(error - 2.0 * (2.0 * accel * dt * match_s)) < std::fabs(error)) accel = -accel;
+    return speed_ + accel * dt;
   }
 
   hal::Out<std::int32_t> counts_{
@@ -330,10 +351,15 @@ class StepgenChannel : public hal::Channel {
 
   Pattern pattern_{};
   int type_{0};
-  bool velocity_mode_{false}, enabled_{false}, high_{false}, forward_{true};
-  std::int64_t base_ns_{0}, place_{std::int64_t{1} << (kFraction - 1)}, addend_{0}, steps_{0};
+  bool velocity_mode_{false}, high_{false}, backward_{false};
+  bool held_{false};  // the place waits until the motor may turn
+  /// Of make_pulses; before its first call, LinuxCNC takes this for it.
+  std::int64_t base_ns_{50'000};
+  /// In parts of a step; it begins in the middle of one.
+  std::int64_t place_{kHalf}, addend_{0}, target_{0}, addend_change_{0};
+  std::int64_t steps_{0};
   std::int64_t high_ns_{1}, space_ns_{1}, setup_ns_{1}, hold_ns_{1};
-  std::int64_t high_left_ns_{0}, low_left_ns_{0}, dir_left_ns_{0}, setup_left_ns_{0};
+  std::int64_t high_left_ns_{0}, low_left_ns_{0}, turn_left_ns_{0}, setup_left_ns_{0};
   double speed_{0.0}, command_before_{0.0};  // in steps
 };
 
@@ -355,9 +381,9 @@ class Stepgen final : public hal::Component<Stepgen> {
                           "the states of user_step_type=. ctrl_type= has p (position, the usual) "
                           "or v (velocity) "
                           "for each. Times are rounded up to "
-                          "whole calls of make-pulses. A step that the times do not allow yet is "
-                          "late, and never "
-                          "lost.",
+                          "whole calls of make-pulses. In position mode the motor follows a period "
+                          "and a half behind the command. A step that dirsetup does not allow yet "
+                          "is late, and lost only when the motor is disabled meanwhile.",
       .singleton = true,
       .example = "step_type=0,2,5",
       .lists = kFreqgen ? "step_type user_step_type" : "step_type ctrl_type user_step_type",

@@ -90,8 +90,8 @@ class StepMachine {
       phase_s += 1e-3;
       command = size * (std::sin(2.0 * phase_s) + 0.4 * std::sin(0.37 * phase_s));
       servo(command);
-      // After the period the motor is where the command was at its start and its speed has brought it.
-      const double expected = (2.0 * command - before) * scale;
+      // It follows a period and a half behind (stepgen.cpp, follow): after this one it is halfway between the last two commands.
+      const double expected = 0.5 * (command + before) * scale;
       if (++run_ > 200)
         worst = std::max(worst, std::fabs(static_cast<double>(watch_.count()) - expected));
     }

@@ -86,12 +86,67 @@ TEST(Stepgen, MakesNoStepsWhileDisabled) {
   EXPECT_EQ(m.watch().count(), 0);
 }
 
+TEST(Stepgen, ShowsItsTimesInWholeBasePeriodsAndItsLimitsAsTheyAre) {
+  StepMachine m(module("stepgen"), {60'000, 0, 0, 0});
+  auto& hal = m.hal();
+  hal.set("stepgen.0.maxvel", -5.0);
+  hal.set("stepgen.0.maxaccel", 1e12);
+  m.servo(0.0);
+  EXPECT_EQ(hal.get<std::uint32_t>("stepgen.0.steplen"), 100'000U);
+  EXPECT_EQ(hal.get<std::uint32_t>("stepgen.0.stepspace"), 0U);
+  EXPECT_EQ(hal.get<std::uint32_t>("stepgen.0.dirsetup"), 0U);
+  EXPECT_EQ(hal.get<std::uint32_t>("stepgen.0.dirhold"), 50'000U);
+  EXPECT_EQ(hal.get<double>("stepgen.0.maxvel"), 0.0);
+  EXPECT_DOUBLE_EQ(hal.get<double>("stepgen.0.maxaccel"), 1e4 / 1e-3);
+}
+
+// Long after the last pulse nothing holds the place, but dir is as early as ever.
+TEST(Stepgen, TurnsFromRestWithDirSetUpBeforeThePulse) {
+  const Timing times{50'000, 50'000, 300'000, 50'000};
+  StepMachine m(module("stepgen"), times);
+  auto& hal = m.hal();
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-6.0, 6.0);
+  for (int i = 0; i < 300; ++i) {
+    const double target = place(random);
+    for (int k = 0; k < 30; ++k) m.servo(target);
+    ASSERT_EQ(m.watch().wrong(), "") << target;
+    ASSERT_EQ(m.watch().count(), std::lround(hal.get<double>("stepgen.0.position-fb"))) << target;
+  }
+}
+
+TEST(Stepgen, DropsStepsThatAreLateWhenItIsDisabled) {
+  StepMachine m(module("stepgen"), {1, 1, 2'000'000, 1});
+  auto& hal = m.hal();
+  hal.set("stepgen.0.maxaccel", 1e9);
+  for (int i = 0; i < 20; ++i) m.servo(0.6);
+  ASSERT_EQ(m.watch().count(), 1);
+  // It goes back by two steps at once, for which dir is not yet set up.
+  m.servo(-2.0);
+  ASSERT_EQ(m.watch().count(), 1);
+  hal.set("stepgen.0.enable", false);
+  for (int i = 0; i < 20; ++i) m.servo(-2.0);
+  EXPECT_EQ(m.watch().count(), 1);
+  EXPECT_NEAR(hal.get<double>("stepgen.0.position-fb"), 0.5, 1e-6);
+  EXPECT_EQ(m.watch().wrong(), "");
+}
+
+TEST(Stepgen, StandsStillOnACommandThatIsNoNumber) {
+  StepMachine m(module("stepgen"), {1, 1, 1, 1});
+  for (const double command : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+    for (int i = 0; i < 10; ++i) m.servo(command);
+    EXPECT_EQ(m.watch().count(), 0) << command;
+  }
+  for (int i = 0; i < 100; ++i) m.servo(3.0);
+  EXPECT_EQ(m.watch().count(), 3);
+}
+
 TEST(Stepgen, ShowsThePatternsOfTheManual) {
   struct Type {
     int number;
     std::vector<std::string> states;  // phases A to E
   };
-  const Type kTypes[] = {
+  const Type types[] = {
       {2, {"10", "11", "01", "00"}},
       {3, {"100", "010", "001"}},
       {4, {"100", "110", "010", "011", "001", "101"}},
@@ -109,7 +164,7 @@ TEST(Stepgen, ShowsThePatternsOfTheManual) {
        {"11000", "11100", "01100", "01110", "00110", "00111", "00011", "10011", "10001", "11001"}},
       {15, {"10", "01", "11"}},
   };
-  for (const Type& type : kTypes) {
+  for (const Type& type : types) {
     SCOPED_TRACE(type.number);
     hal::TestBuilder hal;
     hal.set_arg("step_type", std::to_string(type.number));
