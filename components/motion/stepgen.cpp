@@ -126,6 +126,7 @@ class StepgenChannel : public hal::Channel {
     } else if (high_ && high_left_ns_ == 0) {
       end_pulse();
     }
+    if (held_) face(addend_);
     if (!enable_) {
       drop_owed_steps();
       return;
@@ -258,7 +259,6 @@ class StepgenChannel : public hal::Channel {
 
   void move() noexcept {
     if (held_) {
-      face(addend_);
       if (turn_left_ns_ > 0) return;
       held_ = false;
     }
