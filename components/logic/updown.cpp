@@ -28,7 +28,7 @@ class Updown final : public hal::Component<Updown> {
       param<hal::Param<std::int32_t>>("min", "Lowest count with clamp or wrap", 0)};
 
   struct Edge {
-    bool before{false};
+    bool before{true};  // what is true from the start has not risen
     bool rose(bool now) noexcept {
       const bool rising = now && !before;
       before = now;
@@ -43,11 +43,15 @@ class Updown final : public hal::Component<Updown> {
     if (down_.rose(countdown_)) --count;
     if (reset_) count = 0;
     if (wrap_) {
-      if (count > max_) count = min_;
-      if (count < min_) count = max_;
+      if (count > max_)
+        count = min_;
+      else if (count < min_)
+        count = max_;
     } else if (clamp_) {
-      if (count > max_) count = max_;
-      if (count < min_) count = min_;
+      if (count > max_)
+        count = max_;
+      else if (count < min_)
+        count = min_;
     }
     count_ = static_cast<std::int32_t>(count);
   }

@@ -45,6 +45,10 @@ class Watchdog final : public hal::Component<Watchdog> {
   hal::Array<Input> inputs_;
 
   void process(const hal::Period& period) noexcept {
+    if (!watching_ || bitten_) {  // what the inputs do meanwhile is not looked at
+      ok_out_ = false;
+      return;
+    }
     bool late = false;
     for (Input& i : inputs_) {
       const bool now = i.pin;
@@ -56,8 +60,8 @@ class Watchdog final : public hal::Component<Watchdog> {
       }
       late = late || i.left_ns < 0;
     }
-    if (late) bitten_ = true;
-    ok_out_ = enable_in_ && watching_ && !bitten_;
+    bitten_ = late;
+    ok_out_ = enable_in_ && !late;
   }
   hal::Function process_{function<&Watchdog::process>("process", "Looks at the inputs")};
 

@@ -60,7 +60,7 @@ class Anglejog final : public hal::Component<Anglejog> {
   double scale_{0.0}, cosine_{1.0}, sine_{0.0}, target_{0.0}, way_{0.0}, speed_{0.0},
       counts_before_{0.0};
   std::int32_t fine_{1};
-  bool enabled_before_{false};
+  bool enabled_before_{false}, awaits_{false};
 
   void update(const hal::Period& period) noexcept {
     const double dt = period.seconds();
@@ -84,10 +84,7 @@ class Anglejog final : public hal::Component<Anglejog> {
       target_ += (static_cast<double>(counts) - counts_before_) * scale_;
     }
     counts_before_ = counts;
-    enabled_before_ = enable;
     enable_out_ = enable;
-    cos_accel_fraction_ = std::fabs(cosine_) * accel_fraction_in_;
-    sin_accel_fraction_ = std::fabs(sine_) * accel_fraction_in_;
     const double accel = std::fabs(max_accel_), step = accel * dt, missing = target_ - way_;
     double wanted = 0.0;
     if (enable && std::fabs(missing) > step * dt * 0.001)
@@ -97,6 +94,14 @@ class Anglejog final : public hal::Component<Anglejog> {
     speed_ = rtapi::limited(wanted, speed_ - step, speed_ + step);
     way_ += speed_ * dt;
     active_ = speed_ != 0.0;
+    // From being enabled to the first motion they stand, as in LinuxCNC.
+    if (enable && !enabled_before_) awaits_ = true;
+    if (speed_ != 0.0) awaits_ = false;
+    if (!awaits_) {
+      cos_accel_fraction_ = cosine_ * accel_fraction_in_;
+      sin_accel_fraction_ = sine_ * accel_fraction_in_;
+    }
+    enabled_before_ = enable;
     current_vel_ = speed_;
     current_mag_ = way_;
     if (scale_ != 0.0) {

@@ -22,7 +22,7 @@ class Biquad final : public hal::Component<Biquad> {
   hal::In<bool> enable_{pin<hal::In<bool>>("enable", "True filters", false)};
   hal::Out<bool> valid_{pin<hal::Out<bool>>(
       "valid",
-      "True while the coefficients are good: Q between 0.5 and 2, f0 below half the rate of calls",
+      "True while the coefficients are good: Q from 0.5 to 2, f0 up to half the rate of calls",
       false)};
   hal::In<std::uint32_t> type_{pin<hal::In<std::uint32_t>>(
       "type", "0: n0, n1, n2, d1 and d2 are given; 1 low pass; 2 notch", 0)};
@@ -43,7 +43,7 @@ class Biquad final : public hal::Component<Biquad> {
   bool set_up(double period_s) noexcept {
     if (type_ == 0) return true;
     const double q = q_, f0 = f0_;
-    if (type_ > 2 || !(q > 0.5 && q < 2.0) || !(f0 > 0.0 && f0 * period_s < 0.5)) return false;
+    if (type_ > 2 || !(q >= 0.5 && q <= 2.0) || !(f0 >= 0.0 && f0 * period_s <= 0.5)) return false;
     const double w = 6.283185307179586476925 * f0 * period_s;
     const double cosine = std::cos(w), alpha = std::sin(w) / (2.0 * q), unit = 1.0 + alpha;
     d1_ = -2.0 * cosine / unit;

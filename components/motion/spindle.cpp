@@ -106,30 +106,32 @@ class Spindle final : public hal::Component<Spindle> {
     const double per_step = simulated ? dt : 1.0;
     // Slowing down ends at standstill: the other direction begins with acceleration.
     const bool slows = (base > 0.0 && wanted < base) || (base < 0.0 && wanted > base);
+    // Within the tolerance it is at speed, and commanded no more by steps.
+    const bool at_speed = std::fabs(wanted - now) <= gear.speed_tolerance;
     double next = wanted;
-    if (slows) {
+    if (!at_speed && slows) {
       const double step = gear.decel * per_step;
       next = base > 0.0 ? std::max(base - step, std::max(wanted, 0.0))
                         : std::min(base + step, std::min(wanted, 0.0));
-    } else {
+    } else if (!at_speed) {
       const double step = gear.accel * per_step;
       next = rtapi::limited(wanted, base - step, base + step);
     }
-    brake_ = slows;
+    brake_ = slows && !at_speed;
     // The simulation goes on where the encoder left off.
     speed_ = simulated ? next : now;
     spindle_rpm_ = simulated ? next : now;
     const double size_now = std::fabs(now);
     const bool was_at_speed = at_speed_.last();
-    at_speed_ = std::fabs(wanted - now) <= gear.speed_tolerance;
+    at_speed_ = at_speed;
     zero_speed_ = size_now <= gear.zero_tolerance;
     const double smooth = spindle_lpf_;
     shown_ = was_at_speed && smooth > 0.0
                  ? shown_ + (size_now - shown_) * std::min(1.0, smooth * dt)
                  : size_now;
     spindle_rpm_abs_ = shown_;
-    forward_ = next > 0.0;
-    reverse_ = enable_ && next < 0.0;
+    forward_ = next > 0.0 && (size > 0.0 || forward_.last());
+    reverse_ = size > 0.0 && next < 0.0;
     output_ = (std::fabs(next) + gear.offset) * gear.scale;
   }
   hal::Function update_{function<&Spindle::update>("", "Computes the outputs from the inputs")};
