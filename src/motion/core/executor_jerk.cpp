@@ -12,6 +12,9 @@ namespace {
 constexpr double kSamePlace = 1e-9;
 /// Phases shorter than this belong to the next one (s).
 constexpr double kLeastPhase = 1e-9;
+/// What is left of a stretch and takes less (s) is driven as it comes: a place that is met with acceleration 0 is as near as rounding then, and legs
+/// towards it would be many and take no time.
+constexpr double kNoTime = 1e-7;
 /// A leg goes on that long before what lies ahead is looked at again; changes of override and holds end it at once.
 constexpr double kKeep = 0.008;
 /// A cap that has risen by less is not worth a look.
@@ -119,6 +122,13 @@ double Executor::run_ramps(const PathSpan& move, double x_wanted, double dt) noe
   const double cap = std::sqrt(std::max(0.0, std::min(x_wanted, move.speed.cap)));
   const bool rests = state.speed == 0 && state.acc == 0;
   if (rests && cap <= 0) return dt;
+  if (left_ < state.speed * kNoTime) {
+    const double t = std::min(dt, left_ / state.speed);
+    left_ = t < dt ? 0.0 : left_ - state.speed * t;
+    sigma_speed_ = std::max(state.speed + state.acc * t, 0.0);
+    leg_.on = false;
+    return t;
+  }
   if ((rests || !keeps_leg(state, x_wanted, cap)) && !begin_leg(move, state, x_wanted, cap, dt))
     return dt;
   Leg& leg = leg_;

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <random>
 
-#include "bench/motion/families.hpp"
+#include "bench/motion/machines.hpp"
 #include "property/motion/random_program.hpp"
 
 namespace kerf::bench {
@@ -22,6 +22,7 @@ Program random_program(std::uint64_t seed) {
     case 3: return four_axis(60, 0.02, 100, seed % 16 < 8, seed);
     case 4: return helical_arcs(0.01, 80);
     case 5: return zigzag(seed % 16 < 8 ? 0.05 : 0.0, 150);
+    case 6: return swarf(300, seed % 16 < 8 ? 0.02 : 0.1, seed % 32 < 16 ? 50 : 150, seed);
     default: return mixture(100, seed);
   }
 }
@@ -33,10 +34,8 @@ double jerk_of(std::uint64_t seed) {
 
 void run_one(std::uint64_t seed, CampaignResult& total) {
   const Program program = random_program(seed);
-  Rig rig({0, 1, 2, 3});
-  reference_machine(rig.config);
-  for (auto& j : rig.config.joint) j.max_jerk = jerk_of(seed);
-  rig.config.max_feed_override = 2;
+  Rig rig(moved_by(program.machine));
+  set_limits(rig.config, program.machine, jerk_of(seed));
   rig.apply_config();
   rig.ready();
   motion::test::Oracle oracle;

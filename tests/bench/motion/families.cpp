@@ -331,10 +331,10 @@ Program threading(int passes, double pitch, double rpm) {
   return w.done();
 }
 
-Program swarf(int moves, double p_mm, double feed) {
+Program swarf(int moves, double p_mm, double feed, std::uint64_t seed) {
   ProgramWriter w(titled("wall on a tilting table", p_mm), p_mm, feed);
   w.program().machine = Machine::table;
-  Random r(3);
+  Random r(seed);
   double s = 0;
   for (int i = 0; i < moves; ++i) {
     Pose p = xyz(rounded(40 * std::sin(s / 40)), rounded(8 * std::sin(s / 15)),

@@ -73,7 +73,7 @@ void reference_machine(motion::MachineConfig& config);
 /// Passes of a thread in Z (G33) with rapids back, deeper in X each time.
 [[nodiscard]] Program threading(int passes, double pitch, double rpm);
 /// Short five-axis moves along a wall that leans to all sides, on a tilting table.
-[[nodiscard]] Program swarf(int moves, double p_mm, double feed);
+[[nodiscard]] Program swarf(int moves, double p_mm, double feed, std::uint64_t seed = 3);
 [[nodiscard]] Program mixture(int moves, std::uint64_t seed);
 
 }  // namespace kerf::bench

@@ -222,7 +222,7 @@ int retraces(std::uint64_t seed) {
     bench::RetraceResult worst;
     for (const bench::Program& program :
          {bench::mixture(200, seed), bench::arc_spiral(0.1, 80), bench::fractal(4, 0.5, 0.05, 100),
-          bench::four_axis(60, 0.02, 100, false, seed)}) {
+          bench::four_axis(60, 0.02, 100, false, seed), bench::swarf(300, 0.05, 150)}) {
       const bench::RetraceResult r = bench::retrace(program, jerk);
       worst.off = std::max(worst.off, r.off);
       worst.length += r.length;

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "bench/motion/table_kinematics.hpp"
+#include "bench/motion/machines.hpp"
 #include "motion/core/path/reach.hpp"
 #include "unit/motion/spindle_rig.hpp"
 
@@ -19,7 +19,6 @@ namespace {
 
 using motion::Pose;
 using motion::test::Rig;
-using motion::test::RigKinematics;
 using motion::test::SpindleRig;
 namespace path = motion::path;
 
@@ -45,21 +44,8 @@ double processor_now() {
   return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec) * 1e-9;
 }
 
-constexpr TableKinematics kTable;
-
-RigKinematics moved_by(Machine machine) {
-  return machine == Machine::table ? RigKinematics(kTable)
-                                   : RigKinematics(std::vector<int>{0, 1, 2, 3});
-}
-
 void set_up(Rig& rig, Machine machine, double jerk) {
-  reference_machine(rig.config);
-  if (machine == Machine::table) {
-    rig.config.joint[4] = rig.config.joint[3];
-    rig.config.axis[5] = rig.config.axis[3];
-  }
-  for (auto& j : rig.config.joint) j.max_jerk = jerk;
-  rig.config.max_feed_override = 2;
+  set_limits(rig.config, machine, jerk);
   rig.config.path_check = false;  // times are those of a machine as it comes
   rig.apply_config();
   rig.ready();
@@ -416,8 +402,8 @@ double feed_floor(const Program& program) {
 RetraceResult retrace(const Program& program, double jerk) {
   path::AxisLimits limits;
   const std::vector<motion::PathSpan> curve = curve_of(program, jerk, limits);
-  Rig rig({0, 1, 2, 3});
-  set_up(rig, Machine::mill, jerk);
+  Rig rig(moved_by(program.machine));
+  set_up(rig, program.machine, jerk);
   motion::OverrideEnable enables;
   enables.feed = enables.adaptive = true;
   rig.push(enables);

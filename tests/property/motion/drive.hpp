@@ -3,17 +3,15 @@
 
 #include <cstddef>
 
-#include "bench/motion/families.hpp"
+#include "bench/motion/machines.hpp"
 #include "property/motion/random_program.hpp"
 
 namespace kerf::motion::test {
 
 struct Drive {
   explicit Drive(const bench::Program& moves, double jerk, bool laws = true)
-      : program(moves), rig({0, 1, 2, 3}) {
-    bench::reference_machine(rig.config);
-    for (auto& j : rig.config.joint) j.max_jerk = jerk;
-    rig.config.max_feed_override = 2;
+      : program(moves), rig(bench::moved_by(moves.machine)) {
+    bench::set_limits(rig.config, moves.machine, jerk);
     rig.config.time_laws = laws;
     rig.apply_config();
     rig.ready();

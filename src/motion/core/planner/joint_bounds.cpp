@@ -13,7 +13,7 @@ using path::Piece;
 using path::Vec;
 
 /// Differences are taken over this much of the axis that moves most (mm, degrees).
-constexpr double kStep = 0.01;
+constexpr double kStep = 0.01, kCurveStep = 0.001;
 constexpr double kVelShare = 0.995, kAccShare = 0.97;
 /// Share of the acceleration that is kept for speeding up and braking, when the feed cannot be had whole.
 constexpr double kAlongStraights = 0.6, kAlongBlends = 0.35;
@@ -38,7 +38,7 @@ constexpr double kVelOff = 2e-4, kAccOff = 2e-4, kJerkOff = 4e-3, kWayOff = 1e-3
 /// The largest second derivative of (t (t - 1/2) (t - 1))^2 over its value there.
 constexpr double kTwistOff = 228;
 /// What takes less time than that is too short for its twist to be told from rounding, and for a cycle to see (s).
-constexpr double kNoTwist = 1e-4;
+constexpr double kNoTwist = 3e-4;
 /// Speeds are judged up to this much above what the curls leave; places at which less than this share of the rates is left for what u may be.
 constexpr double kMostX = 1.5, kLeastRate = 0.1;
 constexpr double kLimitTolerance = 1e-6;
@@ -88,7 +88,7 @@ void JointBounds::configure(const MachineConfig& config, const path::AxisLimits&
   near_ = JointVector{};
 }
 
-void JointBounds::look(const Piece& piece, double s, Place& out) noexcept {
+void JointBounds::look(const Piece& piece, double s, double most_step, Place& out) noexcept {
   out.s = s;
   out.first = piece.first(s);
   out.second = piece.second(s);
@@ -105,7 +105,7 @@ void JointBounds::look(const Piece& piece, double s, Place& out) noexcept {
   };
   JointVector before, after;
   if (const double most = max_abs(out.first); most > 0) {
-    const double step = kStep / most;
+    const double step = most_step / most;
     out.solved = around(out.first, step, before, after);
     if (!out.solved) return;
     for (std::size_t j = 0; j < joints_; ++j) {
@@ -114,7 +114,7 @@ void JointBounds::look(const Piece& piece, double s, Place& out) noexcept {
     }
   }
   if (const double most = max_abs(out.second); most > 0) {
-    const double step = kStep / most;
+    const double step = most_step / most;
     out.solved = around(out.second, step, before, after);
     if (!out.solved) return;
     for (std::size_t j = 0; j < joints_; ++j) out.curl[j] += (after[j] - before[j]) / (2 * step);
@@ -223,9 +223,9 @@ JointBounds::Box JointBounds::box_of(const Piece& piece, double from, double& to
                                      double x_wanted) noexcept {
   shorten(piece, kPerBlend, from, to);
   Place a, m, b;
-  look(piece, from, a);
-  look(piece, (from + to) / 2, m);
-  look(piece, to, b);
+  look(piece, from, kStep, a);
+  look(piece, (from + to) / 2, kStep, m);
+  look(piece, to, kStep, b);
   for (int n = 0;; ++n) {
     const bool solved = a.solved && m.solved && b.solved;
     if (solved) {
@@ -251,7 +251,7 @@ JointBounds::Box JointBounds::box_of(const Piece& piece, double from, double& to
     b = m;
     to = b.s;
     if (a.solved) near_ = a.joint;
-    look(piece, (from + to) / 2, m);
+    look(piece, (from + to) / 2, kStep, m);
   }
 }
 
@@ -319,7 +319,7 @@ bool JointBounds::curve_of(const Piece& piece, double from, double& to,
   shorten(piece, 1, from, to);
   Place at[kPlaces];
   for (std::size_t i = 0; i < kPlaces; ++i)
-    look(piece, from + (to - from) * static_cast<double>(i) / (kPlaces - 1), at[i]);
+    look(piece, from + (to - from) * static_cast<double>(i) / (kPlaces - 1), kCurveStep, at[i]);
   for (int n = 0;; ++n) {
     const bool solved =
         std::all_of(std::begin(at), std::end(at), [](const Place& p) { return p.solved; });
@@ -330,6 +330,7 @@ bool JointBounds::curve_of(const Piece& piece, double from, double& to,
     if (n == kMostHalvings || to - from <= kShortest) {
       // A pole, or the end of the workspace: the servo cycle looks for itself and stops there if need be.
       if (at[4].solved) near_ = at[4].joint;
+      set_creep(at, solved);
       out.count = 0;
       return false;
     }
@@ -337,14 +338,30 @@ bool JointBounds::curve_of(const Piece& piece, double from, double& to,
     at[2] = at[1];
     to = at[4].s;
     if (at[0].solved) near_ = at[0].joint;
-    look(piece, from + (to - from) / 4, at[1]);
-    look(piece, from + (to - from) * 3 / 4, at[3]);
+    look(piece, from + (to - from) / 4, kCurveStep, at[1]);
+    look(piece, from + (to - from) * 3 / 4, kCurveStep, at[3]);
   }
 }
 
-path::Box JointBounds::creep(double& cap) noexcept {
-  cap = square(kCreep);
-  return {kCreepAcc, kCreepJerk};
+void JointBounds::set_creep(const Place (&at)[kPlaces], bool solved) noexcept {
+  creep_ = {{kCreepAcc, kCreepJerk}, square(kCreep)};
+  for (std::size_t n = 0; n < mixed_count_ && solved; ++n) {
+    const path::JointCurve::Row& limit = mixed_limit_[n];
+    double rate = 0, curl = 0;
+    for (const Place& place : at) {
+      rate = std::max(rate, std::abs(place.rate[mixed_[n]]));
+      curl = std::max(curl, std::abs(place.curl[mixed_[n]]));
+    }
+    if (rate > 0) {
+      creep_.box.acc = std::min(creep_.box.acc, limit.acc / (4 * rate));
+      creep_.box.jerk = std::min(creep_.box.jerk, limit.jerk / (4 * rate));
+      creep_.cap = std::min(creep_.cap, square(limit.vel / rate) / 4);
+    }
+    if (curl > 0) creep_.cap = std::min(creep_.cap, limit.acc / (4 * curl));
+  }
+  creep_.box.acc = std::max(creep_.box.acc, 1e-3 * kCreepAcc);
+  creep_.box.jerk = std::max(creep_.box.jerk, 1e-3 * kCreepJerk);
+  creep_.cap = std::max(creep_.cap, square(1e-3 * kCreep));
 }
 
 void JointBounds::bends_of(const path::Buffer<Piece>& pieces, path::JointBends* out) noexcept {

@@ -37,11 +37,14 @@ class JointBounds {
                            double x_wanted) noexcept;
   /// Whether there are no more joints that are not an axis each than a JointCurve has room for.
   [[nodiscard]] bool few_enough() const noexcept { return mixed_count_ <= path::JointCurve::kMost; }
-  /// How the joints move along a stretch; `to` as in box_of. False: nothing foretells that, and `creep` is all that can be done there.
+  /// How the joints move along a stretch; `to` as in box_of. False: nothing foretells that, and creep() is all that can be done there.
   [[nodiscard]] bool curve_of(const path::Piece& piece, double from, double& to,
                               path::JointCurve& out) noexcept;
-  /// What can be driven of it, where curve_of() has told nothing: a box, and its x.
-  static path::Box creep(double& cap) noexcept;
+  struct Creep {
+    path::Box box;
+    double cap{0};  ///< of x
+  };
+  [[nodiscard]] const Creep& creep() const noexcept { return creep_; }
   /// Of each of the pieces that follow where the path has come to.
   void bends_of(const path::Buffer<path::Piece>& pieces, path::JointBends* out) noexcept;
 
@@ -61,7 +64,8 @@ class JointBounds {
   };
   static constexpr std::size_t kPlaces = 5;  ///< of a curve, evenly
 
-  void look(const path::Piece& piece, double s, Place& out) noexcept;
+  /// Differences are taken over `step` of the axis that moves most.
+  void look(const path::Piece& piece, double s, double step, Place& out) noexcept;
   [[nodiscard]] bool foretold(const Place& a, const Place& b, const Box& box) const noexcept;
   [[nodiscard]] Box fit(const path::Piece& piece, const Place& a, const Place& m, const Place& b,
                         double x_wanted) const noexcept;
@@ -70,6 +74,7 @@ class JointBounds {
                           bool for_speed) const noexcept;
   [[nodiscard]] bool foretold(const path::Piece& piece, const Place (&at)[kPlaces],
                               path::JointCurve& out) const noexcept;
+  void set_creep(const Place (&at)[kPlaces], bool solved) noexcept;
   template <class F>
   static void for_each_row(const Place& a, const Place& m, const Place& b, std::size_t joints,
                            const Limit* limit, const path::AxisLimits& axes, F&& f) noexcept;
@@ -79,6 +84,7 @@ class JointBounds {
   Limit limit_[kMaxJoints]{};
   std::size_t mixed_[kMaxJoints]{}, mixed_count_{0};  ///< joints that are not an axis each
   path::JointCurve::Row mixed_limit_[kMaxJoints]{};   ///< of them
+  Creep creep_;
   double low_[kMaxJoints]{}, high_[kMaxJoints]{};
   path::AxisLimits axes_;
   JointVector near_{};  ///< which of several solutions: the one next to the last

@@ -71,7 +71,10 @@ void unstretch(const Curve& curve, path::Piece& piece) noexcept {
 
 bool Planner::create(path::Memory& memory) noexcept {
   // What joints need beside axes with jerk limits.
-  const bool joints = kinematics_.type() != KinematicsType::identity;
+  bool joints = kinematics_.kinds() > 1;
+  for (std::int32_t j = 0; j < kinematics_.joints(); ++j)
+    joints = joints || kinematics_.axis_of_joint(j) < 0;
+  joints = joints && kinematics_.answers_at_once();
   return moves_.create(memory, kMoves) && meta_.create(memory, kMoves) &&
          blocks_.create(memory, kPendingBlocks) && events_.create(memory, kEvents) &&
          pieces_.create(memory, kPieces) && boxes_.create(memory, kPieces) &&
@@ -133,7 +136,10 @@ Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t a
 }
 
 void Planner::run_laws(const ServoView& view) noexcept {
-  while (first_ahead_ < next_number_ && sent_[first_ahead_ % kSpans].place < spans_.popped())
+  // With a full ring the next span takes the slot of the one that was driven last.
+  while (first_ahead_ < next_number_ &&
+         (next_number_ - first_ahead_ > kSpans ||
+          sent_[first_ahead_ % kSpans].place < spans_.popped()))
     ++first_ahead_;
   laws_.run(view, scale_, single_step_, first_ahead_, next_number_);
 }

@@ -320,7 +320,8 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
     if (limits_.jerks) {
       path::Box box = boxes_[piece_];
       if (mixed_ && !foretold_) {
-        box = JointBounds::creep(speed.cap);
+        box = joint_bounds_.creep().box;
+        speed.cap = joint_bounds_.creep().cap;
         axis_cap = 0;
       } else if (mixed_) {
         speed.cap = axis_cap = std::min(axis_cap, path::velocity_cap(curve_, from, to));

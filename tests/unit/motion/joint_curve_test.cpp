@@ -1,0 +1,162 @@
+// JointCurve: bounds of joints along a stretch are bounds; and what JointBounds tells of a tilting table is what its joints do.
+#include "motion/core/path/joint_curve.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "bench/motion/machines.hpp"
+#include "motion/core/planner/ceilings.hpp"
+#include "motion/core/planner/joint_bounds.hpp"
+
+namespace kerf::motion {
+namespace {
+
+using path::JointCurve;
+
+struct Random {
+  std::mt19937_64 rng{7};
+  double operator()(double low, double high) {
+    return low + (high - low) * std::uniform_real_distribution<double>()(rng);
+  }
+};
+
+JointCurve random_curve(Random& r) {
+  JointCurve out;
+  out.from = r(0, 5);
+  out.length = std::exp(r(-4, 2));
+  out.count = 1;
+  for (double& k : out.row[0].k) k = r(-1, 1);
+  out.row[0].vel = out.row[0].acc = out.row[0].jerk = 1;
+  return out;
+}
+
+TEST(JointCurve, BoundsHoldOnEachPartAndAreNotFarOff) {
+  Random r;
+  double least = 1;
+  for (int n = 0; n < 300; ++n) {
+    const JointCurve curve = random_curve(r);
+    const double a = curve.from + curve.length * r(0, 0.5), b = a + curve.length * r(0.01, 0.5);
+    const path::JointBends bends = path::bends_of(curve, a, b);
+    path::JointPlace most;
+    for (int i = 0; i <= 100; ++i) {
+      const path::JointPlace at = path::place_on(curve, 0, a + (b - a) * i / 100);
+      most.rate = std::max(most.rate, std::abs(at.rate));
+      most.curl = std::max(most.curl, std::abs(at.curl));
+      most.twist = std::max(most.twist, std::abs(at.twist));
+    }
+    EXPECT_GE(bends.row[0].p, most.rate * (1 - 1e-12));
+    EXPECT_GE(bends.row[0].e, most.curl * (1 - 1e-12));
+    EXPECT_GE(bends.row[0].c, most.twist * (1 - 1e-12));
+    EXPECT_LE(path::velocity_cap(curve, a, b), std::pow(1 / most.rate, 2) * (1 + 1e-9));
+    least = std::min(least, most.rate / bends.row[0].p);
+  }
+  EXPECT_GT(least, 0.4);
+}
+
+TEST(JointCurve, PlacesAreDerivativesOfOneAnother) {
+  Random r;
+  for (int n = 0; n < 100; ++n) {
+    const JointCurve curve = random_curve(r);
+    const double h = 1e-4 * curve.length, s = curve.from + curve.length * r(0.01, 0.99);
+    const path::JointPlace before = path::place_on(curve, 0, s - h),
+                           at = path::place_on(curve, 0, s),
+                           after = path::place_on(curve, 0, s + h);
+    EXPECT_NEAR((after.rate - before.rate) / (2 * h), at.curl, 1e-6 / curve.length);
+    EXPECT_NEAR((after.curl - before.curl) / (2 * h), at.twist,
+                1e-5 / (curve.length * curve.length));
+  }
+}
+
+TEST(JointCurve, WhatAPartLeavesOutIsAtMostWhatItSays) {
+  Random r;
+  for (int n = 0; n < 300; ++n) {
+    const JointCurve curve = random_curve(r);
+    const double a = curve.from + curve.length * r(0, 0.7), b = a + curve.length * r(0.01, 0.3);
+    const path::JointPart part = path::part_of(curve, 0, a, b);
+    const auto quadratic = [](double b0, double b1, double b2, double t) {
+      return b0 * (1 - t) * (1 - t) + 2 * b1 * t * (1 - t) + b2 * t * t;
+    };
+    for (int i = 0; i <= 50; ++i) {
+      const double t = i / 50.0;
+      const path::JointPlace at = path::place_on(curve, 0, a + (b - a) * t);
+      const double tiny = 1e-9 / std::pow(b - a, 2) + 1e-9;
+      EXPECT_LE(std::abs(quadratic(part.p0, part.p1, part.p2, t) - at.rate), part.p_off + tiny);
+      EXPECT_LE(std::abs(part.e0 + (part.e1 - part.e0) * t - at.curl), part.e_off + tiny);
+      EXPECT_LE(std::abs(quadratic(part.c0, part.c1, part.c2, t) - at.twist), part.c_off + tiny);
+    }
+  }
+}
+
+/// A cubic in all axes of the table.
+path::Piece random_piece(Random& r) {
+  path::Piece p;
+  p.length = std::exp(r(-4, 3));
+  const double bends = r(0, 1) / p.length;
+  for (const std::size_t i : {0U, 1U, 2U, 3U, 5U}) {
+    p.a[i] = r(-40, 40);
+    p.b[i] = r(-1, 1) * (i > 2 ? 8 : 1);
+    p.c[i] = bends * r(-1, 1);
+    p.d[i] = bends / p.length * r(-1, 1);
+  }
+  return p;
+}
+
+TEST(JointCurve, TellsWhatTheJointsOfATiltingTableDo) {
+  const test::RigKinematics kinematics = bench::moved_by(bench::Machine::table);
+  MachineConfig config;
+  bench::set_limits(config, bench::Machine::table, 50000);
+  config.joints = kinematics.joints();
+  config.axis_mask = kinematics.axis_mask();
+  config.traj_max_vel_mm_s = config.traj_max_ang_vel_deg_s = 1e6;
+  JointBounds bounds(kinematics);
+  const path::AxisLimits axes = path_limits_of(kinematics, config).axes;
+  bounds.configure(config, axes);
+  Random r;
+  double stretches = 0;
+  constexpr int kPieces = 200;
+  for (int n = 0; n < kPieces; ++n) {
+    const path::Piece piece = random_piece(r);
+    bounds.begin({});
+    const auto joint = [&](std::size_t j, double s) {
+      JointVector q{};
+      Pose pose;
+      const path::Vec at = piece.point(s);
+      for (std::size_t i = 0; i < path::kAxes; ++i) pose[i] = at[i];
+      EXPECT_TRUE(kinematics.inverse(pose, q));
+      return q[j];
+    };
+    double to = 0;
+    for (double from = 0; from < piece.length; from = to) {
+      to = piece.length;
+      JointCurve curve;
+      ASSERT_TRUE(bounds.curve_of(piece, from, to, curve));
+      ASSERT_EQ(curve.count, 3U) << "A and C are axes";
+      ++stretches;
+      // As fast as velocities and curls allow.
+      const path::JointBends bends = path::bends_of(curve, from, to);
+      double x =
+          std::min(path::axis_cap(piece, from, to, axes), path::velocity_cap(curve, from, to));
+      for (std::size_t j = 0; j < 3; ++j) x = std::min(x, bends.row[j].acc / bends.row[j].e);
+      constexpr double kH = 0.02;
+      for (int i = 0; i <= 10; ++i) {
+        const double s = from + (to - from) * i / 10;
+        for (std::size_t j = 0; j < 3; ++j) {
+          const path::JointPlace told = path::place_on(curve, j, s);
+          const auto q = [&](double k) { return joint(j, s + k * kH); };
+          const double rate = (8 * (q(1) - q(-1)) - (q(2) - q(-2))) / (12 * kH);
+          const double curl = (16 * (q(1) + q(-1)) - (q(2) + q(-2)) - 30 * q(0)) / (12 * kH * kH);
+          EXPECT_NEAR(told.rate * std::sqrt(x), rate * std::sqrt(x),
+                      5e-4 * config.joint[j].max_vel);
+          EXPECT_NEAR(told.curl * x, curl * x, 1.5e-3 * config.joint[j].max_acc);
+        }
+      }
+    }
+  }
+  EXPECT_LT(stretches / kPieces, 8) << "few of them do";
+}
+
+}  // namespace
+}  // namespace kerf::motion
