@@ -19,6 +19,8 @@ namespace kerf::harness {
 namespace {
 
 constexpr double kDtS = 0.001;
+/// In which joints that are limited in jerk reach their acceleration.
+constexpr double kRampS = 0.04;
 
 struct Sim {
   std::string folder, ini, program;
@@ -50,7 +52,8 @@ double number(const ini::IniFile& file, const std::string& section, const std::s
 /// What the joints did, against the INI file.
 class JointWatch {
  public:
-  JointWatch(const std::string& path, std::size_t joints) {
+  /// `jerk`: of each joint, 0 not limited.
+  JointWatch(const std::string& path, std::size_t joints, const std::vector<double>& jerk = {}) {
     const auto loaded = ini::IniFile::load(path);
     EXPECT_TRUE(loaded.ok);
     for (std::size_t j = 0; j < joints; ++j) {
@@ -58,6 +61,7 @@ class JointWatch {
       Joint joint;
       joint.max_vel = number(loaded.file, section, "MAX_VELOCITY");
       joint.max_acc = number(loaded.file, section, "MAX_ACCELERATION");
+      if (!jerk.empty() && jerk[j] > 0) joint.max_jerk = jerk[j];
       joint.low = number(loaded.file, section, "MIN_LIMIT");
       joint.high = number(loaded.file, section, "MAX_LIMIT");
       joints_.push_back(joint);
@@ -70,7 +74,11 @@ class JointWatch {
       if (cycles_ == 0) joint.first = now;
       if (cycles_ > 1) {
         joint.peak_vel = std::max(joint.peak_vel, std::abs(vel));
-        joint.peak_acc = std::max(joint.peak_acc, std::abs(vel - joint.vel) / kDtS);
+        const double acc = (vel - joint.vel) / kDtS;
+        joint.peak_acc = std::max(joint.peak_acc, std::abs(acc));
+        if (cycles_ > 2)
+          joint.peak_jerk = std::max(joint.peak_jerk, std::abs(acc - joint.acc) / kDtS);
+        joint.acc = acc;
         joint.least = std::min(joint.least, now);
         joint.most = std::max(joint.most, now);
       }
@@ -84,6 +92,7 @@ class JointWatch {
       const Joint& joint = joints_[j];
       EXPECT_LE(joint.peak_vel, joint.max_vel * 1.0001) << "joint " << j;
       EXPECT_LE(joint.peak_acc, joint.max_acc * 1.001) << "joint " << j;
+      EXPECT_LE(joint.peak_jerk, joint.max_jerk * 1.01) << "joint " << j;
       EXPECT_GE(joint.least, joint.low) << "joint " << j;
       EXPECT_LE(joint.most, joint.high) << "joint " << j;
       EXPECT_GT(joint.most - joint.least, 1.0) << "joint " << j << " hardly moved";
@@ -93,8 +102,9 @@ class JointWatch {
 
  private:
   struct Joint {
-    double max_vel{0}, max_acc{0}, low{0}, high{0};
-    double first{0}, at{0}, vel{0}, peak_vel{0}, peak_acc{0}, least{1e9}, most{-1e9};
+    double max_vel{0}, max_acc{0}, max_jerk{1e99}, low{0}, high{0};
+    double first{0}, at{0}, vel{0}, acc{0}, least{1e9}, most{-1e9};
+    double peak_vel{0}, peak_acc{0}, peak_jerk{0};
   };
   std::vector<Joint> joints_;
   std::uint64_t cycles_{0};
@@ -129,9 +139,58 @@ TEST_P(Sims, StartsHomesAndRunsItsDemo) {
                                          << "XYZABCUVW"[i];
 }
 
+/// Machines whose kinematics mix axes.
+class SimsThatMixAxes : public Sims {};
+
+TEST_P(SimsThatMixAxes, RunTheirDemosLimitedInJerkWithoutStandingAtCorners) {
+  const Sim& sim = GetParam();
+  double seconds[2]{};
+  for (const bool jerks : {false, true}) {
+    MachineOptions options;
+    options.ini = sim.ini;
+    std::vector<double> jerk(sim.home.size(), 0.0);
+    for (std::size_t j = 0; j < jerk.size() && jerks; ++j) {
+      const std::string section = "JOINT_" + std::to_string(j), head = "[" + section + "]\n";
+      const auto loaded = ini::IniFile::load(sim.ini);
+      jerk[j] = number(loaded.file, section, "MAX_ACCELERATION") / kRampS;
+      options.replace.push_back({head, head + "MAX_JERK = " + std::to_string(jerk[j]) + "\n"});
+    }
+    auto m = Machine::start(options);
+    ASSERT_TRUE(m->ready() && m->power_on_and_home()) << m->errors();
+    JointWatch watch(sim.ini, jerk.size(), jerk);
+    m->on_cycle([&](const motion::MotionStatus& s) { watch.look(s); });
+    const auto reply = m->run_program(sim.program);
+    EXPECT_EQ(reply.state, task::CommandState::done) << reply.text << "\n" << m->errors();
+    watch.check();
+    EXPECT_EQ(m->motion().faults, 0U) << m->errors();
+    seconds[jerks ? 1 : 0] = static_cast<double>(watch.cycles()) * kDtS;
+  }
+  std::printf("result: demo of %s: %.2f s, with jerk limits %.2f s\n", sim.folder.c_str(),
+              seconds[0], seconds[1]);
+  EXPECT_LT(seconds[1], 1.45 * seconds[0]);
+}
+
 // At the home of the delta's carriages.
 const double kDeltaZ = 500 - std::sqrt(269.0 * 269.0 - 130.25 * 130.25);
 
+std::string name_of(const testing::TestParamInfo<Sim>& tested) {
+  std::string name = tested.param.folder;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+std::vector<Sim> sims_that_mix_axes() {
+  return {sim("corexy", {0, 0, 0}, {.z = 12}), sim("delta", {500, 500, 500}, {.z = 220}),
+          sim("scara", {0, 90, 0, 0}, {.x = 330, .y = 300, .z = 470, .c = 0}),
+          sim("xyzac-trt", {0, 0, 0, 0, 0}, {}),
+          sim("puma", {0, -60, 0, 45, 45, -45},
+              {.x = 600, .y = 150, .z = 120, .a = -150, .b = -30, .c = 10})};
+}
+
+INSTANTIATE_TEST_SUITE_P(ConfigsThatMixAxes, Sims, testing::ValuesIn(sims_that_mix_axes()),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(Configs, SimsThatMixAxes, testing::ValuesIn(sims_that_mix_axes()),
+                         name_of);
 INSTANTIATE_TEST_SUITE_P(
     Configs, Sims,
     testing::Values(Sim{"mill",
@@ -140,17 +199,8 @@ INSTANTIATE_TEST_SUITE_P(
                         {0, 0, 0},
                         {}},
                     sim("mill-4axis", {0, 0, 115, 0}, {.x = 0, .y = 0, .z = 80}),
-                    sim("lathe", {70, 40}, {.x = 70, .z = 40}), sim("gantry", {0, 0, 0, 0}, {}),
-                    sim("corexy", {0, 0, 0}, {.z = 12}), sim("delta", {500, 500, 500}, {.z = 220}),
-                    sim("scara", {0, 90, 0, 0}, {.x = 330, .y = 300, .z = 470, .c = 0}),
-                    sim("xyzac-trt", {0, 0, 0, 0, 0}, {}),
-                    sim("puma", {0, -60, 0, 45, 45, -45},
-                        {.x = 600, .y = 150, .z = 120, .a = -150, .b = -30, .c = 10})),
-    [](const testing::TestParamInfo<Sim>& tested) {
-      std::string name = tested.param.folder;
-      std::replace(name.begin(), name.end(), '-', '_');
-      return name;
-    });
+                    sim("lathe", {70, 40}, {.x = 70, .z = 40}), sim("gantry", {0, 0, 0, 0}, {})),
+    name_of);
 
 std::unique_ptr<Machine> homed(const std::string& folder) {
   MachineOptions options;
@@ -213,6 +263,47 @@ TEST(SimDetails, TheTableTurnsUnderTheTool) {
   EXPECT_NEAR(m->joint(4), 360, 1e-6);
   // Only the sagitta of the chords of 5 degrees is left for the slides, and the tolerance.
   EXPECT_LT(worst_mm, 42 * (1 - std::cos(2.5 * std::numbers::pi / 180)) + 0.02);
+}
+
+/// The bevel of the demo and the rest of it, with a jerk limit for each joint: it flows around its corners as it does without, and no joint ever passes
+/// a limit. The ring's wall is cut with tilt and turn changing all along.
+TEST(SimDetails, TheTableIsLimitedInJerkWithoutStandingAtCorners) {
+  constexpr double kJerk = 20000;
+  std::string wall = "G21 G90 G64 P0.05 F2400\nG0 X40 Y0 Z-100 A-10 C0\n";
+  for (int i = 1; i <= 300; ++i) {
+    const double s = 0.5 * i;
+    char line[100];
+    std::snprintf(line, sizeof line, "G1 X%.4f Y%.4f Z%.4f A%.4f C%.4f\n", 40 * std::cos(s / 40),
+                  40 * std::sin(s / 40), -100 + 0.5 * std::sin(s / 5), -15 + 5 * std::cos(s / 12),
+                  -10 * std::sin(s / 20));
+    wall += line;
+  }
+  const std::string ini = config("xyzac-trt", "xyzac-trt.ini");
+  double seconds[2]{};
+  for (const bool jerks : {false, true}) {
+    MachineOptions options;
+    options.ini = ini;
+    for (int j = 0; j < 5 && jerks; ++j) {
+      const std::string section = "[JOINT_" + std::to_string(j) + "]\n";
+      options.replace.push_back(
+          {section, section + "MAX_JERK = " + std::to_string(static_cast<int>(kJerk)) + "\n"});
+    }
+    auto m = Machine::start(options);
+    ASSERT_TRUE(m->ready() && m->power_on_and_home()) << m->errors();
+    JointWatch watch(ini, 5, std::vector<double>(5, jerks ? kJerk : 0.0));
+    m->on_cycle([&](const motion::MotionStatus& s) { watch.look(s); });
+    const auto demo = m->run_program(config("xyzac-trt", "demo.ngc"));
+    EXPECT_EQ(demo.state, task::CommandState::done) << demo.text << m->errors();
+    const std::uint64_t before = watch.cycles();
+    const auto reply = m->run_text(wall + "M2\n");
+    EXPECT_EQ(reply.state, task::CommandState::done) << reply.text << m->errors();
+    watch.check();
+    EXPECT_EQ(m->motion().faults, 0U) << m->errors();
+    seconds[jerks ? 1 : 0] = static_cast<double>(watch.cycles() - before) * kDtS;
+  }
+  std::printf("result: wall on the tilting table: %.2f s, with jerk limits %.2f s\n", seconds[0],
+              seconds[1]);
+  EXPECT_LT(seconds[1], 1.1 * seconds[0]);
 }
 
 TEST(SimDetails, InIdentityTheTableTiltsAlone) {
