@@ -143,10 +143,11 @@ class Run:
         if self.sets["mode"]:
             self.do(0, "plasmac.arc-ok-in", 1)
         self.rng = rng
-        if rng.random() < 0.15:
-            self.without_program()
-        else:
+        self.runs = rng.random() >= 0.15
+        if self.runs:
             self.with_program()
+        else:
+            self.without_program()
 
     def do(self, at, pin, value):
         if at < LENGTH:
@@ -247,6 +248,8 @@ class Run:
             ("plasmac.move-down", 1, 0), ("plasmac.ohmic-sense-in", 1, 0), ("plasmac.homed", 0, 1), ("plasmac.arc-ok-in", 0, 1),
             ("plasmac.override-jog", 1, 0), ("plasmac.motion-type", 1, 2), ("plasmac.cut-recovery", 1, 0),
             ("plasmac.consumable-change", 1, 0), ("plasmac.voidlock-enable", 1, 0), ("comp.0.in1", -100, 20)])
+        if pin == VOLTS and value == 2 and not self.runs:  # LinuxCNC keeps such an arc without height control
+            return when
         return self.for_a_while(when, pin, value, after, 12)
 
     def case(self):

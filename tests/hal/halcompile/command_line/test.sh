@@ -21,3 +21,9 @@ halcompile --require-license --preprocess dos.comp
 mkdir programs && printf '#!/usr/bin/python3\nprint("a tool of Python")\n' > tool.py
 halcompile --install tool.py
 halcompile --compile --userspace --extra-compile-args="-DNAME=tooth -DTEETH=32" --extra-link-args=-lno_such_library gear.c 2>&1 | grep -o 'cannot find -lno_such_library' | head -1
+# What comes of a file stands beside it.
+mkdir beside && cp shown.comp beside/
+halcompile --preprocess beside/shown.comp
+halcompile --document beside/shown.comp
+halcompile --personalities=4 --adoc beside/shown.comp
+ls beside
