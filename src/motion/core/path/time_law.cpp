@@ -17,7 +17,7 @@ constexpr double kSameAcc = 1e-6;
 /// Shares of the limits that are used up from a moving state when less did not do.
 constexpr double kEdgeAcc = 1.0001, kEdgeJerk = 1.002;
 /// A stop is looked for within this many times the way of a stop on a straight, as a way down to these shares of x.
-constexpr double kStopWays = 2.5;
+constexpr double kStopWays[] = {2.5, 5};
 constexpr double kCrawls[] = {1e-2, 1e-3};
 /// Steps of that way; where the crawl begins, and how much farther than an even jerk from there would stop.
 constexpr double kStopSteps = 24, kNearlyStill = 0.05, kStopRoom = 1.2;
@@ -28,6 +28,13 @@ constexpr double kStopHere = 1.3;
 constexpr int kStopRounds = 2;
 /// Braking without the solver: steps on the way of a straight at least, and shares of the limits to keep to where possible, of jerk besides.
 constexpr double kBrakeSteps = 16, kBrakeShares[] = {0.985, 0.998}, kBrakeJerk = 0.97;
+/// Braking is tried from places of a law so far apart (of its time).
+constexpr double kLaterEvery = 0.12;
+/// A stop that took more passes, or the solver, is tried nearer by this factor and again, down to that one; not when it takes less than so many
+/// times what it would on a straight, nor in more intervals; and is worth it when it gains that much.
+constexpr int kFewPasses = 1;
+constexpr double kNearer = 0.93, kNearest = 0.3, kSoonEnough = 1.15, kWorthwhile = 0.999;
+constexpr std::size_t kMostNearer = 90;
 /// A wish below this share of the start's x is far.
 constexpr double kFarBelow = 0.5;
 /// From rest the guess is made feasible from this attempt on.
@@ -301,22 +308,85 @@ TimeLaw::Result TimeLaw::solve_stop(const Start& start) noexcept {
   return brake_stop(start) == Result::ok ? Result::ok : search_stop(start);
 }
 
+/// The law that ends a little before the end of the one that was found, and then nearer still, as long as that stands sooner.
+void TimeLaw::end_nearer(const Start& start) noexcept {
+  if (seconds_ < kSoonEnough * least_stop(start)) return;
+  const double straight = stop_way(start);
+  double end = 0;
+  for (const LawStep& s : law_) end += s.length;
+  keep();
+  int used = iterations_;
+  rounds_ = kStopRounds;
+  for (double share = kNearer; share > kNearest; share *= kNearer) {
+    const double way = share * end;
+    rows_.shorten(way, std::min(straight, way) / kStopSteps);
+    if (!rows_.make(start.x, start.u, kLeastIntervals) || rows_.size() > kMostNearer) break;
+    iterations_ = 0;
+    const bool sooner = attempt(start) == Result::ok && seconds_ < kWorthwhile * kept_seconds_;
+    used += iterations_;
+    if (!sooner) break;
+    keep();
+  }
+  rounds_ = kRounds;
+  rows_.shorten(kNoLimit, kNoLimit);
+  iterations_ = used;
+  restore();
+}
+
+void TimeLaw::keep() noexcept {
+  kept_.clear();
+  for (const LawStep& s : law_) kept_.push_back(s);
+  kept_seconds_ = seconds_;
+}
+
+void TimeLaw::restore() noexcept {
+  law_.clear();
+  for (const LawStep& s : kept_) law_.push_back(s);
+  seconds_ = kept_seconds_;
+}
+
+/// What a stop on a straight like the first place of the window takes.
+double TimeLaw::least_stop(const Start& start) const noexcept {
+  const LawStretch& first = rows_.stretches().front();
+  double acc = 0, jerk = 0;
+  straight_limits(first, first.from, rows_.limits(), acc, jerk);
+  double t = 0, v = std::sqrt(start.x), u = start.u;
+  if (u > 0) {
+    t = u / jerk;
+    v += u * t / 2;
+    u = 0;
+  }
+  const double peak = std::max(std::min(acc, std::sqrt(jerk * v + u * u / 2)), -u);
+  const double ramp = (peak + u) / jerk;
+  const double even = v + u * ramp - jerk * ramp * ramp / 2 - peak * peak / (2 * jerk);
+  return t + ramp + std::max(even / peak, 0.0) + peak / jerk;
+}
+
 TimeLaw::Result TimeLaw::brake_stop(const Start& start) noexcept {
   iterations_ = 0;
-  if (rows_.stretches().empty() || !(start.x > 0)) return Result::failed;
-  const double straight = stop_way(start);
+  passes_ = 0;
+  law_.clear();
+  seconds_ = 0;
+  if (rows_.stretches().empty() || !(start.x > 0) || !brake(start, 0)) return Result::failed;
+  // What took more passes may be far from the soonest.
+  if (passes_ > kFewPasses) end_nearer(start);
+  return Result::ok;
+}
+
+/// Braking from `way` on, where the state is `from`, is added to the law.
+bool TimeLaw::brake(const Start& from, double way) noexcept {
   LawStop::Aim aim;
-  aim.widest = straight / kBrakeSteps;
+  aim.widest = stop_way(from) / kBrakeSteps;
   aim.most = {kMostVel, kMostAcc, kMostJerk};
   bool found = false;
   for (const double share : kBrakeShares) {
+    if (found) break;
     aim.acc = share;
     aim.jerk = share * kBrakeJerk;
-    found = found || stop_.run(rows_, start.x, start.u, aim);
+    found = stop_.run(rows_, way, from.x, from.u, aim);
+    passes_ += stop_.passes();
   }
-  if (!found) return Result::failed;
-  law_.clear();
-  seconds_ = 0;
+  if (!found) return false;
   for (std::size_t i = 0; i <= stop_.size(); ++i) {
     double b[3];
     stop_.coefficients(i, b);
@@ -331,9 +401,40 @@ TimeLaw::Result TimeLaw::brake_stop(const Start& start) noexcept {
       step.seconds = 3 * step.length / std::sqrt(step.x);
     }
     seconds_ += step.seconds;
-    law_.push_back(step);
+    if (!law_.push_back(step)) return false;
   }
-  return Result::ok;
+  return true;
+}
+
+/// The law as far as its interval k, and braking from there. False: there is none.
+bool TimeLaw::brake_behind(std::size_t k) noexcept {
+  law_.clear();
+  seconds_ = 0;
+  double way = 0;
+  for (std::size_t i = 0; i < k; ++i) {
+    law_.push_back(kept_[i]);
+    seconds_ += kept_[i].seconds;
+    way += kept_[i].length;
+  }
+  return brake({kept_[k].x, kept_[k].u}, way);
+}
+
+/// Whether braking stands sooner from some place of the law on.
+void TimeLaw::brake_later() noexcept {
+  keep();
+  std::size_t best = 0;
+  double least = kept_seconds_, t = 0, next = kLaterEvery;
+  for (std::size_t k = 0; k + 1 < kept_.size(); ++k) {
+    if (t > next * kept_seconds_) {
+      next += kLaterEvery;
+      if (brake_behind(k) && seconds_ < least) {
+        least = seconds_;
+        best = k;
+      }
+    }
+    t += kept_[k].seconds;
+  }
+  if (best == 0 || !brake_behind(best)) restore();
 }
 
 TimeLaw::Result TimeLaw::search_stop(const Start& start) noexcept {
@@ -359,8 +460,8 @@ TimeLaw::Result TimeLaw::search_stop(const Start& start) noexcept {
   };
   bool found = false;
   rounds_ = kStopRounds;
-  for (const double way : {kStopWays * straight, kNoLimit})
-    for (const double crawl : kCrawls) found = found || within(way, crawl);
+  for (const double ways : kStopWays)
+    for (const double crawl : kCrawls) found = found || within(ways * straight, crawl);
   if (found) {
     double end = 0;
     for (std::size_t i = 0; i < law_.size(); ++i) {
@@ -371,22 +472,18 @@ TimeLaw::Result TimeLaw::search_stop(const Start& start) noexcept {
       end += law_[i].length;
     }
     cut();
-    kept_.clear();
-    for (const LawStep& s : law_) kept_.push_back(s);
-    const double least = seconds_;
+    keep();
     for (const double more : kStopEnds)
       if (within(more * end, 0)) break;
-    if (seconds_ > least) {
-      law_.clear();
-      for (const LawStep& s : kept_) law_.push_back(s);
-      seconds_ = least;
-    }
+    if (seconds_ > kept_seconds_) restore();
   }
   rounds_ = kRounds;
   rows_.shorten(kNoLimit, kNoLimit);
-  const Result result = found ? Result::ok : solve(start);
-  iterations_ += used;
-  return result;
+  iterations_ = used;
+  if (!found) return Result::failed;
+  brake_later();
+  end_nearer(start);
+  return Result::ok;
 }
 
 double TimeLaw::stop_way(const Start& start) const noexcept {

@@ -71,9 +71,10 @@ class TimeLaw {
   /// A stop as soon as possible: to rest wherever within the window that is soonest. The window must be long enough (about 1.5 times the
   /// stopping distance on a straight; the caller lengthens it when this fails). By brake_stop(); where that finds none by search_stop().
   [[nodiscard]] Result solve_stop(const Start& start) noexcept;
-  /// Braking from node to node (time_law_stop.hpp): cheap.
+  /// Braking from node to node (time_law_stop.hpp): cheap. Where that was not easy the solver tries to end nearer.
   [[nodiscard]] Result brake_stop(const Start& start) noexcept;
-  /// By the solver: down to a crawl as soon as limits allow, then the nearest end for which solve() succeeds.
+  /// By the solver: down to a crawl as soon as limits allow, then the nearest end for which it finds a law, of which braking may take over
+  /// the rest.
   [[nodiscard]] Result search_stop(const Start& start) noexcept;
 
   /// The law of the last solve that was ok.
@@ -91,6 +92,13 @@ class TimeLaw {
   void round_off() noexcept;
   void track(const Start& start) noexcept;
   [[nodiscard]] double stop_way(const Start& start) const noexcept;
+  [[nodiscard]] double least_stop(const Start& start) const noexcept;
+  void end_nearer(const Start& start) noexcept;
+  [[nodiscard]] bool brake(const Start& from, double way) noexcept;
+  [[nodiscard]] bool brake_behind(std::size_t k) noexcept;
+  void brake_later() noexcept;
+  void keep() noexcept;
+  void restore() noexcept;
   void cut() noexcept;
   [[nodiscard]] bool certify(const Start& start) noexcept;
   void write(const Start& start) noexcept;
@@ -101,8 +109,9 @@ class TimeLaw {
   LawStop stop_;
   Buffer<LawStep> law_, kept_;
   Buffer<double> x_, sums_, way_;
-  double seconds_{0};
+  double seconds_{0}, kept_seconds_{0};
   int iterations_{0};
+  int passes_{0};  ///< of braking
   std::uint64_t work_{0};
   int round_{0};  ///< the attempt that succeeded
   static constexpr int kRounds = 4;

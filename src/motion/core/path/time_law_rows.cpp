@@ -25,14 +25,13 @@ constexpr double kEvenParts = 3;
 constexpr double kJointBend = 3e-4;
 /// A stop may be so many of these long.
 constexpr double kMostBends = 2;
-
+/// Of a stretch.
+constexpr double kSamePlace = 1e-9;
 /// Of q' and of q'', relative to its largest component.
 constexpr double kSameSlope = 1e-6;
 
 /// By how much steps grow per length on straights and arcs, and how many there are at least.
-double growth_of(int fineness) noexcept {
-  return fineness >= 4 ? 0.28 : fineness >= 2 ? 0.35 : 0.5;
-}
+double growth_of(int fineness) noexcept { return fineness >= 4 ? 0.2 : fineness >= 2 ? 0.35 : 0.5; }
 double least_steps(int fineness) noexcept { return fineness >= 4 ? 12 : fineness >= 2 ? 8 : 5; }
 
 bool is_even(const LawStretch& s) noexcept {
@@ -236,7 +235,9 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
     straight_limits(s, s.from, limits_, acc, jerk);
     const double fine = std::max(kRestShare * rise(acc, jerk), s.step / 8);
     const auto joint = [&](const LawStretch& other) {
-      return std::min(s.step, is_even(other) ? other.step : std::min(fine, other.step));
+      const double neighbour = is_even(other) ? std::min(other.step, other.end - other.from)
+                                              : std::min(fine, other.step);
+      return std::min(s.step, neighbour);
     };
     if (k > 0) s.first = joint(stretches_[k - 1]);
     if (k + 1 < n) s.last = joint(stretches_[k + 1]);
@@ -281,13 +282,22 @@ bool LawRows::make(double x0, double u0, std::size_t least) noexcept {
   return true;
 }
 
-void LawRows::make_stepwise() noexcept {
+void LawRows::make_stepwise(double way) noexcept {
   a0.clear();
   a1.clear();
   a2.clear();
   intervals_.clear();
   room_ = true;
   used_ = 0;
+  while (used_ < stretches_.size()) {
+    LawStretch& s = stretches_[used_++];
+    s.to = s.end;
+    at_ = s.from + std::max(way, 0.0);
+    const double whole = s.end - s.from;
+    way -= whole;
+    // Rounding leaves no sliver of a stretch.
+    if (way < -kSamePlace * whole) break;
+  }
 }
 
 bool LawRows::add_step(double most) noexcept {

@@ -71,8 +71,8 @@ class LawRows {
   /// Divides the stretches into `least` intervals or more and makes the rows, for a window that begins with x0, u0 (both 0: at rest).
   /// False: no room.
   [[nodiscard]] bool make(double x0, double u0, std::size_t least) noexcept;
-  /// Another grid, made as it is driven: add_step() adds one interval of length `most` or less, with its rows. False: the window ends there, or no room.
-  void make_stepwise() noexcept;
+  /// Another grid, made as it is driven from `way` on: add_step() adds one interval of length `most` or less, with its rows. False: the window ends there, or no room.
+  void make_stepwise(double way) noexcept;
   [[nodiscard]] bool add_step(double most) noexcept;
   /// All steps from number i on.
   void take_back(std::size_t i) noexcept;

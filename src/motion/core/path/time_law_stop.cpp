@@ -6,7 +6,7 @@
 namespace kerf::motion::path {
 namespace {
 
-constexpr int kPasses = 12;
+constexpr int kPasses = 8;
 /// Below this share of its first x a motion that has not found its rest will not find it.
 constexpr double kStill = 1e-6;
 /// Of the jerk of a straight: what is counted on for the way to rest at least.
@@ -238,13 +238,14 @@ bool LawStop::certified() const noexcept {
   return true;
 }
 
-bool LawStop::run(LawRows& rows, double x0, double u0, const Aim& aim) noexcept {
+bool LawStop::run(LawRows& rows, double way, double x0, double u0, const Aim& aim) noexcept {
   rows_ = &rows;
   aim_ = aim;
-  rows.make_stepwise();
+  rows.make_stepwise(way);
   for (Buffer<double>* b : {&at_, &x_, &u_, &low_, &even_}) b->assign(rows.most() + 1, 0);
   for (Buffer<double>* b : {&old_at_, &old_low_, &old_even_}) b->clear();
   seen_ = 0;
+  passes_ = 0;
   x_[0] = x0;
   u_[0] = u0;
   if (!rows.add_step(aim.widest)) return false;
@@ -252,6 +253,7 @@ bool LawStop::run(LawRows& rows, double x0, double u0, const Aim& aim) noexcept 
   std::size_t before = 0;
   double last = 0;
   for (int pass = 0; pass < kPasses; ++pass) {
+    passes_ = pass;
     const bool found = forwards();
     if (found && certified()) return true;
     // Nothing new.

@@ -23,12 +23,14 @@ class LawStop {
   };
 
   [[nodiscard]] bool create(Memory& memory, std::size_t intervals) noexcept;
-  /// From (x0 > 0, u0) at the start of what was added to the rows, of which it makes the steps. False: no stop was found.
-  [[nodiscard]] bool run(LawRows& rows, double x0, double u0, const Aim& aim) noexcept;
+  /// From (x0 > 0, u0) at `way` from the start of what was added to the rows, of which it makes the steps. False: no stop was found.
+  [[nodiscard]] bool run(LawRows& rows, double way, double x0, double u0, const Aim& aim) noexcept;
   /// Intervals before the last one, which ends in rest after `way` of even jerk.
   [[nodiscard]] std::size_t size() const noexcept { return end_; }
   [[nodiscard]] double way() const noexcept { return way_; }
   void coefficients(std::size_t i, double b[3]) const noexcept;
+  /// Passes before the last one of the last run.
+  [[nodiscard]] int passes() const noexcept { return passes_; }
 
  private:
   /// Of b2; the slopes are those of its ends by b1.
@@ -55,6 +57,7 @@ class LawStop {
 
   LawRows* rows_{nullptr};
   Aim aim_;
+  int passes_{0};
   std::size_t reached_{0};  ///< intervals of the last pass
   std::size_t end_{0};
   double way_{0};
