@@ -1,4 +1,5 @@
 """The small HAL programs (src/clients/hal_tools) on a running HAL."""
+import importlib.util
 import os
 import pathlib
 import subprocess
@@ -65,6 +66,8 @@ class HalTools(unittest.TestCase):
         out = self.good("sim_pin", "and2.0.in0", "sum2.0.gain1", "lonely", given="1\n2=4\n3=1.5\n2 reset\n1\n")
         self.assertEqual(out.split("\n")[3:-1], ["1  and2.0.in0  TRUE", "2  sum2.0.gain1  4", "3  lonely  1.5", "2  sum2.0.gain1  1",
                                                  "1  and2.0.in0  FALSE"])
+        if importlib.util.find_spec("tkinter"):
+            self.assertIn("lonely  2.5\n", self.good("sim_pin", "lonely", given="1=10/4.0\n"))
         self.good("sim_pin", "lonely", given="1=0\n")
         self.assertEqual(self.good("sim_pin", "and2.0.in1/mode=pulse", given="1\n").split("\n")[-2], "1  and2.0.in1  FALSE")
         self.refused("it is an output", "sim_pin", "and2.0.out")
@@ -101,6 +104,11 @@ class HalTools(unittest.TestCase):
         self.assertIn("servo thread: lateness [ns], count", out)
         self.assertRegex(out, r"(?m)^ +0 +\d+ #+$")
         self.refused("is no time", "latency-test", "soon")
+        # One period is that of a servo thread; of two the shorter is the base thread's; below 1000 they are microseconds.
+        out = self.good("latency-test", "--virtual", "--duration", "0.2", "2ms").split("\n")
+        self.assertEqual([line.split()[:2] for line in out[1:] if line], [["servo", "2000000"]])
+        out = self.good("latency-test", "--virtual", "--duration", "0.2", "0.001s", "200").split("\n")
+        self.assertEqual([line.split()[:2] for line in out[1:3]], [["base", "200000"], ["servo", "1000000"]])
         self.refused("at least 5000", "latency-histogram", "--base", "10")
 
     def test_info_and_debuglevel(self):

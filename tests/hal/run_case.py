@@ -15,7 +15,7 @@ import time
 
 def wait_for_host(halcmd):
     for _ in range(1000):
-        if subprocess.run([halcmd, "-Q", "status"], capture_output=True).returncode == 0:
+        if subprocess.run([halcmd, "-Q", "unlock", "all"], capture_output=True).returncode == 0:
             return
         time.sleep(0.02)
     sys.exit("the realtime host does not start")

@@ -44,7 +44,7 @@ def halcmd(*words, script=None):
             said = done.stderr.replace(file.name + ":", "line ")
     else:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
-        said = done.stderr
+        said = done.stderr.replace("<commandline>:0: ", "")
     if done.returncode != 0:
         raise HalError(" ".join(said.split("\n")).strip() or "halcmd failed")
     return done.stdout
@@ -123,8 +123,8 @@ def bars(rows, width=50):
 
 
 def time_ns(text):
-    """25000, 25us, 1ms, 1s: nanoseconds."""
-    for unit, factor in (("ns", 1), ("us", 1000), ("ms", 1000000), ("s", 1000000000)):
+    """25000, 25us, 1ms, 1s: nanoseconds. A number below 1000 without a unit is microseconds."""
+    for unit, factor in (("ns", 1), ("us", 1000), ("\u00b5s", 1000), ("\u03bcs", 1000), ("ms", 1000000), ("s", 1000000000)):
         if text.endswith(unit):
             number = text[:-len(unit)]
             break
@@ -132,6 +132,8 @@ def time_ns(text):
         number, factor = text, 1
     try:
         value = round(float(number) * factor)
+        if number == text and value < 1000:
+            value = round(float(number) * 1000)
     except ValueError:
         value = 0
     if value <= 0:
@@ -151,7 +153,8 @@ class OwnHal:
 
     def __enter__(self):
         for _ in range(500):
-            done = subprocess.run([str(BIN / "halcmd"), "-Q", "status"], capture_output=True, check=False)
+            # What only the host can answer: the memory is there before it listens.
+            done = subprocess.run([str(BIN / "halcmd"), "-Q", "unlock", "all"], capture_output=True, check=False)
             if done.returncode == 0:
                 return self
             if self.host.poll() is not None:
