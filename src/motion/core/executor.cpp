@@ -471,9 +471,9 @@ double Executor::run_curved(const PathSpan& move, const Ends& ends, double x_wan
     // From rest to rest within one stretch: up in the first half, down in the second.
     half_way_ = left_ / 2;
     stretch = left_ - half_way_;
-    path::rows_of(move.piece, end - half_way_, end, limits_, rows);
+    rows_of(move, end - half_way_, end, limits_, rows);
     const double most = path::largest_x0(rows.all(), 0);
-    path::rows_of(move.piece, end - left_, end - half_way_, limits_, rows);
+    rows_of(move, end - left_, end - half_way_, limits_, rows);
     half_speed_ = std::sqrt(std::min(
         {most, path::range_of_x1(rows.all(), 0).high * (1.0 - 1e-6), x_wanted, move.speed.cap}));
   }
@@ -485,7 +485,7 @@ double Executor::run_curved(const PathSpan& move, const Ends& ends, double x_wan
     // possible: braking over the whole stretch is one of the ways to brake here, and whatever a speed can do, a lower one can.
     if (x_wanted <= 0 && x > 0)
       stretch = std::min(stretch, std::max(sigma_speed_ * period_ * kBrakeStep, kNoStretch));
-    path::rows_of(move.piece, end - left_, end - left_ + stretch, limits_, rows);
+    rows_of(move, end - left_, end - left_ + stretch, limits_, rows);
     const path::Range range = path::range_of_x1(rows.all(), x, left_ < move.length);
     if (x_wanted <= 0 && range.low < 0) return stop_within(move, range.low, stretch, dt);
     x1 = std::clamp(soft, std::min(range.low, range.high), range.high);
@@ -524,7 +524,7 @@ double Executor::stop_within(const PathSpan& move, double low, double distance,
       break;
     }
     path::Rows rows;
-    path::rows_of(move.piece, begin, begin + next, limits_, rows);
+    rows_of(move, begin, begin + next, limits_, rows);
     const double next_low = path::range_of_x1(rows.all(), x, true).low;
     if (next_low > 0) break;
     distance = next;

@@ -19,4 +19,25 @@ double wanted_x(const SpeedBounds& speed, const FeedScale& scale) noexcept {
   return x;
 }
 
+void rows_of(const PathSpan& span, double s0, double s1, const path::AxisLimits& limits,
+             path::Rows& out, double joint_share) noexcept {
+  path::rows_of(span.piece, s0, s1, limits, out);
+  if (span.joints == nullptr) return;
+  const bool turned = span.turned_at > 0;
+  if (turned)
+    path::joint_rows(*span.joints, span.turned_at - s1, span.turned_at - s0, true, joint_share,
+                     out);
+  else
+    path::joint_rows(*span.joints, s0, s1, false, joint_share, out);
+  const double along = span.piece.straight() ? path::norm3(span.piece.b, 0) : 0.0;
+  if (along > 0 && limits.path_acc < path::kNoLimit) {
+    const double p = along / (2 * (s1 - s0) * limits.path_acc);
+    out.at[out.count++] = {-p, p};
+  }
+}
+
+void rows_of(const PathSpan& span, const path::AxisLimits& limits, path::Rows& out) noexcept {
+  rows_of(span, span.from, span.from + span.length, limits, out, path::kWholeShare);
+}
+
 }  // namespace kerf::motion

@@ -45,6 +45,10 @@ struct PathSpan {
   SyncBounds sync;
   double even_acc{
       0};  ///< above 0: |dx/dsigma|/2 is bounded by this all along (a straight); else by rows of the piece
+  /// Their rows count besides, where kinematics mix axes. Plain memory of the planner: written before the span is pushed (release; the servo pops with
+  /// acquire), and not again while the span, or the history that it becomes, can be driven.
+  const path::JointCurve* joints{nullptr};
+  double turned_at{0};      ///< above 0: driven backwards, from there in `joints`
   double even_jerk{0};      ///< above 0: with jerk limits, and even_acc bounds the stretch too
   double requested{0};      ///< mm/s (deg/s) as programmed; rapids: what the axes can do
   double to_move_end{0};    ///< sigma from the end of this stretch to the end of its move
@@ -101,6 +105,12 @@ struct Span {
   SourceTag tag;
   Body body{Marker{}};
 };
+
+/// The acceleration rows of [s0, s1] of its piece; those of joints for a share of their limits.
+void rows_of(const PathSpan& span, double s0, double s1, const path::AxisLimits& limits,
+             path::Rows& out, double joint_share = 1) noexcept;
+/// Of all of it, for who looks at it as a whole.
+void rows_of(const PathSpan& span, const path::AxisLimits& limits, path::Rows& out) noexcept;
 
 inline constexpr std::size_t kSpans = 2048;
 /// Planner -> servo. Both ends live in the realtime host.

@@ -81,7 +81,7 @@ int acceleration_limited(std::vector<Entry>& entries, std::uint64_t seed) {
     e.seconds = r.seconds;
     const double best = bench::optimum(e.program), floor = bench::feed_floor(e.program);
     const bool ok = within(r, e.program);
-    // Only on the mill is the curve itself the bound.
+    // On the lathe the spindle is the bound, not the curve.
     const double ratio = best > 0 ? r.seconds / best : 0;
     worst = std::max(worst, ratio);
     std::printf("%-30s %6zu %8.3f %6.1f %8.3f %6.3f %8.3f %8.5f %8.5f %9.6f %7.1f %7.2f%s\n",

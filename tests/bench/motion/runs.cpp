@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "bench/motion/machinery.hpp"
 #include "bench/motion/machines.hpp"
 #include "motion/core/path/reach.hpp"
 #include "unit/motion/spindle_rig.hpp"
@@ -277,23 +278,22 @@ namespace {
 
 /// A node of the fine grid: limits there, and the way to the next one.
 struct Node {
-  path::Vec slope, bend;
+  Values slope{}, bend{};
   double cap{0}, way{0};
   bool stands{false};
 };
 
-std::vector<Node> nodes_of(const std::vector<motion::PathSpan>& curve,
-                           const path::AxisLimits& limits) {
+std::vector<Node> nodes_of(const std::vector<motion::PathSpan>& curve, const Machinery& machine) {
   std::vector<Node> nodes;
   for (const motion::PathSpan& span : curve) {
     const int steps = span.piece.straight() ? kStraightSteps : kFiner;
     for (int k = 0; k < steps; ++k) {
       Node n;
       const double s = span.from + span.length * k / steps;
-      n.slope = span.piece.first(s);
-      n.bend = span.piece.second(s);
+      Values third;
+      machine.derive(span.piece, s, n.slope, n.bend, third);
       n.way = span.length / steps;
-      n.cap = speed_cap(span.piece, n.slope, limits);
+      n.cap = machine.cap(span.piece, s);
       nodes.push_back(n);
     }
     if (span.stop_at_end) nodes.back().stands = true;
@@ -326,9 +326,9 @@ double distance_to_stretch(const motion::PathSpan& span, const path::Vec& q) {
 }
 
 /// |slope u + bend x0| <= acc at the node, u = (x1 - x0) / (2 way).
-void rows_at(const Node& n, const path::AxisLimits& limits, path::Rows& rows) {
+void rows_at(const Node& n, const JointLimits& limits, path::Rows& rows) {
   rows.count = 0;
-  for (std::size_t i = 0; i < kJoints; ++i) {
+  for (std::size_t i = 0; i < kOptimumJoints; ++i) {
     const double p = n.slope[i] / (2 * n.way) / limits.acc[i], e = n.bend[i] / limits.acc[i];
     if (p != 0 || e != 0) rows.at[rows.count++] = {e - p, p};
   }
@@ -337,10 +337,12 @@ void rows_at(const Node& n, const path::AxisLimits& limits, path::Rows& rows) {
 }  // namespace
 
 double optimum(const Program& program) {
-  if (program.machine != Machine::mill) return 0;
-  path::AxisLimits limits;
-  const std::vector<motion::PathSpan> curve = curve_of(program, 0, limits);
-  const std::vector<Node> nodes = nodes_of(curve, limits);
+  if (program.machine == Machine::lathe) return 0;
+  path::AxisLimits axes;
+  const std::vector<motion::PathSpan> curve = curve_of(program, 0, axes);
+  const Machinery machine = machinery_of(program, axes, 0);
+  const JointLimits& limits = machine.limits;
+  const std::vector<Node> nodes = nodes_of(curve, machine);
   const std::size_t n = nodes.size();
   if (n == 0) return 0;
   std::vector<double> most(n + 1, 0.0);

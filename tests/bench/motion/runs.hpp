@@ -46,7 +46,7 @@ struct RunResult {
                                const motion::path::AxisLimits& limits);
 
 /// The least time on the very curve that the planner has made of the program, by velocity and acceleration limits and feeds: a grid eight
-/// times finer than the planner's, limits at its nodes only, one backward and one forward pass. 0: not on this machine.
+/// times finer than the planner's, limits at its nodes only, one backward and one forward pass. 0: a lathe, whose spindle is the bound.
 [[nodiscard]] double optimum(const Program& program);
 
 struct LeastTime {

@@ -30,8 +30,10 @@ bool harmless(Fault f) {
 void run_program(unsigned seed, bool core_xy, bool passes) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   Random r(seed);
-  SpindleRig rig(r.chance(0.3) ? std::vector<int>{0, 1, 2, 3} : std::vector<int>{0, 1, 2});
-  rig.kinematics.core_xy = core_xy;
+  test::RigKinematics moved_by(r.chance(0.3) ? std::vector<int>{0, 1, 2, 3}
+                                             : std::vector<int>{0, 1, 2});
+  moved_by.core_xy = core_xy;
+  SpindleRig rig(moved_by);
   test::random_limits(rig, r, seed % 3 == 1);
   rig.acceleration = r.chance(0.15) ? 0 : r.log(5, 500);
   rig.counts = r.chance(0.3) ? 0 : std::floor(r.log(60, 4000));

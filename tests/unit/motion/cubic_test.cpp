@@ -32,9 +32,9 @@ std::vector<CubicMove> curve(int pieces, double feed) {
 
 void drive_through(bool core_xy) {
   SCOPED_TRACE(core_xy ? "joints 0 and 1 move X+Y and X-Y" : "each joint is an axis");
-  Rig rig;
-  rig.kinematics.core_xy = core_xy;
-  rig.apply_config();
+  test::RigKinematics moved_by({0, 1, 2});
+  moved_by.core_xy = core_xy;
+  Rig rig(moved_by);
   rig.ready();
   rig.push(PathControl{.mode = PathControl::Mode::exact_path});
   for (const CubicMove& m : curve(40, 40)) rig.push(m);

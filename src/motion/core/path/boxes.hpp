@@ -24,9 +24,8 @@ struct JointBends {
   struct Row {
     double p{0}, e{0}, c{0}, acc{0}, jerk{0};
   };
-  static constexpr std::size_t kMost = 8;  ///< joints that are not an axis each
   std::size_t count{0};
-  Row row[kMost];
+  Row row[kMostJoints];
   /// Those of another stretch besides.
   void join(const JointBends& other) noexcept;
 };

@@ -28,6 +28,7 @@ PathSpan reversed(const PathSpan& span) noexcept {
   r.piece.length = span.length;
   r.piece.stop_at_end = false;
   r.from = 0;
+  r.turned_at = end;
   r.end = to_pose(r.piece.point(span.length));
   r.to_move_end = 0;
   r.stop_at_end = r.at_end_exactly = false;
@@ -59,7 +60,7 @@ void PathHistory::add(const Span& item, const PathSpan& span, double hard,
     } else {
       // Driven the other way q' changes its sign and the ends change places: so do the two x of each row.
       Rows rows;
-      rows_of(span.piece, span.from, span.from + span.length, limits, rows);
+      rows_of(span, limits, rows);
       for (std::size_t i = 0; i < rows.count; ++i) std::swap(rows.at[i].a, rows.at[i].b);
       e.back_own = std::min(cap, largest_x0(rows.all(), std::min(own, cap)));
       e.back_before = std::min(cap, largest_x0(rows.all(), std::min(before, cap)));

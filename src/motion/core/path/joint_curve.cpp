@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kerf::motion::path {
 namespace {
@@ -41,7 +42,7 @@ double third_bound(const double (&a)[kCount]) noexcept {
   return 6 * std::abs(a[3]) + 24 * std::abs(a[4]) + 60 * std::abs(a[5]);
 }
 
-double share(const JointCurve& curve, double s) noexcept {
+double part_at(const JointCurve& curve, double s) noexcept {
   return curve.length > 0 ? (s - curve.from) / curve.length : 0.0;
 }
 
@@ -49,7 +50,7 @@ double share(const JointCurve& curve, double s) noexcept {
 
 JointPlace place_on(const JointCurve& curve, std::size_t row, double s) noexcept {
   const double* k = curve.row[row].k;
-  const double t = share(curve, s), d = curve.length;
+  const double t = part_at(curve, s), d = curve.length;
   JointPlace out;
   out.rate = k[0] + t * (k[1] + t * (k[2] + t * (k[3] + t * (k[4] + t * k[5]))));
   out.curl = (k[1] + t * (2 * k[2] + t * (3 * k[3] + t * (4 * k[4] + t * 5 * k[5])))) / d;
@@ -59,8 +60,8 @@ JointPlace place_on(const JointCurve& curve, std::size_t row, double s) noexcept
 
 JointPart part_of(const JointCurve& curve, std::size_t row, double s0, double s1) noexcept {
   double a[kCount];
-  const double t0 = share(curve, s0);
-  shift(curve.row[row].k, t0, share(curve, s1) - t0, a);
+  const double t0 = part_at(curve, s0);
+  shift(curve.row[row].k, t0, part_at(curve, s1) - t0, a);
   const double h = s1 - s0, over = 1 / h, over2 = over * over;
   JointPart out;
   out.p0 = a[0];
@@ -83,7 +84,7 @@ JointPart part_of(const JointCurve& curve, std::size_t row, double s0, double s1
 JointBends bends_of(const JointCurve& curve, double s0, double s1) noexcept {
   JointBends out;
   out.count = curve.count;
-  const double t0 = share(curve, s0), dt = share(curve, s1) - t0, over = 1 / (s1 - s0);
+  const double t0 = part_at(curve, s0), dt = part_at(curve, s1) - t0, over = 1 / (s1 - s0);
   for (std::size_t i = 0; i < curve.count; ++i) {
     double a[kCount];
     shift(curve.row[i].k, t0, dt, a);
@@ -96,7 +97,7 @@ JointBends bends_of(const JointCurve& curve, double s0, double s1) noexcept {
 }
 
 double velocity_cap(const JointCurve& curve, double s0, double s1) noexcept {
-  const double t0 = share(curve, s0), dt = share(curve, s1) - t0;
+  const double t0 = part_at(curve, s0), dt = part_at(curve, s1) - t0;
   double cap = kNoLimit;
   for (std::size_t i = 0; i < curve.count; ++i) {
     double a[kCount];
@@ -109,13 +110,43 @@ double velocity_cap(const JointCurve& curve, double s0, double s1) noexcept {
   return cap;
 }
 
-double even_step(const JointCurve& curve, double x, double share_of_acc) noexcept {
+double even_x(const JointCurve& curve, double cap) noexcept {
+  double x = cap;
+  for (std::size_t i = 0; i < curve.count; ++i)
+    for (const double at : {0.0, 0.5, 1.0}) {
+      const double curl = std::abs(place_on(curve, i, curve.from + at * curve.length).curl);
+      if (curl > 0) x = std::min(x, curve.row[i].acc / curl);
+    }
+  return x;
+}
+
+void joint_rows(const JointCurve& curve, double s0, double s1, bool turned, double share,
+                Rows& out) noexcept {
+  const double half = (turned ? -1.0 : 1.0) / (2.0 * (s1 - s0));
+  for (std::size_t i = 0; i < curve.count; ++i) {
+    JointPart part = part_of(curve, i, s0, s1);
+    if (turned) {
+      std::swap(part.p0, part.p2);
+      std::swap(part.e0, part.e1);
+    }
+    const double k = 1.0 / (share * curve.row[i].acc);
+    const auto row = [&](double p, double on_x0, double on_x1) {
+      p *= half;
+      out.at[out.count++] = {(on_x0 - p) * k, (p + on_x1) * k};
+    };
+    row(part.p0, part.e0, 0);
+    row(part.p1, part.e1 / 2, part.e0 / 2);
+    row(part.p2, 0, part.e1);
+  }
+}
+
+double even_step(const JointCurve& curve, double x) noexcept {
   double step = kNoLimit;
   const double d3 = curve.length * curve.length * curve.length;
   for (std::size_t i = 0; i < curve.count; ++i) {
     const double third = third_bound(curve.row[i].k) / d3;
     if (third * x > 0)
-      step = std::min(step, std::sqrt(8 * share_of_acc * curve.row[i].acc / (third * x)));
+      step = std::min(step, std::sqrt(8 * kJointBend * curve.row[i].acc / (third * x)));
   }
   return step;
 }

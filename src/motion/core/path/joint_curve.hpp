@@ -11,14 +11,13 @@
 namespace kerf::motion::path {
 
 struct JointCurve {
-  static constexpr std::size_t kMost = JointBends::kMost;
   struct Row {
     double k[6]{};                   ///< j' = k0 + k1 t + ... with t from 0 to 1 along the stretch
     double vel{0}, acc{0}, jerk{0};  ///< limits
   };
   double from{0}, length{0};  ///< of sigma along its piece
   std::size_t count{0};
-  Row row[kMost];
+  Row row[kMostJoints];
 };
 
 /// A row from one place to another: Bernstein coefficients of quadratics (p, c) and of a line (e) through what is there, and how far they are off at most.
@@ -41,7 +40,17 @@ struct JointPlace {
 [[nodiscard]] JointBends bends_of(const JointCurve& curve, double s0, double s1) noexcept;
 /// Largest x by the joints' velocities on [s0, s1].
 [[nodiscard]] double velocity_cap(const JointCurve& curve, double s0, double s1) noexcept;
-/// The widest part of it whose j'' is a line, but for `share` of the accelerations at x.
-[[nodiscard]] double even_step(const JointCurve& curve, double x, double share) noexcept;
+/// Largest x at which the joints can be held on their curves, at most `cap`, by some places of it.
+[[nodiscard]] double even_x(const JointCurve& curve, double cap) noexcept;
+/// What the curl of a joint may be off a line within a step, as a share of its acceleration.
+inline constexpr double kJointBend = 3e-4;
+/// The widest part of it on which that is so, up to x.
+[[nodiscard]] double even_step(const JointCurve& curve, double x) noexcept;
+/// The acceleration rows of [s0, s1] for x linear in sigma, behind those of the axes (limits.hpp), for a share of the limits. `turned`: driven
+/// from s1 to s0.
+void joint_rows(const JointCurve& curve, double s0, double s1, bool turned, double share,
+                Rows& out) noexcept;
+/// Of the limits, for rows of whole stretches: those of a part of one take j'' as another line.
+inline constexpr double kWholeShare = 1 - 3 * kJointBend;
 
 }  // namespace kerf::motion::path

@@ -33,7 +33,9 @@ struct AxisLimits {
 struct Row {
   double a{0}, b{0};
 };
-inline constexpr std::size_t kMaxRows = 4 * kAxes;
+inline constexpr std::size_t kMostJoints = 8;  ///< that are not an axis each
+/// Four of an axis; three of a joint; one of the path.
+inline constexpr std::size_t kMaxRows = 4 * kAxes + 3 * kMostJoints + 1;
 
 struct Rows {
   std::array<Row, kMaxRows> at;

@@ -21,9 +21,7 @@ constexpr double kFirstChange = 0.25, kFineGrowth = 0.5;
 /// So many steps before the end of a stretch are equal.
 constexpr double kEvenParts = 3;
 
-/// What the curl of a joint may be off a line within a step, as a share of its acceleration.
-constexpr double kJointBend = 3e-4;
-/// A stop may be so many of these long.
+/// A stop may be so many steps long on which joints bend evenly.
 constexpr double kMostBends = 2;
 /// Of a stretch.
 constexpr double kSamePlace = 1e-9;
@@ -68,17 +66,6 @@ template <class F>
 void for_each_joint(const LawStretch& s, double s0, double s1, F&& f) noexcept {
   for (std::size_t i = 0; s.joints != nullptr && i < s.joints->count; ++i)
     f(part_of(*s.joints, i, s0, s1), s.joints->row[i]);
-}
-
-/// x at which the joints can just be held on their curves.
-double even_x(const JointCurve& joints, double cap) noexcept {
-  double x = cap;
-  for (std::size_t i = 0; i < joints.count; ++i)
-    for (const double at : {0.0, 0.5, 1.0}) {
-      const double curl = std::abs(place_on(joints, i, joints.from + at * joints.length).curl);
-      if (curl > 0) x = std::min(x, joints.row[i].acc / curl);
-    }
-  return x;
 }
 
 /// The way on which a start reaches the largest acceleration.
@@ -137,7 +124,7 @@ bool LawRows::add(const LawStretch& stretch) noexcept {
   s.end = s.to;
   s.fineness = std::clamp(s.fineness, 1, kMostPerCubic);
   double least = s.fineness;
-  if (s.joints != nullptr) s.bends = even_step(*s.joints, even_x(*s.joints, s.cap), kJointBend);
+  if (s.joints != nullptr) s.bends = even_step(*s.joints, even_x(*s.joints, s.cap));
   if (is_even(s)) {
     s.widest = std::min(whole / s.fineness, s.bends);
     least = std::max(least, std::min(std::ceil((s.to - s.from) / s.widest), double{kMostPerCubic}));
@@ -405,7 +392,7 @@ bool LawRows::make_rows(std::size_t i) noexcept {
       row(w, -2 * w - 3 * e1, w + 3 * e1 + c, limit);
     }
   };
-  JointPart joint[JointCurve::kMost];
+  JointPart joint[kMostJoints];
   std::size_t joints = 0;
   for_each_joint(stretch, in.from, in.from + in.length,
                  [&](const JointPart& p, const JointCurve::Row& limit) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/core/path/history.hpp"
 #include "motion/core/planner/ceilings.hpp"
 
 namespace kerf::motion {
@@ -70,6 +71,7 @@ void unstretch(const Curve& curve, path::Piece& piece) noexcept {
 }  // namespace
 
 bool Planner::create(path::Memory& memory) noexcept {
+  static_assert(kCurves >= kSpans + 2 * path::PathHistory::kGeneration);
   // What joints need beside axes with jerk limits.
   bool joints = kinematics_.kinds() > 1;
   for (std::int32_t j = 0; j < kinematics_.joints(); ++j)
@@ -79,7 +81,8 @@ bool Planner::create(path::Memory& memory) noexcept {
          blocks_.create(memory, kPendingBlocks) && events_.create(memory, kEvents) &&
          pieces_.create(memory, kPieces) && boxes_.create(memory, kPieces) &&
          sent_.create(memory, kSpans) && program_path_.create(memory, kMoves) &&
-         (!joints || bends_.create(memory, kPieces)) && laws_.create(memory, joints);
+         (!joints || (bends_.create(memory, kPieces) && curves_.create(memory, kCurves))) &&
+         laws_.create(memory, joints);
 }
 
 void Planner::configure(const MachineConfig& config) noexcept {
@@ -90,9 +93,10 @@ void Planner::configure(const MachineConfig& config) noexcept {
   plain_ = limits.plain;
   mixed_ = !plain_ && kinematics_.answers_at_once();
   if (mixed_) joint_bounds_.configure(config, limits_);
-  if (limits_.jerks) mixed_ = mixed_ && bends_.room() > 0 && joint_bounds_.few_enough();
+  mixed_ = mixed_ && curves_.size() + curves_.room() > 0 && joint_bounds_.few_enough();
+  curves_.assign(kCurves, path::JointCurve{});
   laws_.configure(limits_, config.time_laws && (plain_ || mixed_) && limits_.jerks, stop_s_);
-  guide_ = mixed_ && limits_.jerks ? guide() : limits_;
+  guide_ = mixed_ ? guide() : limits_;
   path::PathSettings settings;
   low_ = settings.low = limits.low;
   high_ = settings.high = limits.high;
@@ -137,9 +141,8 @@ Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t a
 
 void Planner::run_laws(const ServoView& view) noexcept {
   // With a full ring the next span takes the slot of the one that was driven last.
-  while (first_ahead_ < next_number_ &&
-         (next_number_ - first_ahead_ > kSpans ||
-          sent_[first_ahead_ % kSpans].place < spans_.popped()))
+  while (first_ahead_ < next_number_ && (next_number_ - first_ahead_ > kSpans ||
+                                         sent_[first_ahead_ % kSpans].place < spans_.popped()))
     ++first_ahead_;
   laws_.run(view, scale_, single_step_, first_ahead_, next_number_);
 }

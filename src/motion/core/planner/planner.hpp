@@ -185,6 +185,8 @@ class Planner {
   [[nodiscard]] std::size_t hand_over_at() const noexcept;
   [[nodiscard]] bool send() noexcept;
   [[nodiscard]] bool send_events(double sigma) noexcept;
+  [[nodiscard]] double mixed_end(const path::Piece& piece, double from) noexcept;
+  void bound_mixed(PathSpan& body, double from, double to) noexcept;
   [[nodiscard]] bool send_stretch(const path::Piece& piece, double from, double to) noexcept;
   [[nodiscard]] bool room_for_blocks(std::size_t count) noexcept;
   [[nodiscard]] bool send_blocks(double begin, double end, std::size_t& done, Span& span,
@@ -210,9 +212,9 @@ class Planner {
   bool mixed_{
       false};  ///< ... joint_bounds_ of each stretch; if this is false too, each move by itself
   JointBounds joint_bounds_;
-  JointBounds::Box box_;  ///< of the stretch that is being sent, limited in acceleration; in jerk:
-  path::JointCurve curve_;
-  bool foretold_{false};  ///< curve_ tells how joints move there
+  path::JointCurve curve_;  ///< of what is being sent
+  bool foretold_{false};    ///< it tells how joints move there
+  bool curved_{false};      ///< it was made for the piece that is being sent
   std::int32_t digital_{static_cast<std::int32_t>(kMaxDigital)},
       analog_{static_cast<std::int32_t>(kMaxAnalog)};
   std::int32_t spindles_{static_cast<std::int32_t>(kMaxSpindles)};
@@ -255,7 +257,10 @@ class Planner {
   path::Buffer<path::Piece> pieces_;
   path::Boxes boxes_;                     ///< of the pieces, with jerk limits
   path::Buffer<path::JointBends> bends_;  ///< of the pieces, where joints mix axes besides
-  std::size_t sending_{0};                ///< moves of which pieces_ were made; 0: none
+  /// Of spans by number: of those that the servo has, and of its history.
+  static constexpr std::size_t kCurves = 2 * kSpans;
+  path::Buffer<path::JointCurve> curves_;
+  std::size_t sending_{0};  ///< moves of which pieces_ were made; 0: none
   std::size_t events_sending_{0}, events_sent_{0};
   std::size_t piece_{0}, stretch_{0}, move_{0};
   std::size_t blocks_sending_{0}, blocks_done_{0};

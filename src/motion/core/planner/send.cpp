@@ -31,6 +31,26 @@ constexpr double kLineLag = 0.01;  // s
 constexpr double kRounding = 1.0 - 1e-7;
 constexpr int kGroupsTogether = 3;
 
+/// Stretches of a straight along which joints bend: at least, and on the way on which it gets its speed.
+constexpr int kLeastPerStraight = 8, kPerRamp = 4;
+constexpr double kShortestStep = 1e-4;
+
+/// Whether joints go along so straight that their curls are nothing, at x.
+bool evenly(const path::JointCurve& curve, double x) noexcept {
+  const path::JointBends bends = path::bends_of(curve, curve.from, curve.from + curve.length);
+  for (std::size_t i = 0; i < bends.count; ++i)
+    if (bends.row[i].e * x > path::kJointBend * bends.row[i].acc) return false;
+  return true;
+}
+
+/// The largest |u| by the rates of the joints alone, at most `acc`.
+double even_acc(const path::JointCurve& curve, double acc) noexcept {
+  const path::JointBends bends = path::bends_of(curve, curve.from, curve.from + curve.length);
+  for (std::size_t i = 0; i < bends.count; ++i)
+    if (bends.row[i].p > 0) acc = std::min(acc, bends.row[i].acc / bends.row[i].p);
+  return acc;
+}
+
 double sliver_of(const path::Piece& piece) noexcept {
   return std::clamp(kSliverTime * piece.feed.speed, kSamePlace, kSliver);
 }
@@ -155,6 +175,7 @@ void Planner::commit(std::size_t moves, bool hand_over) noexcept {
   events_sent_ = piece_ = stretch_ = move_ = blocks_done_ = 0;
   sigma_ = piece_sigma_ = 0;
   thread_end_move_ = 0;
+  curved_ = false;
   first_new_ = next_number_;
 }
 
@@ -207,14 +228,8 @@ bool Planner::send() noexcept {
     const double from = sigma_ - piece_sigma_;
     double to = piece.length;
     bool last = true;
-    if (mixed_ && !whole && limits_.jerks) {
-      foretold_ = joint_bounds_.curve_of(piece, from, to, curve_);
-      last = to >= piece.length;
-    } else if (mixed_ && !whole) {
-      const double most =
-          piece.feed.rapid ? 1.0 : config_.max_feed_override * config_.max_feed_override;
-      box_ = joint_bounds_.box_of(piece, from, to,
-                                  path::feed_cap(piece, from, to) * std::max(most, 1.0));
+    if (mixed_ && !whole) {
+      to = mixed_end(piece, from);
       last = to >= piece.length;
     } else {
       const int n = whole ? 1 : path::divisions(piece);
@@ -247,6 +262,7 @@ bool Planner::send() noexcept {
     piece_sigma_ += piece.length;
     sigma_ = piece_sigma_;
     stretch_ = 0;
+    curved_ = false;
     ++piece_;
   }
   if (next_number_ != first_new_) plan(false);
@@ -313,8 +329,8 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
     body.even_acc = meta.even_acc;
     body.even_jerk = meta.even_jerk;
   } else if (mixed_ && !limits_.jerks) {
-    speed.cap = box_.cap;
-    body.even_acc = box_.acc;
+    bound_mixed(body, from, to);
+    if (!(body.even_acc > 0)) rows_of(body, limits_, sent.rows);
   } else {
     speed.cap = axis_cap = path::axis_cap(piece, from, to, limits_);
     if (limits_.jerks) {
@@ -333,7 +349,7 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
     } else if (piece.straight())
       body.even_acc = path::straight_acc(piece, limits_);
     else
-      path::rows_of(piece, from, to, limits_, sent.rows);
+      rows_of(body, limits_, sent.rows);
   }
   if (piece.feed.metric != 3 && piece.feed.metric >= 0)
     speed.slope = path::slope_of(piece, from, to);
@@ -384,6 +400,55 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   blocks_done_ = done;
   begins_ = false;
   return true;
+}
+
+/// Where a stretch ends that begins at `from`, where kinematics mix axes.
+double Planner::mixed_end(const path::Piece& piece, double from) noexcept {
+  const bool within =
+      curved_ && from >= curve_.from && from < curve_.from + curve_.length - kSamePlace;
+  double to = piece.length;
+  if (!within) {
+    foretold_ = joint_bounds_.curve_of(piece, from, to, curve_);
+    if (!foretold_) curve_.from = from, curve_.length = to - from;
+    curved_ = true;
+  }
+  const double end = curve_.from + curve_.length;
+  // What rounding leaves is no stretch.
+  to = piece.length - end <= kSamePlace ? piece.length : end;
+  if (limits_.jerks || !foretold_) return to;
+  const double cap =
+      std::min(path::axis_cap(piece, from, to, limits_), path::velocity_cap(curve_, from, to));
+  if (piece.straight() && evenly(curve_, cap)) return to;
+  // Limited in acceleration x is linear on a stretch: there are as many as let it bend.
+  double step = std::min(path::even_step(curve_, path::even_x(curve_, cap)),
+                         piece.length / path::divisions(piece));
+  if (piece.straight()) {
+    const double most = std::max(config_.max_feed_override, 1.0);
+    const double wanted = std::min(cap, path::feed_cap(piece, from, to) * most * most);
+    const double ramp = wanted / (2 * even_acc(curve_, path::straight_acc(piece, limits_)));
+    step = std::min({step, piece.length / kLeastPerStraight, ramp / kPerRamp});
+  }
+  const double parts = std::ceil((to - from) / std::max(step, kShortestStep) - 1e-9);
+  return parts > 1 ? from + (to - from) / parts : to;
+}
+
+/// The same, limited in acceleration: what bounds the stretch.
+void Planner::bound_mixed(PathSpan& body, double from, double to) noexcept {
+  if (!foretold_) {
+    body.speed.cap = joint_bounds_.creep().cap;
+    body.even_acc = joint_bounds_.creep().box.acc;
+    return;
+  }
+  const path::Piece& piece = body.piece;
+  body.speed.cap =
+      std::min(path::axis_cap(piece, from, to, limits_), path::velocity_cap(curve_, from, to));
+  if (piece.straight() && evenly(curve_, body.speed.cap)) {
+    body.even_acc = even_acc(curve_, path::straight_acc(piece, limits_));
+    return;
+  }
+  path::JointCurve& kept = curves_[next_number_ % kCurves];
+  kept = curve_;
+  body.joints = &kept;
 }
 
 /// What ends and begins within [begin, end] of what is sent; `done` blocks have ended before it, and at its end. False: no room.
