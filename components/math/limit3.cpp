@@ -13,9 +13,10 @@ class Limit3 final : public hal::Component<Limit3> {
       .name = "limit3",
       .summary = "Bounds a value, its rate of change and the rate of that",
       .notes =
-          "For a position these are limits of position, speed and acceleration. out stops on in "
-          "exactly, without passing it, when in stands still. With enable false it goes to zero, "
-          "within the same limits."};
+          "For a position these are limits of position, speed and acceleration. An input that "
+          "moves "
+          "within the limits is followed without lag. With enable false out goes to zero, within "
+          "the same limits."};
   using Component::Component;
 
  private:
@@ -29,16 +30,32 @@ class Limit3 final : public hal::Component<Limit3> {
   hal::In<double> maxv_{pin<hal::In<double>>("maxv", "Most that out may change in a second", 1e20)};
   hal::In<double> maxa_{
       pin<hal::In<double>>("maxa", "Most that the rate of change may change in a second", 1e7)};
-  hal::In<std::uint32_t> smooth_steps_{
-      pin<hal::In<std::uint32_t>>("smooth-steps", "Accepted; out comes to rest without this", 2)};
+  hal::In<std::uint32_t> smooth_steps_{pin<hal::In<std::uint32_t>>(
+      "smooth-steps", "Over so many calls before it comes to rest out slows down evenly", 2)};
 
-  /// The longest first step of a row that gets shorter by `change` each time and ends at `way`.
-  static double stopping_step(double way, double change) noexcept {
-    const double size = std::fabs(way);
-    if (size == 0.0 || size <= change) return way;
-    const double steps =
-        std::max(1.0, std::ceil((std::sqrt(1.0 + 8.0 * size / change) - 1.0) / 2.0 - 1e-9));
-    return std::copysign(size / steps + change * (steps - 1.0) / 2.0, way);
+  /// The next step of a row that begins behind `step`, gets shorter by at most `change` each time and ends `way` ahead. With all of
+  /// the acceleration or none, as LinuxCNC; only within smooth-steps it is spread evenly over the rest.
+  [[nodiscard]] double approach(double way, double step, double low, double high,
+                                double change) const noexcept {
+    if (way < 0.0 || (way == 0.0 && step > 0.0)) return -towards(-way, -step, -high, -low, change);
+    return towards(way, step, low, high, change);
+  }
+  static constexpr double kRounding = 1e-9;
+  /// Whether a row that begins with `step` can end within `way`.
+  static bool can_rest(double way, double step, double change) noexcept {
+    return way - step >= step * (step - change) / (2.0 * change) - kRounding * change;
+  }
+  [[nodiscard]] double towards(double way, double step, double low, double high,
+                               double change) const noexcept {
+    if (step <= 0.0 && way <= high) return std::max(way, low);
+    if (can_rest(way, high, change)) return high;
+    double next = way;
+    if (step > 0.0) {
+      const double rest = 2.0 * way / step, steps = std::ceil(rest - kRounding);
+      if (steps > 1.0)
+        next = rest < smooth_steps_ - kRounding ? step * (steps - 1.0) / steps : step - change;
+    }
+    return rtapi::limited(next, low, high);
   }
   double value_{0.0}, step_{0.0}, target_{0.0};
 
@@ -56,15 +73,15 @@ class Limit3 final : public hal::Component<Limit3> {
     }
     const double most = std::min(std::fabs(maxv_) * dt, 1e300),
                  change = std::min(std::fabs(maxa_) * dt * dt, 1e300);
+    const double low = std::max(step_ - change, -most), high = std::min(step_ + change, most);
     // An input under way is met at its speed; the bounds stand still.
-    const double way = rtapi::limited(target - target_, -most, most);
+    const double way = target - target_;
+    double step = way + approach(target_ - value_, step_ - way, low - way, high - way, change);
     target_ = target;
-    double step = way + stopping_step(target - value_ - way, change);
-    if (max >= value_) step = std::min(step, stopping_step(max - value_, change));
-    if (min <= value_) step = std::max(step, stopping_step(min - value_, change));
-    step = rtapi::limited(step, -most, most);
-    // The bounds of the value are never broken, not even for maxa.
-    step = rtapi::limited(step, step_ - change, step_ + change);
+    if (step > 0.0 && max >= value_ && !can_rest(max - value_, step, change))
+      step = std::min(step, approach(max - value_, step_, low, high, change));
+    if (step < 0.0 && min <= value_ && !can_rest(value_ - min, -step, change))
+      step = std::max(step, approach(min - value_, step_, low, high, change));
     double value = value_ + step;
     if (value > max && step > 0.0) value = std::max(max, std::min(value_, value));
     if (value < min && step < 0.0) value = std::min(min, std::max(value_, value));

@@ -75,7 +75,7 @@ class ToAndFro final : public hal::Component<ToAndFro> {
       run_start_ = at;
       run_low_ = dir_ == 1 ? at : at - amplitude;
       run_high_ = dir_ == 2 ? at : at + amplitude;
-      to_high_ = dir_ == 1;
+      to_high_ = false;
       waited_s_ = 0.0;
       running_ = true;
     }
