@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "hal/component.hpp"
-#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -47,15 +46,12 @@ class Limit3 final : public hal::Component<Limit3> {
   }
   [[nodiscard]] double towards(double way, double step, double low, double high,
                                double change) const noexcept {
-    if (step <= 0.0 && way <= high) return std::max(way, low);
+    if (step <= 0.0) return way <= high ? std::max(way, low) : high;
     if (can_rest(way, high, change)) return high;
     double next = way;
-    if (step > 0.0) {
-      const double rest = 2.0 * way / step, steps = std::ceil(rest - kRounding);
-      if (steps > 1.0)
-        next = rest < smooth_steps_ - kRounding ? step * (steps - 1.0) / steps : step - change;
-    }
-    return rtapi::limited(next, low, high);
+    const double rest = 2.0 * way / step, steps = std::ceil(rest - kRounding);
+    if (steps > 1.0) next = rest < smooth_steps_ ? step * (steps - 1.0) / steps : step - change;
+    return std::max(low, std::min(next, high));
   }
   double value_{0.0}, step_{0.0}, target_{0.0};
 
