@@ -315,8 +315,7 @@ class LcdDisplay : public hal::Channel {
   static constexpr std::uint32_t kQuietCalls = 100;
   static constexpr std::string_view kStart{"\r\n\x18\r\n\x18\r\n\x18\r\n\x18\x11", 13};
   static constexpr std::string_view kNewPage{"\x11\x1e\x1a", 3};
-  static constexpr std::string_view kAgain{"\x00\x1b=  ",
-                                           5};  // the text's end, and back to the upper left corner
+  static constexpr std::string_view kEnd{"\x00", 1}, kHome{"\x1b=  ", 4};  // upper left corner
 
   static hal::Name display_name(std::size_t index) noexcept {
     return hal::numbered("lcd.##", index);
@@ -331,6 +330,7 @@ class LcdDisplay : public hal::Channel {
     if (page != page_) {
       page_ = page;
       item_ = 0;
+      ended_ = false;
       return control(kNewPage);
     }
     const double contrast = contrast_;
@@ -341,13 +341,18 @@ class LcdDisplay : public hal::Channel {
           static_cast<char>(static_cast<unsigned char>(0x20 + static_cast<int>(share * 159.0)));
       return control(std::string_view(contrast_text_, 3));
     }
+    if (ended_) {
+      ended_ = false;
+      return control(kHome);
+    }
     const hal::Array<LcdItem>& items = pages_[page_].items;
     while (item_ < items.size()) {
       items[item_++].begin(field_, static_cast<char>(separator_.get() & 0xFFU));
       if (field_.next(c)) return c;
     }
     item_ = 0;
-    return control(kAgain);
+    ended_ = true;
+    return control(kEnd);
   }
   char control(std::string_view text) noexcept {
     control_ = text;
@@ -368,6 +373,7 @@ class LcdDisplay : public hal::Channel {
   char contrast_text_[3]{'\x1b', 'C', ' '};
   double contrast_sent_{0.0};
   std::size_t item_{0};
+  bool ended_{false};  // the text, and is to begin again
   std::uint32_t page_{0xFFFFFFFF};
 };
 
