@@ -66,13 +66,13 @@ class PidChannel : public hal::Channel {
       error_i_ = limited(error_i_, max_error_i_);
     }
     command_d_before_ = command_d_;
-    if (!indexed) command_d_ = (command - command_before_) / dt;
-    if (linked(command_deriv_, own_command_deriv_)) command_d_ = command_deriv_;
+    if (!indexed) free_command_d_ = (command - command_before_) / dt;
+    if (linked(command_deriv_, own_command_deriv_)) free_command_d_ = command_deriv_;
     if (!indexed) feedback_d_ = (feedback - feedback_before_) / dt;
     if (linked(feedback_deriv_, own_feedback_deriv_)) feedback_d_ = feedback_deriv_;
-    error_d_ = command_d_ - feedback_d_;
+    error_d_ = free_command_d_ - feedback_d_;
     error_d_ = limited(error_d_, max_error_d_);
-    command_d_ = limited(command_d_, max_cmd_d_);
+    command_d_ = limited(free_command_d_, max_cmd_d_);
     feedback_before_ = feedback;
     const double command_dd_before = command_dd_;
     command_dd_ = limited((command_d_ - command_d_before_) / dt, max_cmd_dd_);
@@ -243,6 +243,7 @@ class PidChannel : public hal::Channel {
   }
   const void* own_command_deriv_{nullptr};
   const void* own_feedback_deriv_{nullptr};
+  double free_command_d_{0.0};  // before its limit
   double error_i_{0.0}, error_d_{0.0}, feedback_d_{0.0}, command_before_{0.0},
       feedback_before_{0.0};
   double command_d_{0.0}, command_d_before_{0.0}, command_dd_{0.0}, command_ddd_{0.0};

@@ -15,7 +15,8 @@ enum class Field : std::uint8_t { text, real, signed_integer, integer, hex, octa
 struct Item {
   Field field{Field::text};
   bool zeros{false}, plus{false};
-  char text[2]{};  ///< what stands there; of a bit when it is true and when it is false
+  char text[2]{};      ///< what stands there; of a bit when it is true and when it is false
+  bool joined{false};  ///< one of several characters of an escape, not the first
   std::size_t width{0};
   int decimals{kUsualDecimals};
   std::size_t arg{0};
@@ -43,6 +44,7 @@ class Layout {
       --pending_;
       out = Item{};
       out.text[0] = ending_[sizeof ending_ - 1 - pending_];
+      out.joined = true;
       return true;
     }
     if (rest_.empty() || builder_.failed()) return false;
@@ -69,7 +71,9 @@ class Layout {
   bool repeat(Item& out, const char (&text)[5], std::size_t size) noexcept {
     for (std::size_t i = 0; i < size; ++i) ending_[sizeof ending_ - size + i] = text[i];
     pending_ = size;
-    return next(out);
+    next(out);
+    out.joined = false;
+    return true;
   }
   bool escape(Item& out) noexcept {
     if (look() == 'n') {
@@ -324,6 +328,11 @@ class LcdDisplay : public hal::Channel {
   char of_page() noexcept {
     char c = 0;
     if (field_.next(c)) return c;
+    if (page_ < pages_.size() && item_ < pages_[page_].items.size() &&
+        pages_[page_].items[item_].item.joined) {
+      pages_[page_].items[item_++].begin(field_, ' ');
+      if (field_.next(c)) return c;
+    }
     // Between two characters or values: another page, another contrast.
     const std::uint32_t page = page_num_;
     if (page >= pages_.size()) return ' ';
