@@ -33,8 +33,8 @@ constexpr double kLaterEvery = 0.12;
 /// A stop that took more passes, or the solver, is tried nearer by this factor and again, down to that one; not when it takes less than so many
 /// times what it would on a straight, nor in more intervals; and is worth it when it gains that much.
 constexpr int kFewPasses = 1;
-constexpr double kNearer = 0.93, kNearest = 0.3, kSoonEnough = 1.15, kWorthwhile = 0.999;
-constexpr std::size_t kMostNearer = 90;
+constexpr double kNearer = 0.93, kNearest = 0.3, kSoonEnough = 1.25, kWorthwhile = 0.999;
+constexpr std::size_t kMostNearer = 40;
 /// A wish below this share of the start's x is far.
 constexpr double kFarBelow = 0.5;
 /// From rest the guess is made feasible from this attempt on.

@@ -18,7 +18,7 @@ constexpr double kWindowTime = 0.6, kSoonTime = 0.3;
 constexpr std::size_t kWindow = 400;
 constexpr std::size_t kMost = Law::kSteps * 3 / 4;
 /// A law is made longer when that share of it is driven, or so many stopping times are left of it.
-constexpr double kShare = 0.6, kStopTimes = 1.5;
+constexpr double kShare = 0.75, kStopTimes = 1.5;
 /// What follows a stop is made ready so long before.
 constexpr double kRestAhead = 0.25;
 /// A law that ends within so many times the least stop needs no stop beside it.
