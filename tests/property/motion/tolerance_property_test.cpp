@@ -116,10 +116,12 @@ void random_part(const Rig& rig, Random& r, Pose& at, std::vector<Programmed>& o
   }
 }
 
-void run_program(unsigned seed) {
+void run_program(unsigned seed, bool core_xy) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   Random r(seed);
-  Rig rig(test::random_axes(r));
+  test::RigKinematics moved_by(test::random_axes(r));
+  moved_by.core_xy = core_xy;
+  Rig rig(moved_by);
   test::random_limits(rig, r, r.chance(0.4));
   if (r.chance(0.5)) rig.config.rotary_tolerance_deg = r.log(0.01, 2);
   rig.apply_config();
@@ -187,7 +189,15 @@ void run_program(unsigned seed) {
 TEST(ToleranceProperty, ThePathAndItsPointsAreWithinP) {
   const int count = test::property_count(25);
   for (int i = 1; i <= count; ++i) {
-    run_program(static_cast<unsigned>(i));
+    run_program(static_cast<unsigned>(i), false);
+    if (testing::Test::HasFailure()) break;
+  }
+}
+
+TEST(ToleranceProperty, AlsoWhereKinematicsMixAxes) {
+  const int count = test::property_count(25);
+  for (int i = 1; i <= count; ++i) {
+    run_program(static_cast<unsigned>(i), true);
     if (testing::Test::HasFailure()) break;
   }
 }

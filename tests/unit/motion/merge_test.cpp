@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "unit/motion/polar_kinematics.hpp"
 #include "unit/motion/rig.hpp"
 
 namespace kerf::motion {
@@ -88,6 +89,35 @@ TEST(Merge, OtherFeedsModesAndRapidsAreNotJoined) {
   rig.line({.x = 25}, 20);
   rig.line({.x = 30}, 20);
   EXPECT_EQ(driven(rig).items.size(), 6U);
+}
+
+/// Chords around a pole: their joints are within, those of one line for several of them are not.
+TEST(Merge, NoJointGoesBeyondItsSoftLimitForIt) {
+  const test::PolarKinematics polar;
+  Rig rig{test::RigKinematics(polar)};
+  constexpr double kInwards = 5e-4;
+  rig.config.joint[0].min_limit = -kInwards;
+  rig.apply_config();
+  rig.ready();
+  PathControl control;
+  control.tolerance_mm = 0.1;
+  control.naive_cam_tolerance_mm = 0.1;
+  ASSERT_TRUE(rig.push(control));
+  for (int degree = 1; degree <= 60; ++degree) {
+    JointVector q{};
+    Pose end;
+    q[1] = degree;
+    ASSERT_TRUE(polar.forward(q, end));
+    ASSERT_TRUE(rig.line(end, 20));
+  }
+  double least = 0;
+  ASSERT_GT(rig.run_until([&] {
+    least = std::min(least, rig.status().joint[0].pos_cmd);
+    return rig.status().executed_seq >= rig.seq && rig.status().path_empty;
+  }),
+            0);
+  EXPECT_GE(least, -kInwards - 1e-6);
+  EXPECT_TRUE(rig.faults.empty());
 }
 
 TEST(Merge, SingleStepsKeepTheirBlocks) {

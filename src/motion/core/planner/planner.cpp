@@ -521,7 +521,7 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   if (alone || indexer >= 0) stop_here();
   if (indexer >= 0) (void)event(item, IndexerSpan{indexer, true});
   if (config_.path_check) note(move, item.seq);
-  const bool may_merge = kind == MotionKind::feed && sync == nullptr && plain_ &&
+  const bool may_merge = kind == MotionKind::feed && sync == nullptr && !alone &&
                          curve.shape == Curve::Shape::line && merge_mm_ > 0 && !single_step_;
   end_ = curve.end;
   joint_ = joint;
@@ -559,6 +559,17 @@ void Planner::note(const path::Move& move, std::uint64_t seq) noexcept {
   slots_.programmed.add(noted, seq);
 }
 
+/// Where kinematics mix axes joints may go beyond their soft limits on the way between two places that are within.
+bool Planner::joins_within_limits(const Pose& end) const noexcept {
+  if (merge_.count() == 0) return false;
+  Curve whole;
+  JointVector joint = joint_;
+  FaultRecord unused;
+  return make_line(path::to_pose(merge_.start()), end, axes_of(kinematics_.axis_mask(), config_),
+                   whole) &&
+         within_soft_limits(whole, kinematics_, config_, skew_, shift_, joint, unused);
+}
+
 bool Planner::merge_line(const Block& block, const path::Piece& line, const Meta& meta) noexcept {
   // What stands between two moves keeps its place: outputs switch where they were programmed.
   const bool between = !events_.empty() && events_.back().after == moves_.size();
@@ -566,6 +577,7 @@ bool Planner::merge_line(const Block& block, const path::Piece& line, const Meta
       !(moves_.back().piece.feed == line.feed))
     return false;
   const path::Vec end = path::to_vec(block.end);
+  if (!plain_ && !joins_within_limits(block.end)) return false;
   if (!merge_.add(end, merge_mm_)) return false;
   const double speed = line.feed.speed;
   path::Piece& piece = moves_.back().piece;

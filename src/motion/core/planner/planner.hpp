@@ -163,6 +163,7 @@ class Planner {
   /// The line becomes a part of the last pending one. False: it is one of its own.
   [[nodiscard]] bool merge_line(const Block& block, const path::Piece& line,
                                 const Meta& meta) noexcept;
+  [[nodiscard]] bool joins_within_limits(const Pose& end) const noexcept;
   void share_tolerance() noexcept;
   void note(const path::Move& move, std::uint64_t seq) noexcept;
   [[nodiscard]] path::PathMode mode_of(const PathControl& control) const noexcept;
