@@ -138,7 +138,8 @@ class CarouselChannel : public hal::Channel {
       code |= 1U << i;
       odd = !odd;
     }
-    parity_error_ = odd != odd_parity_;
+    // One sensor of many is no code.
+    if (encoding_ != Encoding::single) parity_error_ = odd != odd_parity_;
     switch (encoding_) {
       case Encoding::gray:
         for (std::uint32_t shifted = code >> 1U; shifted != 0; shifted >>= 1U) code ^= shifted;
@@ -179,7 +180,7 @@ class CarouselChannel : public hal::Channel {
       jogging_ = false;
       aim();
       step_ = homes() && !homed_.last() ? Step::begin_homing : Step::search;
-    } else if (jog != 0 && (!homes() || homed_.last())) {
+    } else if (jog != 0 && !enable_ && (!homes() || homed_.last())) {
       jogging_ = true;
       ready_ = false;
       from_ = here();
@@ -190,7 +191,9 @@ class CarouselChannel : public hal::Channel {
   void aim() noexcept {
     target_ = around(pocket_number_);
     const std::int32_t ahead = around(std::int64_t{target_} - here() + 1) - 1;
-    direction_ = both_ways_ && 2 * ahead > pockets_ ? -1 : 1;
+    // Of two ways of one length it is the one without the step from the last pocket to the first.
+    const bool back = 2 * ahead > pockets_ || (2 * ahead == pockets_ && target_ < here());
+    direction_ = both_ways_ && back ? -1 : 1;
   }
 
   void step(double dt, bool enable) noexcept {
@@ -265,7 +268,9 @@ class CarouselChannel : public hal::Channel {
   }
 
   void arrive() noexcept {
-    if (active_.last() && rev_pulse_ > 0.0) {
+    if (rev_pulse_ > 0.0) {
+      // Also where the pocket is there already: it may not be locked.
+      active_ = true;
       timer_ = rev_pulse_;
       motor(-1, rev_dc_);
       step_ = Step::lock;
