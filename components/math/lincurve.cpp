@@ -31,7 +31,11 @@ class Lincurve final : public hal::Component<Lincurve> {
     const std::size_t last = x_val_.size() - 1;
     const double in = in_;
     std::size_t i = 0;
-    while (i < last && in > x_val_[i + 1]) ++i;
+    // The ends are looked at first, the last one before all: so points that do not ascend have a meaning too.
+    if (in >= x_val_[last])
+      i = last;
+    else if (in > x_val_[0])
+      while (i < last && in > x_val_[i + 1]) ++i;
     double out = y_val_[i];
     if (i < last && in > x_val_[i]) {
       const double x0 = x_val_[i], x1 = x_val_[i + 1], y1 = y_val_[i + 1];

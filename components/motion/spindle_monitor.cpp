@@ -37,13 +37,14 @@ class SpindleMonitor final : public hal::Component<SpindleMonitor> {
       if (spindle_is_on_) level_ = 1U;
       return;
     }
-    if (level == 1 && std::fabs(missing) < threshold) {
+    if (!spindle_is_on_) {
+      level_ = 0U;
+    } else if (level == 1 && std::fabs(missing) < threshold) {
       spindle_at_speed_ = true;
       level_ = 2U;
     } else if (level == 2 && missing > threshold) {
       spindle_underspeed_ = true;
     }
-    if (!spindle_is_on_) level_ = 0U;
   }
   hal::Function update_{
       function<&SpindleMonitor::update>("", "Computes the outputs from the inputs")};
