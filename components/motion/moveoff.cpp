@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hal/component.hpp"
+#include "hal/operator_line.hpp"
 #include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
@@ -18,9 +19,12 @@ class Moveoff final : public hal::Component<Moveoff> {
           "limits of value, speed and acceleration. When either of the enables goes, the offsets "
           "go back to zero: along the recorded waypoints in reverse order with backtrack-enable, "
           "else each joint on its own way. When the memory for waypoints is used up the offsets "
-          "stop until an enable goes."};
+          "stop until an enable goes. Offsets that are taken back because apply-offsets went set "
+          "warning and say so."};
 
-  explicit Moveoff(hal::Builder& b) noexcept : Component(b) {
+  explicit Moveoff(hal::Builder& b) noexcept
+      : Component(b),
+        line_(static_cast<const hal::OperatorLine*>(b.find_service(hal::kOperatorLine))) {
     const std::int64_t joints = b.personality() > 0 ? b.personality() : 3;
     if (joints > static_cast<std::int64_t>(kMostJoints)) {
       b.fail("personality= must be from 1 to 9");
@@ -125,7 +129,12 @@ class Moveoff final : public hal::Component<Moveoff> {
       }
     } else if (state_ == State::applies && !enable) {
       state_ = State::returns;
-      if (!apply_offsets_) warning_ = true;
+      if (!apply_offsets_) {
+        warning_ = true;
+        if (line_ != nullptr && offset_applied_.last())
+          line_->error(
+              "moveoff: apply-offsets went while offsets are applied, they go back to zero");
+      }
       full_ = false;
       if (waypoints_ > 0) --waypoints_;  // of the place where it is
     } else if (state_ == State::returns && enable) {
@@ -196,6 +205,7 @@ class Moveoff final : public hal::Component<Moveoff> {
       state_ = State::idle;
     }
   }
+  const hal::OperatorLine* line_;
   State state_{State::idle};
   std::size_t waypoints_{0};
   double epsilon_now_{0.0005}, threshold_{0.02}, sample_s_{0.02}, since_s_{0.0};

@@ -24,6 +24,22 @@ class Message : public testing::Test {
       &said};
 };
 
+TEST_F(Message, OfOffsetsThatApplyOffsetsLeavesBehindComesOnce) {
+  ASSERT_TRUE(hal.create(module("moveoff"), "mv", 1)) << hal.error();
+  for (const char* pin : {"mv.power-on", "mv.move-enable", "mv.apply-offsets"}) hal.set(pin, true);
+  const auto run = [this](bool applies) {
+    hal.set("mv.apply-offsets", applies);
+    for (int i = 0; i < 100; ++i) hal.run("mv.read-inputs");
+  };
+  run(true);
+  run(false);
+  EXPECT_TRUE(said.empty()) << "there was no offset";
+  hal.set("mv.offset-in-0", 0.5);
+  run(true);
+  run(false);
+  EXPECT_EQ(said.size(), 1U);
+}
+
 TEST_F(Message, ComesOnceForEachEdge) {
   hal.set_arg("messages", "oil is low,no air");
   hal.set_arg("names", "oil,air");
