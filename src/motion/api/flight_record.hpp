@@ -31,7 +31,7 @@ enum class FlightKind : std::uint16_t {
   modal = 7,   ///< planner: what holds for the items behind it
   item =
       8,  ///< planner: a PathItem as it was taken, behind the cycle of that number; extra: the turn
-  turn = 9,   ///< planner: its time [ns]; the items that it took then follow
+  turn = 9,   ///< planner: TurnRecord; the items that it took then follow
   pins = 10,  ///< changed words of PinValues; extra 1: all of them
 };
 

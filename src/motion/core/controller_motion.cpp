@@ -417,6 +417,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
       path.unseen_joint = static_cast<std::int32_t>(j);
   path.shift = shift_;
   path.spindle = in.spindle;
+  path.plan_passes = in.plan_passes;
   for (std::size_t j = 0; j < joints_; ++j) path.unlocked |= joint_[j].is_unlocked ? 1U << j : 0U;
   executor_.step(path, dt, faults_);
   if (mode_ == MotionMode::free) {

@@ -134,6 +134,7 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
   waiting_ = PathWait::none;
   waiting_index_ = -1;
   law_stands_ = false;
+  laws_.look(in.plan_passes);
   if (in.spindle != nullptr) sync_.observe(in.spindle, dt);
   set_scale(in);
   locking_ &= in.unlocked;

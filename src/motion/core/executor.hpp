@@ -37,8 +37,9 @@ struct PathInputs {
   Pose pose_fb;                   ///< what a probe contact latches
   std::int32_t unseen_joint{-1};  ///< its feedback is extrapolated, or was in the last cycle
   Pose shift;                     ///< of the machine from the path's coordinates
-  const SpindleInputs* spindle{nullptr};  ///< kMaxSpindles of them
-  std::uint32_t unlocked{0};              ///< joints with is-unlocked, a bit each
+  const SpindleInputs* spindle{nullptr};         ///< kMaxSpindles of them
+  std::uint32_t unlocked{0};                     ///< joints with is-unlocked, a bit each
+  std::uint64_t plan_passes{~std::uint64_t{0}};  ///< Inputs::plan_passes
 };
 
 class Executor {

@@ -46,6 +46,8 @@ struct Inputs {
   bool jog_inhibit{false}, jog_stop{false}, jog_stop_immediate{false}, probe{false};
   std::uint64_t misc_errors{0};  ///< motion.misc-error-NN, a bit each
   double adaptive_feed{1};
+  /// PlanGate::done() at the beginning of the cycle: what can be seen of the planner.
+  std::uint64_t plan_passes{~std::uint64_t{0}};
   double since_last_s{0};  ///< from the start of the cycle before to that of this one; 0: not known
   JointInputs joint[kMaxJoints];
   SpindleInputs spindle[kMaxSpindles];

@@ -21,8 +21,7 @@ void LawRunner::take(std::size_t slot, std::uint64_t number) noexcept {
 LawRunner::Way LawRunner::start(std::uint64_t span, double left) noexcept {
   for (std::size_t i = 0; i < Laws::kSlots; ++i) {
     const LawHead& head = laws_.head[i];
-    // Acquire: who sees the number sees the law.
-    const std::uint64_t number = head.number.observe();
+    const std::uint64_t number = head.number_after(passes_);
     if (number == 0 || head.key.span != span || head.key.left != left) continue;
     if (head.key.kind == LawKey::Kind::boxes) return Way::boxes;
     if (head.key.kind != LawKey::Kind::rest) continue;
@@ -37,7 +36,7 @@ std::size_t LawRunner::child(bool stand, double& until) const noexcept {
   std::size_t found = kNone;
   for (std::size_t i = 0; i < Laws::kSlots; ++i) {
     const LawHead& head = laws_.head[i];
-    if (head.number.observe() == 0) continue;
+    if (head.number_after(passes_) == 0) continue;
     const LawKey& key = head.key;
     if (key.parent != number_ || key.index != index_) continue;
     const bool takes = key.kind == LawKey::Kind::go || (key.kind == LawKey::Kind::stop && stand);
@@ -71,8 +70,7 @@ LawRunner::Moved LawRunner::run(std::uint64_t span, bool stand, double dt) noexc
     out.used += ahead;
     seconds_ = until;
     if (next != kNone) {
-      const std::uint64_t number = laws_.head[next].number.observe();
-      if (number != 0) take(next, number);  // else taken back in this very moment
+      take(next, laws_.head[next].number_after(passes_));
       continue;
     }
     if (index_ + 1 >= law_->count) {

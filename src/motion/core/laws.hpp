@@ -31,9 +31,21 @@ struct LawKey {
 
 /// What the servo looks through in each cycle, for all laws side by side: their steps are far apart.
 struct LawHead {
-  /// 0: nothing to be taken. Published after all else of the law is written; what a law says stays as it is until no cycle can read it any more.
+  /// That of the planner's pass (plan_gate.hpp) in which it was published, after all else of the law was written; 0: none. What a law says stays as it
+  /// is until no cycle can read it any more.
   rtapi::Word<std::uint64_t> number{0};
+  /// Of the pass in which it was taken back, larger than `number`; else that of an older law, or 0.
+  rtapi::Word<std::uint64_t> gone{0};
   LawKey key;
+
+  /// What of it can be taken in a cycle at whose beginning so many passes were done: its number, or 0.
+  [[nodiscard]] std::uint64_t number_after(std::uint64_t passes) const noexcept {
+    // Acquire: who sees the number sees the law; and with the number of a law that is written anew it has been seen as gone for long.
+    const std::uint64_t n = number.observe();
+    if (n == 0 || n > passes) return 0;
+    const std::uint64_t g = gone.observe();
+    return g > n && g <= passes ? 0 : n;
+  }
 };
 
 struct Law {
@@ -69,6 +81,8 @@ class LawRunner {
  public:
   explicit LawRunner(const Laws& laws) noexcept : laws_(laws) {}
 
+  /// A new cycle: it sees what so many passes have left (PlanGate::done()), and all of the cycle sees the same.
+  void look(std::uint64_t passes) noexcept { passes_ = passes; }
   [[nodiscard]] bool on() const noexcept { return law_ != nullptr; }
   void leave() noexcept { law_ = nullptr; }
   enum class Way { none, law, boxes };
@@ -92,6 +106,7 @@ class LawRunner {
 
   const Laws& laws_;
   const Law* law_{nullptr};
+  std::uint64_t passes_{~std::uint64_t{0}};
   std::uint64_t number_{0};
   std::uint32_t index_{0};
   double seconds_{0};

@@ -9,6 +9,7 @@
 #include "motion/core/laws.hpp"
 #include "motion/core/path/piece.hpp"
 #include "motion/core/path/tolerance.hpp"
+#include "motion/core/plan_gate.hpp"
 
 namespace kerf::motion {
 
@@ -182,6 +183,7 @@ struct PlanSlots {
   rtapi::Word<std::uint32_t> pending{0};
   ProgrammedMoves programmed;  ///< only with MachineConfig::path_check
   Laws laws;
+  PlanGate gate;
 };
 
 /// What scales the programmed feeds.

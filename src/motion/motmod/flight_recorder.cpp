@@ -161,10 +161,12 @@ void FlightRecorder::pins(std::uint64_t cycle) noexcept {
   servo_.write(head, words_, n);
 }
 
-void FlightRecorder::turn(std::int64_t now_ns) noexcept {
+void FlightRecorder::turn(std::int64_t now_ns, std::uint64_t passes, std::uint32_t abort_epoch,
+                          std::uint64_t view_cycle) noexcept {
   ++turn_;
   if (record_ == nullptr) return;
-  write_whole(path_words_, path_, FlightKind::turn, cycle_.observe(), now_ns, turn_);
+  const TurnRecord turn{now_ns, passes, abort_epoch, view_cycle};
+  write_whole(path_words_, path_, FlightKind::turn, cycle_.observe(), turn, turn_);
 }
 
 void FlightRecorder::taken(const PathItem& item, const Planner::Modal& before, bool idle) noexcept {

@@ -42,6 +42,14 @@ struct ModalRecord {
   Planner::Modal modal;
 };
 
+/// A turn of the planner.
+struct TurnRecord {
+  std::int64_t time_ns{0};
+  std::uint64_t passes{0};       ///< PlanGate::passes() before the turn
+  std::uint64_t abort_epoch{0};  ///< as the planner saw it
+  std::uint64_t view_cycle{0};   ///< of the ServoView that it saw
+};
+
 namespace detail {
 constexpr std::uint64_t flight_hash(std::initializer_list<std::size_t> values) noexcept {
   std::uint64_t h = 0xcbf29ce484222325ULL;
@@ -58,6 +66,7 @@ inline constexpr std::uint64_t kFlightStateAbi =
                          sizeof(CycleInputs),
                          sizeof(ConfigRecord),
                          sizeof(ModalRecord),
+                         sizeof(TurnRecord),
                          sizeof(Inputs),
                          sizeof(Controller::Rest),
                          sizeof(Executor::Rest),
@@ -93,7 +102,8 @@ class FlightRecorder final : public Planner::Tap {
   void cycle(const Controller& controller, const Inputs& in, const Orders& orders,
              std::int64_t now_ns) noexcept;
   /// Planner.
-  void turn(std::int64_t now_ns) noexcept override;
+  void turn(std::int64_t now_ns, std::uint64_t passes, std::uint32_t abort_epoch,
+            std::uint64_t view_cycle) noexcept override;
   void taken(const PathItem& item, const Planner::Modal& before, bool idle) noexcept override;
 
  private:

@@ -288,6 +288,7 @@ void Motmod::command_handler(const hal::Period&) noexcept {
 
 void Motmod::motion_controller(const hal::Period& period) noexcept {
   if (controller_ == nullptr) return;
+  inputs_.plan_passes = link_->slots.gate.done();  // before anything of the planner's is looked at
   read_inputs();
   MotionStatus& status = controller_->status();
   status.digital_in = io_.digital_in();

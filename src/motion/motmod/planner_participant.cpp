@@ -11,7 +11,8 @@ void PlannerParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   next.watch(link_.cell);
   ServoView& view = view_;
   const bool published = link_.view.version() != 0;
-  const bool seen = published && link_.view.read(view);
+  const std::uint64_t passes = link_.slots.gate.passes();
+  const bool seen = link_.slots.gate.pass([&] { return published && link_.view.read(view); });
   if (published && !seen) next.wake_at(now + kRetry);
   const bool parked = seen && view.config_wish != 0;
   link_.parked.publish(parked ? view.config_wish : 0);
@@ -31,7 +32,7 @@ void PlannerParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
     return;
   }
   const Planner::Waits waits =
-      planner_.run(shared_.path, view, shared_.intent.abort_epoch.get(), now);
+      planner_.run(shared_.path, view, shared_.intent.abort_epoch.get(), now, passes);
   if (waits == Planner::Waits::turn) next.wake_at(now);
   if (waits == Planner::Waits::time) next.wake_at(planner_.wake_ns());
   if (planner_.makes_laws()) next.wake_at(now + Planner::kLawTurn);

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cinttypes>
+#include <condition_variable>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <mutex>
+#include <thread>
 
 #include "hal/core/value_text.hpp"
 #include "motion/api/faults.hpp"
@@ -51,6 +54,91 @@ class HeapMemory final : public path::Memory {
   std::vector<std::unique_ptr<std::byte[]>> blocks_;
 };
 
+struct Turn {
+  TurnRecord begin;
+  std::vector<PathItem> items;
+};
+
+/// The planner in a thread of its own, which is let go on between servo cycles, as far as the recorded one had come by then.
+class PlannerThread final : public PlanGate::Hold {
+ public:
+  PlannerThread(PlannerParticipant& planner, MotionShared& shared, PlannerLink& link)
+      : planner_(planner), shared_(shared), link_(link) {}
+  ~PlannerThread() {
+    {
+      const std::lock_guard lock(mutex_);
+      ends_ = true;
+    }
+    moved_.notify_all();
+    if (thread_.joinable()) thread_.join();
+  }
+  PlannerThread(const PlannerThread&) = delete;
+  PlannerThread& operator=(const PlannerThread&) = delete;
+
+  void start(std::vector<Turn> turns) {
+    turns_ = std::move(turns);
+    thread_ = std::thread([this] { run(); });
+  }
+  /// Behind a cycle: lets it make all passes up to `number`, and look at `view`; comes back when it has.
+  void allow(std::uint64_t number, const ServoView& view) {
+    std::unique_lock lock(mutex_);
+    allowed_ = number;
+    newest_ = view.cycle;
+    view_[view.cycle % kViews] = view;
+    moved_.notify_all();
+    moved_.wait(lock, [this] { return done_ || (stands_ && !may_go()); });
+  }
+  void wait(std::uint64_t number) noexcept override {
+    std::unique_lock lock(mutex_);
+    wants_ = number;
+    stands_ = true;
+    moved_.notify_all();
+    moved_.wait(lock, [this] { return ends_ || may_go(); });
+    stands_ = false;
+    if (wants_ == begin_->passes + 1) link_.view.write(view_[begin_->view_cycle % kViews]);
+  }
+
+ private:
+  /// A turn begins with a look at what the servo says, and while the servo is at work that is what the cycle before has said.
+  [[nodiscard]] bool may_go() const {
+    return wants_ == begin_->passes + 1 ? begin_->view_cycle <= newest_ : wants_ <= allowed_;
+  }
+  void run() {
+    for (const Turn& turn : turns_) {
+      {
+        const std::lock_guard lock(mutex_);
+        begin_ = &turn.begin;
+      }
+      // Whatever it did more or less than the recorded one, the next turn begins as that one's.
+      link_.slots.gate.resume_at(turn.begin.passes, this);
+      // What does not fit is lost, and the difference is seen: motion had room for all of them.
+      for (const PathItem& item : turn.items) (void)shared_.path.push(item);
+      shared_.intent.abort_epoch.set(static_cast<std::uint32_t>(turn.begin.abort_epoch));
+      rtapi::WaitSpec spec;
+      planner_.step(turn.begin.time_ns, spec);
+      const std::lock_guard lock(mutex_);
+      if (ends_) break;
+    }
+    const std::lock_guard lock(mutex_);
+    done_ = true;
+    moved_.notify_all();
+  }
+
+  PlannerParticipant& planner_;
+  MotionShared& shared_;
+  PlannerLink& link_;
+  std::vector<Turn> turns_;
+  const TurnRecord* begin_{nullptr};
+  static constexpr std::size_t kViews = 256;
+  ServoView view_[kViews];  ///< by cycle
+  std::uint64_t newest_{0};
+  std::mutex mutex_;
+  std::condition_variable moved_;
+  std::uint64_t wants_{0}, allowed_{0};
+  bool stands_{false}, ends_{false}, done_{false};
+  std::thread thread_;
+};
+
 /// Motion without HAL.
 class Machine {
  public:
@@ -79,7 +167,7 @@ class Machine {
     image_.set(rest.intent);
     link_->config.write(rest.state.config);
     orders_.values = &intent_;
-    shared_->intent.abort_epoch.set(rest.inputs.abort_epoch);
+    planner_thread_ = std::make_unique<PlannerThread>(*planner_, *shared_, *link_);
     tell();
   }
 
@@ -109,20 +197,16 @@ class Machine {
     orders_.enable_request = in.enable_request;
     orders_.path_ring_empty = in.path_ring_empty;
     orders_.heartbeat = in.heartbeat;
-    shared_->intent.abort_epoch.set(in.abort_epoch);
     now_ns_ += period_ns_;
+    planner_thread_->allow(in.in.plan_passes, last_);
     controller_->step(in.in, orders_, static_cast<double>(period_ns_) * 1e-9, now_ns_);
     tell();
     return true;
   }
-  /// A turn of the planner, with the items that it took then.
-  void turn(std::int64_t now_ns, const std::vector<PathItem>& items) {
-    // What does not fit is lost, and the difference is seen: motion had room for all of them.
-    for (const PathItem& item : items) (void)shared_->path.push(item);
-    rtapi::WaitSpec wait;
-    planner_->step(now_ns, wait);
+  void plan(const Planner::Modal* modal, std::vector<Turn> turns) {
+    if (modal != nullptr) planner_->planner().set_modal(*modal);
+    planner_thread_->start(std::move(turns));
   }
-  void modal(const Planner::Modal& modal) { planner_->planner().set_modal(modal); }
   [[nodiscard]] const Controller& controller() const { return *controller_; }
 
  private:
@@ -150,6 +234,7 @@ class Machine {
   Intent intent_;
   Orders orders_;
   ServoView last_;
+  std::unique_ptr<PlannerThread> planner_thread_;  ///< ends before what it works on
 };
 
 /// The first standstill behind which all is there; nullptr: none.
@@ -167,6 +252,24 @@ const Entry* first_rest(const std::vector<Entry>& servo, const std::vector<Entry
         whole(e.head.number))
       return &e;
   return nullptr;
+}
+
+std::vector<Turn> turns_since(const std::vector<Entry>& path, std::uint64_t cycle) {
+  std::vector<Turn> turns;
+  std::uint32_t number = 0;
+  for (const Entry& e : path) {
+    if (e.head.number < cycle) continue;
+    TurnRecord begin;
+    PathItem item;
+    if (e.kind() == FlightKind::turn && read(e, begin)) {
+      turns.push_back({begin, {}});
+      number = e.head.extra;
+    } else if (e.kind() == FlightKind::item && !turns.empty() && e.head.extra == number &&
+               read(e, item)) {
+      turns.back().items.push_back(item);
+    }
+  }
+  return turns;
 }
 
 std::string line_of(const ReplayResult::Met& met) {
@@ -214,31 +317,12 @@ ReplayResult replay(const FlightFile& file, Kinematics& kinematics) {
   Machine machine(file, kinematics, *rest);
   result.from_cycle = start->head.number;
   result.from_ns = rest->time_ns;
-  auto item = std::find_if(path.begin(), path.end(),
-                           [&](const Entry& e) { return e.head.number >= start->head.number; });
-  for (const Entry& e : path) {
-    ModalRecord modal;
-    if (e.head.number < start->head.number || e.kind() != FlightKind::modal || !read(e, modal))
-      continue;
-    machine.modal(modal.modal);
-    break;
-  }
-  std::vector<PathItem> items;
-  const auto plan_behind = [&](std::uint64_t cycle) {
-    while (item != path.end() && item->head.number <= cycle) {
-      std::int64_t now_ns = 0;
-      const bool is_turn = item->kind() == FlightKind::turn && read(*item, now_ns);
-      items.clear();
-      const std::uint32_t turn = item->head.extra;
-      for (++item; item != path.end() && item->kind() != FlightKind::turn; ++item) {
-        PathItem next;
-        if (item->kind() == FlightKind::item && item->head.extra == turn && read(*item, next))
-          items.push_back(next);
-      }
-      if (is_turn) machine.turn(now_ns, items);
-    }
-  };
-  plan_behind(start->head.number);
+  ModalRecord modal;
+  const auto first_modal = std::find_if(path.begin(), path.end(), [&](const Entry& e) {
+    return e.head.number >= start->head.number && e.kind() == FlightKind::modal && read(e, modal);
+  });
+  machine.plan(first_modal != path.end() ? &modal.modal : nullptr,
+               turns_since(path, start->head.number));
   for (const Entry* e = start + 1; e < servo.data() + servo.size(); ++e) {
     bool good = true;
     switch (e->kind()) {
@@ -256,7 +340,6 @@ ReplayResult replay(const FlightFile& file, Kinematics& kinematics) {
           result.replayed.push_back({e->head.number, fault});
         if (result.differs_at == 0 && check_sum(machine.controller()) != e->head.extra)
           result.differs_at = e->head.number;
-        plan_behind(e->head.number);
         break;
       }
       case FlightKind::fault: {

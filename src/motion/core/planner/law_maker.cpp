@@ -68,7 +68,7 @@ void LawMaker::forget() noexcept {
 void LawMaker::take_back(std::size_t slot) noexcept {
   Info& info = info_[slot];
   if (info.state != State::there) return;
-  laws_.head[slot].number.publish(0);
+  gate_.pass([&] { laws_.head[slot].gone.publish(gate_.passes()); });
   rtapi::full_fence();
   info.state = State::taken_back;
   info.mark = 0;
@@ -188,7 +188,7 @@ LawMaker::Info& LawMaker::publish(std::size_t slot, const LawKey& key,
   Info& info = info_[slot];
   info = Info{};
   info.state = State::there;
-  info.number = ++numbers_;
+  info.number = gate_.passes() + 1;  // of the pass below
   info.known = next_;
   info.final = window.final;
   info.wants = window.wants;
@@ -200,7 +200,7 @@ LawMaker::Info& LawMaker::publish(std::size_t slot, const LawKey& key,
     info.last_span = law.step[law.count - 1].span;
     info.last_left = law.step[law.count - 1].left;
   }
-  laws_.head[slot].number.publish(info.number);
+  gate_.pass([&] { laws_.head[slot].number.publish(info.number); });
   return info;
 }
 

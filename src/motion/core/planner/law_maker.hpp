@@ -14,11 +14,14 @@ namespace kerf::motion {
 
 class LawMaker {
  public:
-  explicit LawMaker(Laws& laws) noexcept : laws_(laws) {}
+  LawMaker(Laws& laws, PlanGate& gate) noexcept : laws_(laws), gate_(gate) {}
   /// `joints`: for kinematics that mix axes too. False: no memory.
   [[nodiscard]] bool create(path::Memory& memory, bool joints) noexcept;
   void configure(const path::AxisLimits& limits, bool on, double longest_stop_s) noexcept;
   [[nodiscard]] bool on() const noexcept { return on_; }
+  /// So far ahead of the servo a new law begins: what it learns while it runs.
+  [[nodiscard]] double lead_s() const noexcept { return lead_; }
+  void set_lead(double seconds) noexcept { lead_ = seconds; }
 
   /// What there is to know of a span; its number is the next one.
   struct Stretch {
@@ -109,6 +112,7 @@ class LawMaker {
   }
 
   Laws& laws_;
+  PlanGate& gate_;
   Info info_[Laws::kSlots];
   path::Buffer<Stretch> stretch_;
   path::Buffer<path::JointCurve> joints_;  ///< of them
@@ -117,7 +121,7 @@ class LawMaker {
   FeedScale scale_;
   double stop_s_{0};
   double lead_{0};  ///< s
-  std::uint64_t numbers_{0}, first_{0}, next_{0};
+  std::uint64_t first_{0}, next_{0};
   Counts counts_;
   std::uint64_t worked_{0};  ///< of the solver, counted so far
   bool on_{false}, single_step_{false}, busy_{false};

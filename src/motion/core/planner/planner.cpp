@@ -130,26 +130,27 @@ path::AxisLimits Planner::guide() const noexcept {
 }
 
 Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
-                            std::int64_t now_ns) noexcept {
+                            std::int64_t now_ns, std::uint64_t passes) noexcept {
+  if (tap_ != nullptr) tap_->turn(now_ns, passes, abort_epoch, view.cycle);
   const Waits waits = take_items(in, view, abort_epoch, now_ns);
   if (waits == Waits::turn) return waits;
   if (laws_.on()) run_laws(view);
   // Release: behind what is planned for it.
-  if (single_step_) slots_.steps.publish(1);
+  if (single_step_) slots_.gate.pass([&] { slots_.steps.publish(1); });
   return waits;
 }
 
 void Planner::run_laws(const ServoView& view) noexcept {
   // With a full ring the next span takes the slot of the one that was driven last.
-  while (first_ahead_ < next_number_ && (next_number_ - first_ahead_ > kSpans ||
-                                         sent_[first_ahead_ % kSpans].place < spans_.popped()))
+  const std::uint64_t popped = slots_.gate.pass([&] { return spans_.popped(); });
+  while (first_ahead_ < next_number_ &&
+         (next_number_ - first_ahead_ > kSpans || sent_[first_ahead_ % kSpans].place < popped))
     ++first_ahead_;
   laws_.run(view, scale_, single_step_, first_ahead_, next_number_);
 }
 
 Planner::Waits Planner::take_items(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
                                    std::int64_t now_ns) noexcept {
-  if (tap_ != nullptr) tap_->turn(now_ns);
   if (view.acked_epoch != epoch_ || (placed_ && view.place != place_ && !probing_)) {
     if (view.acked_epoch != epoch_) per_rev_ = FeedPerRev{};
     forget();
@@ -158,7 +159,7 @@ Planner::Waits Planner::take_items(PathRing& in, const ServoView& view, std::uin
   if (!(view.scale == scale_) || view.single_step != single_step_) {
     scale_ = view.scale;
     single_step_ = view.single_step;
-    if (!single_step_) slots_.steps.publish(0);
+    if (!single_step_) slots_.gate.pass([&] { slots_.steps.publish(0); });
     plan(true);
   }
   shift_ = view.shift;
@@ -184,7 +185,7 @@ Planner::Waits Planner::take_items(PathRing& in, const ServoView& view, std::uin
       case Take::done:
         if (tap_ != nullptr) tap_->taken(*item, before, idle);
         last_item_ns_ = now_ns;
-        slots_.pending.publish(1);
+        slots_.gate.pass([&] { slots_.pending.publish(1); });
         in.pop();
         break;
       case Take::wait_room: return Waits::room;
@@ -205,6 +206,7 @@ Planner::Modal Planner::modal() const noexcept {
   std::copy(std::begin(css_), std::end(css_), std::begin(m.css));
   m.per_rev = per_rev_;
   m.merge_mm = merge_mm_, m.thread_per_rev = thread_per_rev_;
+  m.law_lead_s = laws_.lead_s();
   m.thread_spindle = thread_spindle_, m.thread_first = thread_first_;
   m.epoch = epoch_, m.refused_epoch = refused_epoch_;
   m.refusing = refusing_, m.after_traverse = after_traverse_, m.spindle_changed = spindle_changed_;
@@ -217,6 +219,7 @@ void Planner::set_modal(const Modal& m) noexcept {
   std::copy(std::begin(m.css), std::end(m.css), std::begin(css_));
   per_rev_ = m.per_rev;
   merge_mm_ = m.merge_mm, thread_per_rev_ = m.thread_per_rev;
+  laws_.set_lead(m.law_lead_s);
   thread_spindle_ = m.thread_spindle, thread_first_ = m.thread_first;
   epoch_ = m.epoch, refused_epoch_ = m.refused_epoch;
   refusing_ = m.refusing, after_traverse_ = m.after_traverse, spindle_changed_ = m.spindle_changed;
@@ -232,7 +235,7 @@ void Planner::forget() noexcept {
   pieces_.clear();
   sending_ = events_sending_ = events_sent_ = 0;
   laws_.forget();
-  slots_.pending.publish(0);
+  slots_.gate.pass([&] { slots_.pending.publish(0); });
   due_ = false;
   pending_since_ns_ = 0;
   handed_over_ = false;
@@ -253,7 +256,7 @@ void Planner::stop_here() noexcept {
 Planner::Take Planner::refuse(const PathItem& item, FaultRecord record) noexcept {
   record.tag = item.tag;
   // A full ring holds older refusals that nobody has seen yet; they say enough.
-  (void)faults_.push(record);
+  slots_.gate.pass([&] { (void)faults_.push(record); });
   refusing_ = true;
   refused_epoch_ = item.epoch;
   stop_here();
@@ -556,7 +559,7 @@ void Planner::note(const path::Move& move, std::uint64_t seq) noexcept {
   noted.tolerance.mm = std::max(here.mm, noted_tolerance_.mm);
   noted.tolerance.deg = std::max(here.deg, noted_tolerance_.deg);
   noted_tolerance_ = here;
-  slots_.programmed.add(noted, seq);
+  slots_.gate.pass([&] { slots_.programmed.add(noted, seq); });
 }
 
 /// Where kinematics mix axes joints may go beyond their soft limits on the way between two places that are within.

@@ -39,7 +39,7 @@ class Planner {
         slots_(slots),
         faults_(faults),
         joint_bounds_(kinematics),
-        laws_(slots.laws) {}
+        laws_(slots.laws, slots.gate) {}
   /// Before anything else. False: no memory.
   [[nodiscard]] bool create(path::Memory& memory) noexcept;
 
@@ -55,9 +55,10 @@ class Planner {
   void set_unlock_pins(std::uint32_t joints) noexcept { unlock_pins_ = joints; }
 
   /// Takes items from `in` while that is possible. Items older than `abort_epoch`, void ones and those behind a refused one
-  /// are dropped. Moves are taken only while `view.takes_moves`. `now_ns` is the instance's time.
-  Waits run(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
-            std::int64_t now_ns) noexcept;
+  /// are dropped. Moves are taken only while `view.takes_moves`. `now_ns` is the instance's time; `passes` those of the gate before
+  /// the look at `view`, for the tap.
+  Waits run(PathRing& in, const ServoView& view, std::uint32_t abort_epoch, std::int64_t now_ns,
+            std::uint64_t passes = 0) noexcept;
   /// The servo follows time laws: the next turn has to come within kLawTurn.
   [[nodiscard]] bool makes_laws() const noexcept { return laws_.busy(); }
   [[nodiscard]] const LawMaker::Counts& law_counts() const noexcept { return laws_.counts(); }
@@ -71,6 +72,7 @@ class Planner {
     bool css[kMaxSpindles]{};
     FeedPerRev per_rev;
     double merge_mm{0}, thread_per_rev{0};
+    double law_lead_s{0};
     std::int32_t thread_spindle{-1};
     std::uint32_t epoch{0}, refused_epoch{0};
     bool thread_first{false};
@@ -81,7 +83,9 @@ class Planner {
   /// Called with each item that is taken, before it is; and whether anything was pending then.
   class Tap {
    public:
-    virtual void turn(std::int64_t now_ns) noexcept = 0;  ///< at the start of each run()
+    /// At the start of each run(), with what it was given.
+    virtual void turn(std::int64_t now_ns, std::uint64_t passes, std::uint32_t abort_epoch,
+                      std::uint64_t view_cycle) noexcept = 0;
     virtual void taken(const PathItem& item, const Modal& before, bool idle) noexcept = 0;
 
    protected:

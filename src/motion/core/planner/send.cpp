@@ -116,10 +116,11 @@ double Planner::seconds_pending(double enough) const noexcept {
 
 /// Of what the servo has, at the speeds that are wanted; counts no farther than `enough`.
 double Planner::seconds_ahead(double enough) const noexcept {
+  const std::uint64_t popped = slots_.gate.pass([&] { return spans_.popped(); });
   double seconds = 0;
   for (std::uint64_t n = next_number_; n-- > 0 && next_number_ - n <= kSpans;) {
     const Sent& s = sent_[n % kSpans];
-    if (s.place < spans_.popped()) break;
+    if (s.place < popped) break;
     const double x = wanted_x(s.speed, scale_);
     if (!(x > 0)) return path::kNoLimit;
     seconds += s.length / std::sqrt(x);
@@ -219,7 +220,7 @@ bool Planner::send() noexcept {
       break;
     }
     if (piece_ >= pieces_.size()) break;
-    if (spans_.size() >= kSpans) {
+    if (slots_.gate.pass([&] { return spans_.size(); }) >= kSpans) {
       all = false;
       break;
     }
@@ -279,7 +280,7 @@ bool Planner::send_events(double sigma) noexcept {
       const double near = moves_[e.after - 1].stop_at_end ? kSamePlace : sliver_of(pieces_[piece_]);
       if (meta_[e.after - 1].sigma_end > sigma + near) return true;
     }
-    if (!spans_.push(e.span)) return false;
+    if (!slots_.gate.pass([&] { return spans_.push(e.span); })) return false;
     ++events_sent_;
   }
   return true;
@@ -390,7 +391,7 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   ahead.per_rev.set(speed.per_rev);
   slots_.hard[next_number_ % kSpans].set(0);
   slots_.soft[next_number_ % kSpans].set(0);
-  if (!spans_.push(span)) return false;
+  if (!slots_.gate.pass([&] { return spans_.push(span); })) return false;
   if (sent_.size() < kSpans)
     sent_.push_back(sent);
   else
@@ -489,7 +490,8 @@ bool Planner::send_blocks(double begin, double end, std::size_t& done, Span& spa
 
 /// In PlanSlots::block, beside what the spans use that the servo has not popped.
 bool Planner::room_for_blocks(std::size_t count) noexcept {
-  while (oldest_span_ < next_number_ && sent_[oldest_span_ % kSpans].place < spans_.popped())
+  const std::uint64_t popped = slots_.gate.pass([&] { return spans_.popped(); });
+  while (oldest_span_ < next_number_ && sent_[oldest_span_ % kSpans].place < popped)
     oldest_block_ = sent_[oldest_span_++ % kSpans].last_block;
   return next_block_ + count <= oldest_block_ + PlanSlots::kBlocks;
 }
@@ -520,7 +522,7 @@ void Planner::finish_sending() noexcept {
       std::any_of(moves_.begin(), moves_.end(), [](const path::Move& m) { return m.stop_at_end; });
   sending_ = events_sending_ = events_sent_ = 0;
   pieces_.clear();
-  if (moves_.empty() && events_.empty()) slots_.pending.publish(0);
+  if (moves_.empty() && events_.empty()) slots_.gate.pass([&] { slots_.pending.publish(0); });
 }
 
 /// In single step the path stands at the end of span n: a block ends there, or within the next span, which is entered at rest then (Executor::cut_).
@@ -531,11 +533,13 @@ bool Planner::steps_end_behind(std::uint64_t n) const noexcept {
 
 /// From the last span to the first that the servo has not begun; `all`: all of them, else only where more has become possible.
 void Planner::plan(bool all) noexcept {
+  // What the servo drives on to meanwhile is written in vain; nobody reads it.
+  const std::uint64_t popped = slots_.gate.pass([&] { return spans_.popped(); });
   double hard = 0, soft = 0;
   int unchanged = 0;  // ends of groups in a row
   for (std::uint64_t n = next_number_; n-- > 0 && next_number_ - n <= kSpans;) {
     const Sent& s = sent_[n % kSpans];
-    if (s.place < spans_.popped()) break;
+    if (s.place < popped) break;
     if (s.even_jerk > 0) {
       hard = soft = 0;
       // Within a group nothing changes.
@@ -555,9 +559,11 @@ void Planner::plan(bool all) noexcept {
     const double soft_end = stands ? 0.0 : std::min({soft, wanted, hard_end});
     rtapi::Word<double>&hard_slot = slots_.hard[n % kSpans], &soft_slot = slots_.soft[n % kSpans];
     if (!all && n < first_new_ && hard_slot.get() == hard_end && soft_slot.get() == soft_end) break;
-    soft_slot.set(soft_end);
-    // Release, last span first: see PlanSlots.
-    hard_slot.publish(hard_end);
+    slots_.gate.pass([&] {
+      soft_slot.set(soft_end);
+      // Release, last span first: see PlanSlots.
+      hard_slot.publish(hard_end);
+    });
     if (s.even_acc > 0) {
       const double gain = 2.0 * s.length * s.even_acc * kRounding;
       hard = std::min(cap, hard_end + gain);
@@ -594,11 +600,13 @@ bool Planner::plan_ramps(std::uint64_t n, int& unchanged) noexcept {
     const double v = highest_level_speed(slots_, n + 1, true);
     soft = v * v;
   }
-  slots_.soft[n % kSpans].set(soft);
   const bool same = group_end && n < first_new_ && slot.get() == hard;
   if (group_end) unchanged = same ? unchanged + 1 : 0;
-  // Release, last span first: see PlanSlots.
-  slot.publish(hard);
+  slots_.gate.pass([&] {
+    slots_.soft[n % kSpans].set(soft);
+    // Release, last span first: see PlanSlots.
+    slot.publish(hard);
+  });
   return !same;
 }
 
