@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "rtapi/sync/cell.hpp"
+#include "motion/api/shared.hpp"
 
 namespace kerf::motion {
 
