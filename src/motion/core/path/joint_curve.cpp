@@ -122,21 +122,25 @@ double even_x(const JointCurve& curve, double cap) noexcept {
 
 void joint_rows(const JointCurve& curve, double s0, double s1, bool turned, double share,
                 Rows& out) noexcept {
-  const double half = (turned ? -1.0 : 1.0) / (2.0 * (s1 - s0));
+  const double sign = turned ? -1.0 : 1.0, half = sign / (2.0 * (s1 - s0)), over = 1 / curve.length;
+  if (turned) std::swap(s0, s1);
+  const double t0 = part_at(curve, s0), t1 = part_at(curve, s1), tm = (t0 + t1) / 2;
   for (std::size_t i = 0; i < curve.count; ++i) {
-    JointPart part = part_of(curve, i, s0, s1);
-    if (turned) {
-      std::swap(part.p0, part.p2);
-      std::swap(part.e0, part.e1);
-    }
-    const double k = 1.0 / (share * curve.row[i].acc);
-    const auto row = [&](double p, double on_x0, double on_x1) {
-      p *= half;
-      out.at[out.count++] = {(on_x0 - p) * k, (p + on_x1) * k};
+    const double* k = curve.row[i].k;
+    const auto rate = [k](double t) {
+      return k[0] + t * (k[1] + t * (k[2] + t * (k[3] + t * (k[4] + t * k[5]))));
     };
-    row(part.p0, part.e0, 0);
-    row(part.p1, part.e1 / 2, part.e0 / 2);
-    row(part.p2, 0, part.e1);
+    const auto curl = [k](double t) {
+      return k[1] + t * (2 * k[2] + t * (3 * k[3] + t * (4 * k[4] + t * 5 * k[5])));
+    };
+    const double limit = 1.0 / (share * curve.row[i].acc);
+    const double p0 = rate(t0) * half * limit, p2 = rate(t1) * half * limit,
+                 p1 = 2 * rate(tm) * half * limit - (p0 + p2) / 2;
+    const double e0 = curl(t0) * over * limit, e1 = curl(t1) * over * limit;
+    // As of a cubic in limits.cpp.
+    out.at[out.count++] = {e0 - p0, p0};
+    out.at[out.count++] = {e1 / 2 - p1, p1 + e0 / 2};
+    out.at[out.count++] = {-p2, p2 + e1};
   }
 }
 
