@@ -63,6 +63,43 @@ class Runner : public testing::Test {
   LawRunner runner{*laws};
 };
 
+TEST_F(Runner, ACycleSeesWhatThePlannerHadDoneAtItsBeginning) {
+  LawKey key;
+  key.kind = LawKey::Kind::rest;
+  key.span = 7;
+  key.left = 10;
+  set(0, 6, key, {to_rest(7, 10, 0, 100)});
+  const auto sees = [&](std::uint64_t passes) {
+    runner.leave();
+    runner.look(passes);
+    LawPlace at;
+    if (runner.start(7, 10) == LawRunner::Way::law) runner.place(at);
+    return at.number;
+  };
+  EXPECT_EQ(sees(5), 0U) << "published in pass 6";
+  EXPECT_EQ(sees(6), 6U);
+  laws->head[0].gone.publish(9);
+  EXPECT_EQ(sees(8), 6U) << "taken back in pass 9";
+  EXPECT_EQ(sees(9), 0U);
+  set(0, 12, key, {to_rest(7, 10, 0, 100)});
+  EXPECT_EQ(sees(11), 0U) << "another law stands there from pass 12 on";
+  EXPECT_EQ(sees(12), 12U);
+}
+
+TEST(PlanGate, CountsAPassWhenItHasBeenMadeAndAsksBefore) {
+  struct Asked final : PlanGate::Hold {
+    void wait(std::uint64_t number) noexcept override { asked.push_back(number); }
+    std::vector<std::uint64_t> asked;
+  } hold;
+  PlanGate gate;
+  gate.pass([&] { EXPECT_EQ(gate.done(), 0U); });
+  EXPECT_EQ(gate.done(), 1U);
+  gate.resume_at(41, &hold);
+  EXPECT_EQ(gate.pass([&] { return hold.asked.size(); }), 1U);
+  EXPECT_EQ(hold.asked, std::vector<std::uint64_t>{42});
+  EXPECT_EQ(gate.done(), 42U);
+}
+
 TEST_F(Runner, StartsOnlyWhereALawBegins) {
   EXPECT_EQ(runner.start(7, 9.5), LawRunner::Way::none);
   EXPECT_EQ(runner.start(8, 10), LawRunner::Way::none);
