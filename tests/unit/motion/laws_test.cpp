@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "motion/core/laws.hpp"
+#include "motion/core/plan_gate.hpp"
 
 namespace kerf::motion {
 namespace {
