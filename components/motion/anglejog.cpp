@@ -83,6 +83,13 @@ class Anglejog final : public hal::Component<Anglejog> {
     } else if (enable && enabled_before_) {
       target_ += (static_cast<double>(counts) - counts_before_) * scale_;
     }
+    // Enabled, it stands still until the first count, as LinuxCNC's does.
+    if (enable && !enabled_before_) {
+      awaits_ = true;
+      target_ = way_;
+    } else if (counts != counts_before_) {
+      awaits_ = false;
+    }
     counts_before_ = counts;
     enable_out_ = enable;
     const double accel = std::fabs(max_accel_), step = accel * dt, missing = target_ - way_;
@@ -91,18 +98,15 @@ class Anglejog final : public hal::Component<Anglejog> {
       wanted =
           std::copysign(std::sqrt(2.0 * accel * std::fabs(missing) + step * step) - step, missing);
     wanted = rtapi::limited(wanted, -std::fabs(max_vel_), std::fabs(max_vel_));
-    speed_ = rtapi::limited(wanted, speed_ - step, speed_ + step);
-    way_ += speed_ * dt;
-    active_ = speed_ != 0.0;
-    // From being enabled to the first motion they stand, as in LinuxCNC.
-    if (enable && !enabled_before_) awaits_ = true;
-    if (speed_ != 0.0) awaits_ = false;
     if (!awaits_) {
+      speed_ = rtapi::limited(wanted, speed_ - step, speed_ + step);
+      way_ += speed_ * dt;
       cos_accel_fraction_ = cosine_ * accel_fraction_in_;
       sin_accel_fraction_ = sine_ * accel_fraction_in_;
+      current_vel_ = speed_;
     }
+    active_ = !awaits_ && (wanted != 0.0 || speed_ != 0.0);
     enabled_before_ = enable;
-    current_vel_ = speed_;
     current_mag_ = way_;
     if (scale_ != 0.0) {
       const double fine_counts = way_ / scale_ * fine_;
