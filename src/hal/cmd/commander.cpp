@@ -286,7 +286,10 @@ bool Commander::settle() {
     if (!failures.ok()) {
       at(waiting[0]);
       good = false;
-      report("the realtime host does not answer: " + failures.error().message());
+      // They went together: which of them was the last one is not known.
+      report("the realtime host does not answer: " + failures.error().message() +
+             "; a component may have crashed in one of the " + std::to_string(waiting.size()) +
+             " commands from here to line " + std::to_string(waiting.back().line));
     } else {
       for (const auto& failure : *failures) {
         const Waiting& command = waiting[std::min(failure.index, waiting.size() - 1)];
@@ -324,7 +327,8 @@ Status Commander::ask_host(Words w) {
   auto reply = session_.request(w);
   if (!reply.ok()) {
     return fail(reply.error().code,
-                "the realtime host does not answer: " + reply.error().message());
+                "the realtime host does not answer: " + reply.error().message() +
+                    (reply.error().code == Errc::dead ? "; a component may have crashed" : ""));
   }
   if (!reply->ok()) return fail(static_cast<Errc>(reply->status), reply->text);
   return {};
