@@ -562,6 +562,7 @@ class Plasmac final : public PlasmacHeight {
     samples_ = 0;
     sum_volts_ = 0.0;
     override_seen_ = 0.0;
+    override_waits_ = false;
     if (recovering_) {
       state_ = S::cut_recovery_off;
     } else {

@@ -103,19 +103,26 @@ class PlasmacHeight : public PlasmacMachine {
     if (++samples_ >= std::max<std::int32_t>(target_samples_, 1))
       target_volts_ = sum_volts_ / samples_;
   }
-  /// A new height-override moves the torch by height-per-volt. True in the cycles that it takes.
+  /// A new height-override moves the torch by height-per-volt: up at once, down no faster than setup-feed-rate. True in the cycles
+  /// that it takes.
   bool follow_override() noexcept {
-    const double wanted = height_override_;
-    if (wanted == override_seen_) return false;
     if (!override_waits_) {
+      if (height_override_ == override_seen_) return false;
       override_waits_ = true;
+      override_next_ = height_override_;
+      override_z_ = z_ + std::trunc(counts((override_next_ - override_seen_) * height_per_volt_));
       led_up_ = false;
       led_down_ = false;
       return true;
     }
-    override_waits_ = false;
-    move_z(std::trunc(counts((wanted - override_seen_) * height_per_volt_)));
-    override_seen_ = wanted;
+    if (override_z_ > z_)
+      move_z(override_z_ - z_);
+    else
+      z_to(override_z_, setup_feed_rate_);
+    if (z_ == static_cast<std::int32_t>(std::clamp(override_z_, -2e9, 2e9))) {
+      override_waits_ = false;
+      override_seen_ = override_next_;
+    }
     return true;
   }
   [[nodiscard]] std::string_view move_by_voltage() noexcept {
@@ -145,6 +152,8 @@ class PlasmacHeight : public PlasmacMachine {
     move_z(change);
     return {};
   }
+
+  double override_next_{0.0}, override_z_{0.0};
 };
 
 }  // namespace kerf::components

@@ -129,7 +129,8 @@ class Run:
         if not {"offset-probe-x", "offset-probe-y"} & set(self.sets):
             self.sets.pop("offset-probe-delay", None)  # LinuxCNC waits for ever
         # To a cut by hand LinuxCNC answers with a pause of the program, for ever.
-        self.heights = self.sets["cut-height"] > 0 and self.sets["cut-volts"] > 0
+        # With no start allowed it begins the cut again and again.
+        self.heights = self.sets["cut-height"] > 0 and self.sets["cut-volts"] > 0 and self.sets["arc-max-starts"] > 0
         # LinuxCNC begins such a cut at a height of a cut that there was not.
         self.spots = self.sets.get("skip-ihs-distance") is None
         self.lag = rng.choice([1000, 1000, 300])
