@@ -123,6 +123,46 @@ class ToolExchange : public testing::Test {
 constexpr const char* kArcs =
     "G1 Z-75 F900\nG2 X55 Y20 I15 J0\nG1 X70\nG1 Y35\nG3 X60 Y45 I-10 J0\nG1 X40 F1200\n";
 
+TEST_F(ToolExchange, WhatTheOldToolHasCutIsNotDrivenBackOverWithTheNew) {
+  // With 7.25 mm more the machine would be 5.25 mm above the limit of Z in line 5.
+  start("G1 Z-52 F900\nX60\nZ-70\nY60\nX30\nY30\n");
+  ASSERT_TRUE(leave_at([&] { return m->task().current_line == 7 && m->joint(1) > 40; }))
+      << m->errors();
+  ASSERT_TRUE(m->does({"exchange-tool", "2"}) && m->does({"return"})) << m->errors();
+  const auto turn = [&](const char* way) {
+    EXPECT_TRUE(m->does({"pause"}) && m->run_until([&] { return m->motion().held; }, 10));
+    EXPECT_TRUE(m->does({"direction", way}) && m->does({"resume"})) << m->errors();
+  };
+  // In the very move: nothing of it was cut with the new tool when it was exchanged.
+  const double y = m->joint(1);
+  ASSERT_TRUE(m->does({"resume"})) << m->errors();
+  m->run_for(0.3);
+  turn("reverse");
+  m->run_for(3);
+  EXPECT_GT(m->joint(1), y);
+  turn("forward");
+  ASSERT_TRUE(m->run_until([&] { return m->joint(0) < 50; }, 60)) << m->errors();
+  turn("reverse");
+  m->run_for(10);
+  EXPECT_EQ(m->motion().faults, 0U) << m->errors();
+  // Back to where the first whole move began, which is in the corner.
+  EXPECT_NEAR(m->joint(0), 60, 0.3);
+  EXPECT_NEAR(m->joint(1), 60, 0.3);
+  turn("forward");
+  EXPECT_TRUE(ends()) << m->errors();
+  EXPECT_EQ(m->motion().faults, 0U) << m->errors();
+}
+
+TEST_F(ToolExchange, OnAWayBackNoToolIsExchanged) {
+  start("G1 Z-75 F900\nX60\nY60\nX30\n");
+  ASSERT_TRUE(m->run_until([&] { return m->task().current_line == 6 && m->joint(1) > 40; }, 60));
+  ASSERT_TRUE(m->does({"pause"}) && m->does({"direction", "reverse"}) && m->does({"resume"}));
+  ASSERT_TRUE(leave_at([&] { return m->joint(1) < 30; })) << m->errors();
+  EXPECT_NE(refused().text.find("back"), std::string::npos);
+  ASSERT_TRUE(m->does({"return"}) && m->does({"direction", "forward"})) << m->errors();
+  (void)go_on();
+}
+
 TEST_F(ToolExchange, MidArcTheTipGoesOnAlongThePath) {
   const auto whole = reference(kArcs);
   ASSERT_GT(whole.size(), 1000U);

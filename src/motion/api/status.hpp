@@ -136,6 +136,7 @@ struct MotionStatus {
   bool away{false};         ///< beside the path, which is held at `place`
   bool shifts_path{false};  ///< Intent::path_shift may be asked for: each joint moves an axis alone
   bool reverse{false};      ///< a negative adaptive feed runs the path backwards
+  bool retraces{false};     ///< it does, or runs forwards over what it has been driven back over
   bool sync_in_step{false};  ///< G33, G33.1, G76: the path is where the spindle wants it
   /// motion.switchkins-type asks for other kinematics than those in force, and they come as soon as the machine stands.
   bool kinematics_pending{false};

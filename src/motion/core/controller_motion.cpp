@@ -60,7 +60,9 @@ void Controller::take_shift(const Orders& orders) noexcept {
   }
   bool finite = true;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) finite = finite && std::isfinite(want[i]);
-  if (finite && plain_kinematics_) shift_ = want;
+  if (!finite || !plain_kinematics_ || executor_.retraces()) return;
+  shift_ = want;
+  executor_.forget_way_back();
 }
 
 void Controller::fold_shift() noexcept {
@@ -444,7 +446,10 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   // Pins that lead have no jerk limit.
   std::uint32_t led = 0;
   for (std::size_t j = 0; j < joints_; ++j) led |= is_posthome(j) ? 1U << j : 0U;
-  guard_.check(joints_, joint_, config_, dt, led, status_.current, faults_);
+  if (enabled_)
+    guard_.check(joints_, joint_, config_, dt, led, status_.current, faults_);
+  else  // just now: drives off is no motion
+    guard_.follow(joints_, joint_);
   const bool on_path = mode_ == MotionMode::coordinated && !away_ && executor_.moving_item() &&
                        !executor_.retraces() && !executor_.follows_spindle();
   if (config_.path_check && on_path)

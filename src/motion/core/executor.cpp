@@ -617,7 +617,8 @@ double Executor::run_move(const Span& span, const PathSpan& move, const PathInpu
 void Executor::end_span(const Span& span, const PathSpan& move, FaultList& faults) noexcept {
   if (move.stop_at_end) sigma_speed_ = sigma_acc_ = 0;
   sync_.passed(move.length);
-  if (move.probe || ending_ || move.sync.per_rev > 0 || indexer_ >= 0)
+  if (move.probe || ending_ || move.sync.per_rev > 0 || indexer_ >= 0 ||
+      move.number == no_way_back_)
     history_.clear();
   else
     history_.add(span, move, ends_of(move).hard, limits_);
@@ -667,6 +668,7 @@ void Executor::fill(MotionStatus& status) const noexcept {
   status.pos_cmd = pose_;
   status.tool_offset = tool_offset_;
   status.reverse = track_.on && track_.back;
+  status.retraces = track_.on;
   status.probed = probed_;
   status.probe_tripped = probe_tripped_;
   status.distance_to_go = distance_;

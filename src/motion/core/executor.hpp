@@ -65,6 +65,12 @@ class Executor {
   }
   /// Puts the machine at `pose`, at rest, outside any span.
   void place(const Pose& pose) noexcept;
+  /// The machine stands beside its path with another tool: what was driven before is not driven back over.
+  void forget_way_back() noexcept {
+    history_.clear();
+    const PathSpan* under_way = move();
+    no_way_back_ = under_way != nullptr ? under_way->number : kNoSpan;
+  }
   /// The path's coordinates are from now on those of the machine, which were `shift` beside them.
   void fold(const Pose& shift) noexcept;
   /// One cycle of `dt` seconds.
@@ -244,6 +250,8 @@ class Executor {
   };
   path::PathHistory history_;
   Track track_;
+  static constexpr std::uint64_t kNoSpan = ~std::uint64_t{0};
+  std::uint64_t no_way_back_{kNoSpan};  ///< the span within which the path cannot be turned round
 
   /// One phase of a ramp, or cruising, that is gone on with for some cycles without looking ahead anew.
   struct Leg {

@@ -16,6 +16,7 @@ bool Executor::may_turn_back(const PathInputs& in) noexcept {
   const auto* move = span == nullptr ? nullptr : std::get_if<PathSpan>(&span->body);
   // A thread is cut once, forwards.
   if (move == nullptr || move->probe || move->sync.per_rev > 0) return false;
+  if (started_ && move->number == no_way_back_) return false;
   return started_ || (history_.size() > 0 && !in.single_step);
 }
 

@@ -107,6 +107,10 @@ std::string InterpreterParticipant::why_no_exchange(std::int32_t tool, io::ToolE
   if (!status_.shifts_path)
     return "the kinematics mix axes, and the path was planned with the tool as it was" +
            std::string(kElse);
+  if (status_.retraces)
+    return "the path was turned back, and what lies ahead up to there was cut with the tool as it "
+           "was; resume forwards until the machine is there again" +
+           std::string(kElse);
   if (tool_order_ != 0 || exchange_order_ != 0)
     return "the tool changer is at work; wait until it has ended";
   if (old_number <= 0) return "no tool is in the spindle";
