@@ -263,8 +263,13 @@ class PidChannel : public hal::Channel {
 class Pid final : public hal::Component<Pid> {
  public:
   static constexpr hal::Info kInfo{
+#ifdef KERF_AT_PID
+      .name = "at_pid",
+      .summary = "Obsolete name of pid, which tunes itself too; its pins are called as pid's",
+#else
       .name = "pid",
       .summary = "Proportional, integral and derivative controller with feed-forward",
+#endif
       .notes =
           "A limit of zero is no limit. While the output is limited the integral does not grow. "
           "With tune-mode on, tune-start drives the loop by a relay of the size of tune-effort "

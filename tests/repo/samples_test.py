@@ -58,6 +58,18 @@ class GeneratedPages(unittest.TestCase):
         self.assertEqual((TOP / "docs/protocol.md").read_text(), run([MDI, "--protocol"]).stdout,
                          "stale: mdi --protocol >docs/protocol.md")
 
+    @unittest.skipUnless((MDI.parent / "hal").is_file(), "hal is not built")
+    def test_components(self):
+        pages = TOP / "docs/components"
+        with tempfile.TemporaryDirectory() as folder:
+            made = run([MDI.parent / "hal", "describe", "--all", "--markdown", "-o", folder])
+            self.assertEqual(made.returncode, 0, made.stderr)
+            names = {page.name for page in pathlib.Path(folder).iterdir()}
+            self.assertEqual(names | {"index.md"}, {page.name for page in pages.iterdir()})
+            for name in sorted(names):
+                self.assertEqual((pages / name).read_text(), pathlib.Path(folder, name).read_text(),
+                                 "stale: hal describe --all --markdown -o docs/components")
+
 
 class UserCode(unittest.TestCase):
     def test_m101(self):
