@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/core/ramp.hpp"
+
 namespace kerf::motion::path {
 namespace {
 
@@ -350,16 +352,7 @@ double TimeLaw::least_stop(const Start& start) const noexcept {
   const LawStretch& first = rows_.stretches().front();
   double acc = 0, jerk = 0;
   straight_limits(first, first.from, rows_.limits(), acc, jerk);
-  double t = 0, v = std::sqrt(start.x), u = start.u;
-  if (u > 0) {
-    t = u / jerk;
-    v += u * t / 2;
-    u = 0;
-  }
-  const double peak = std::max(std::min(acc, std::sqrt(jerk * v + u * u / 2)), -u);
-  const double ramp = (peak + u) / jerk;
-  const double even = v + u * ramp - jerk * ramp * ramp / 2 - peak * peak / (2 * jerk);
-  return t + ramp + std::max(even / peak, 0.0) + peak / jerk;
+  return ramp_to({std::sqrt(start.x), start.u}, 0, {acc, jerk}).duration();
 }
 
 TimeLaw::Result TimeLaw::brake_stop(const Start& start) noexcept {
