@@ -163,6 +163,8 @@ class CommandParticipant final : public rtapi::Participant {
   void begin_block_step();
   void go_estop(const char* why);
   void go_off();
+  /// Modes that somebody asks for: what comes back to others ends.
+  void choose(TaskMode mode, motion::MotionMode motion_mode);
   void set_mode(TaskMode mode);
   /// To the mode that was there before lines with `and-back`, as soon as nothing runs.
   void go_back();

@@ -177,14 +177,18 @@ void CommandParticipant::do_state(Ticket ticket, const Request& request) {
   pending.epoch = epoch_;
 }
 
-void CommandParticipant::set_mode(TaskMode mode) {
+void CommandParticipant::choose(TaskMode mode, MotionMode motion_mode) {
   mode_ = mode;
+  want_.mode = motion_mode;
   back_to_.reset();
+}
+
+void CommandParticipant::set_mode(TaskMode mode) {
   const MotionMode motion_mode = mode != TaskMode::manual ? MotionMode::coordinated
                                  : all_homed()            ? MotionMode::teleop
                                                           : MotionMode::free;
+  choose(mode, motion_mode);
   if (motion_mode != MotionMode::free) stop_jogs(kNobody);
-  want_.mode = motion_mode;
   write_intent();
 }
 
@@ -237,9 +241,7 @@ void CommandParticipant::do_home(Ticket ticket, const Request& request) {
   const bool on_path = status_.mode == MotionMode::coordinated && other_orders(ticket);
   if (!view_.idle || moving_orders(ticket) || on_path || homing(ticket) || jogs())
     return reply(ticket, CommandState::error, "can't home while something runs");
-  mode_ = TaskMode::manual;
-  back_to_.reset();
-  want_.mode = MotionMode::free;
+  choose(TaskMode::manual, MotionMode::free);
   want_.home_joint = joint;
   ++want_.home_seq;
   write_intent();
@@ -316,9 +318,7 @@ void CommandParticipant::do_jog(Ticket ticket, const Request& request, int clien
       return reply(ticket, CommandState::error, "can't jog while something runs; abort or wait");
     stop_jogs(kNobody);
     // Mode and jog go out as one: motion changes the mode before it looks at jogs.
-    mode_ = TaskMode::manual;
-    back_to_.reset();
-    want_.mode = wanted;
+    choose(TaskMode::manual, wanted);
   }
   const bool rotary = axis ? rtapi::is_rotary(index) : p_.setup.motion.joint[index].rotary;
   const double unit = rotary ? p_.setup.angular_unit_deg : p_.setup.linear_unit_mm;
@@ -412,9 +412,7 @@ void CommandParticipant::do_teleop(Ticket ticket, const Request& request) {
     return reply(ticket, CommandState::error, "teleop needs all joints homed");
   stop_jogs(kNobody);
   // Both belong to manual mode. Screens ask for them from idle MDI and auto mode too, before they start a program.
-  mode_ = TaskMode::manual;
-  back_to_.reset();
-  want_.mode = on ? MotionMode::teleop : MotionMode::free;
+  choose(TaskMode::manual, on ? MotionMode::teleop : MotionMode::free);
   write_intent();
   if (state_ != TaskState::on) return reply(ticket, CommandState::done);
   pending_[ticket].deadline = now_ + kStateTime;
@@ -432,8 +430,7 @@ void CommandParticipant::do_motion_mode(Ticket ticket, const Request& request) {
   if (wanted != MotionMode::free && !all_homed() && !machine_.no_force_homing)
     return reply(ticket, CommandState::error, "motion mode " + name + " needs all joints homed");
   stop_jogs(kNobody);
-  back_to_.reset();
-  want_.mode = wanted;
+  choose(mode_, wanted);
   write_intent();
   if (state_ != TaskState::on) return reply(ticket, CommandState::done);
   pending_[ticket].deadline = now_ + kStateTime;
