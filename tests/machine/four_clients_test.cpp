@@ -9,11 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "clients/halui/layout.hpp"
-#include "clients/halui/participant.hpp"
-#include "hal/client/session.hpp"
+#include "harness/halui.hpp"
 #include "harness/machine.hpp"
-#include "ini/ini_file.hpp"
 #include "task/api/client.hpp"
 
 namespace kerf::harness {
@@ -137,16 +134,8 @@ class Jogger {
 /// Somebody at a panel: a button for a line, and two that jog Z.
 class Presser {
  public:
-  explicit Presser(Machine& m) : m_(m), dice_(11) {
-    const auto ini = ini::IniFile::load(m.folder() + "/mill.ini");
-    const auto layout = clients::halui::read_layout(ini.file);
-    EXPECT_TRUE(layout.ok());
-    if (!layout.ok()) return;
-    halui_ = std::make_unique<clients::halui::HaluiParticipant>(m.segment(), m.session(), *layout);
-    EXPECT_TRUE(halui_->status().ok()) << halui_->status().error().message();
-    m.add(*halui_);
+  explicit Presser(Machine& m) : m_(m), dice_(11), halui_(add_halui(m)) {
     EXPECT_TRUE(m.hal("setp halui.axis.jog-speed 120"));
-    m.run_for(0.05);  // it has found task
   }
   ~Presser() {
     if (halui_ != nullptr) m_.remove(*halui_);

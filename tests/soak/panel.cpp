@@ -4,9 +4,7 @@
 
 #include <array>
 
-#include "clients/halui/layout.hpp"
-#include "hal/client/session.hpp"
-#include "ini/ini_file.hpp"
+#include "harness/halui.hpp"
 
 namespace kerf::soak {
 namespace {
@@ -48,17 +46,7 @@ std::string Panel::ini_text() {
   return text;
 }
 
-Panel::Panel(harness::Machine& machine) : m_(machine) {
-  const auto ini = ini::IniFile::load(m_.folder() + "/mill.ini");
-  const auto layout = clients::halui::read_layout(ini.file);
-  EXPECT_TRUE(layout.ok());
-  if (!layout.ok()) return;
-  halui_ = std::make_unique<clients::halui::HaluiParticipant>(m_.segment(), m_.session(), *layout);
-  EXPECT_TRUE(halui_->status().ok()) << halui_->status().error().message();
-  halui_->on_end([](const rtapi::Error& why) { ADD_FAILURE() << "halui: " << why.message(); });
-  m_.add(*halui_);
-  m_.run_for(0.05);
-}
+Panel::Panel(harness::Machine& machine) : m_(machine), halui_(harness::add_halui(machine)) {}
 
 Panel::~Panel() {
   if (halui_ != nullptr) m_.remove(*halui_);
