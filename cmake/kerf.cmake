@@ -94,6 +94,7 @@ function(kerf_test name)
   _kerf_common(${name})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(${name} PRIVATE ${A_LINK} GTest::gtest_main GTest::gmock)
+  target_sources(${name} PRIVATE $<TARGET_OBJECTS:kerf_hang_watch>)
   target_compile_definitions(${name} PRIVATE KERF_SOURCE_DIR="${PROJECT_SOURCE_DIR}" KERF_BUILD_DIR="${CMAKE_BINARY_DIR}")
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   if(NOT A_LABELS)
@@ -114,7 +115,9 @@ function(kerf_test name)
     endforeach()
   endif()
   add_test(NAME ${name} COMMAND ${name})
-  set_tests_properties(${name} PROPERTIES LABELS "${A_LABELS}" TIMEOUT ${A_TIMEOUT})
+  # Brief: what fails is not to be looked for among hundreds of lines of what did not.
+  set_tests_properties(${name} PROPERTIES LABELS "${A_LABELS}" TIMEOUT ${A_TIMEOUT}
+    ENVIRONMENT "GTEST_BRIEF=1;KERF_TEST_TIMEOUT_S=${A_TIMEOUT}")
 endfunction()
 
 # kerf_bench(name SOURCES ... [LINK ...])  one Google Benchmark program -> build/<preset>/bench/name, run by scripts/bench.

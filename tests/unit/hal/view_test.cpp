@@ -47,7 +47,10 @@ TEST_F(ViewTest, ALongListIsWholeThoughTheWriterNeverRests) {
   const auto& generation = registry->root().generation;
   for (int look = 0; look < 20; ++look) {
     // The child has its turn before each look.
-    for (const auto before = generation.get(); generation.get() < before + 200;) ::sched_yield();
+    for (const auto before = generation.get(); generation.get() < before + 200;) {
+      ASSERT_EQ(::waitpid(child, nullptr, WNOHANG), 0) << "the child has had its time";
+      ::sched_yield();
+    }
     int found = 0;
     std::set<std::string> names;
     for (const auto& pin : view.pins()) {
