@@ -1,4 +1,5 @@
 #include "hal/core/registry.hpp"
+#include "harness/no_tsan.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -220,6 +221,7 @@ TEST(Registry, AFullSegmentIsAnErrorThatNamesTheKey) {
 }
 
 TEST(View, SeesWholeStatesWhileAnotherProcessChanges) {
+  KERF_NOT_UNDER_TSAN();
   const std::string instance = "test-view-" + std::to_string(::getpid());
   auto segment = std::move(rtapi::Segment::create(instance)).value();
   auto registry = std::move(Registry::create(*segment)).value();

@@ -1,4 +1,5 @@
 #include "hal/loader/server.hpp"
+#include "harness/no_tsan.hpp"
 
 #include <poll.h>
 #include <signal.h>
@@ -305,6 +306,7 @@ TEST_F(ServerTest, GarbageEndsTheConnectionOnly) {
 
 /// Kills a client after each possible number of requests: nothing of it may stay.
 TEST_F(ServerTest, AKilledClientLeavesNothing) {
+  KERF_NOT_UNDER_TSAN();
   ASSERT_TRUE(host_->command({"loadrt", "adder"}).ok());
   const std::vector<std::vector<std::string>> script = {
       {"comp-new", "u"},

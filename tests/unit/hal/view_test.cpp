@@ -9,6 +9,7 @@
 
 #include "hal/core/registry.hpp"
 #include "hal/core/view.hpp"
+#include "harness/no_tsan.hpp"
 
 namespace kerf::hal {
 namespace {
@@ -22,6 +23,7 @@ class ViewTest : public testing::Test {
 };
 
 TEST_F(ViewTest, ALongListIsWholeThoughTheWriterNeverRests) {
+  KERF_NOT_UNDER_TSAN();
   auto registry = std::move(Registry::create(*segment_)).value();
   auto* fixed = *registry->add_component("fixed", ComponentKind::realtime);
   // Pins that stay stand between pins that come and go.
@@ -68,6 +70,7 @@ TEST_F(ViewTest, ALongListIsWholeThoughTheWriterNeverRests) {
 }
 
 TEST_F(ViewTest, AWriterThatDiedInAChangeIsAnError) {
+  KERF_NOT_UNDER_TSAN();
   const pid_t child = ::fork();
   if (child == 0) {
     auto registry = std::move(Registry::create(*segment_)).value();
