@@ -162,34 +162,31 @@ bool FlightKeeper::attach() {
 }
 
 std::string FlightKeeper::new_estop() {
-  if (task_ == nullptr) {
-    const auto task = segment_.find<task::TaskShared>(task::kTaskBlock, task::kTaskAbi);
-    if (!task.ok()) return {};
-    task_ = *task;
-  }
   task::TaskStatus task;
-  motion::MotionStatus motion;
-  if (!task_->status.read(task) || !motion_->status.read(motion)) return {};
-  // More than what a drive that lets go of its motor makes of a standstill.
-  constexpr double kMoved = 0.5;  // mm, degrees
-  bool moved = false;
-  for (std::size_t a = 0; a < rtapi::kAxes; ++a)
-    moved = moved || std::fabs(motion.pos_cmd[a] - place_[a]) > kMoved;
-  const bool stopped_something = was_on_ && (was_busy_ || moved);
-  const bool is_on = task.task_state == task::TaskState::on;
-  const bool spins = std::any_of(std::begin(motion.spindle), std::end(motion.spindle),
-                                 [](const motion::SpindleStatus& s) { return s.on; });
-  const bool estop = task.task_state == task::TaskState::estop;
-  place_ = motion.pos_cmd;
-  was_busy_ = is_on && (!task.idle || motion.jogging || motion.homing_active || spins);
-  was_on_ = is_on;
-  if (closing_ || !estop || !stopped_something) return {};
-  const std::uint64_t newest = task_->messages.newest.observe();
-  task::OperatorMessage message;
-  if (newest > 0 && task_->messages.slot[newest % task::MessageLog::kSlots].read(message) &&
-      message.text.view().rfind("external estop", 0) == 0)
-    return std::string(message.text.view());
-  return "estop, asked for by a client";
+  if (task_ == nullptr) {
+    const auto shared = segment_.find<task::TaskShared>(task::kTaskBlock, task::kTaskAbi);
+    if (!shared.ok() || !(*shared)->status.read(task)) return {};
+    task_ = *shared;
+    estops_seen_ = task.estops;
+  }
+  if (!task_->status.read(task) || task.estops == estops_seen_) return {};
+  estops_seen_ = task.estops;
+  if (closing_) return {};
+  return task.estop_external ? "external estop" : "estop, asked for by a client";
+}
+
+void FlightKeeper::look_for_estop() {
+  const std::string estop = new_estop();
+  // A fault that led to it says more.
+  if (estop.empty() || looks_left_ > 0) return;
+  why_ = "estop";
+  text_ = estop;
+  looks_left_ = kAftermathLooks;
+}
+
+void FlightKeeper::closing() {
+  if (options_.keep > 0 && attach()) look_for_estop();
+  closing_ = true;
 }
 
 std::string FlightKeeper::look() {
@@ -210,12 +207,7 @@ std::string FlightKeeper::look() {
     text_ = motion::fault_text(fault, config);
     looks_left_ = kAftermathLooks;
   }
-  // A fault that led to it says more.
-  if (const std::string estop = new_estop(); !estop.empty() && looks_left_ == 0) {
-    why_ = "estop";
-    text_ = estop;
-    looks_left_ = kAftermathLooks;
-  }
+  look_for_estop();
   if (looks_left_ == 0 || --looks_left_ > 0) return {};
   writing_ = begin(why_, text_);
   return {};

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "motion/api/shared.hpp"
-#include "rtapi/base/pose.hpp"
 #include "rtapi/base/result.hpp"
 #include "rtapi/shm/segment.hpp"
 
@@ -43,7 +42,7 @@ class FlightKeeper {
   /// Tells motion of the pins that exist by now; what is wrong with those that do not.
   [[nodiscard]] std::vector<std::string> choose_pins();
   /// From now on the machine is stopped by its own end: that estop is none to keep a record of.
-  void closing() { closing_ = true; }
+  void closing();
   /// A fault that look() has seen and not written yet.
   [[nodiscard]] bool pending() const { return looks_left_ > 0; }
   /// The disk has not taken the last one yet, or nobody was told of it.
@@ -51,8 +50,9 @@ class FlightKeeper {
 
  private:
   bool attach();
-  /// An estop that stopped something since the last look; "" or what it was, for the file.
+  /// An estop that stopped something since the last look, also one that a client has reset since; "" or what it was, for the file.
   std::string new_estop();
+  void look_for_estop();
   /// Copies the record, and writes it in a thread.
   std::future<rtapi::Result<std::string>> begin(const std::string& why, const std::string& text);
   /// All that a file says but for what stands in the rings.
@@ -68,8 +68,7 @@ class FlightKeeper {
   bool closing_{false};
   std::string why_, text_;
   task::TaskShared* task_{nullptr};
-  bool was_on_{false}, was_busy_{false};
-  rtapi::Pose place_;                                ///< at the last look
+  std::uint32_t estops_seen_{0};
   std::future<rtapi::Result<std::string>> writing_;  ///< its end is waited for
 };
 

@@ -290,6 +290,36 @@ TEST(FlightRecord, AnEstopThatStopsSomethingIsKept) {
   EXPECT_EQ(written(), "");
   ASSERT_TRUE(m->does({"state", "estop"}));
   EXPECT_NE(written().find("/0002-estop.flight"), std::string::npos);
+  // One that a client takes back at once, between two looks, from the machine on to the machine on.
+  ASSERT_TRUE(m->power_on() && m->mdi("M3 S500"));
+  EXPECT_EQ(written(), "");
+  ASSERT_TRUE(m->does({"state", "estop"}));
+  ASSERT_TRUE(m->power_on());
+  EXPECT_NE(written().find("/0003-estop.flight"), std::string::npos);
+  // From outside, of a program.
+  m->start_program(m->write_program("G1 X100 F300\nM2\n"));
+  m->run_for(0.3);
+  ASSERT_TRUE(m->hal("unlinkp iocontrol.0.emc-enable-in"));
+  ASSERT_TRUE(m->hal("setp iocontrol.0.emc-enable-in 0"));
+  m->run_for(0.05);
+  ASSERT_TRUE(m->hal("setp iocontrol.0.emc-enable-in 1"));
+  ASSERT_TRUE(m->power_on());
+  EXPECT_NE(written().find("/0004-estop.flight"), std::string::npos);
+  // The end of the machine is an estop of its own, and what came right before it is another.
+  ASSERT_TRUE(m->mdi("M3 S500"));
+  const auto before_the_end = [&](bool estop) {
+    launcher::FlightKeeper last(m->segment(), options);
+    EXPECT_EQ(last.look(), "");
+    if (estop) {
+      EXPECT_TRUE(m->does({"state", "estop"}));
+    }
+    last.closing();
+    EXPECT_TRUE(m->does({"state", "estop"}));
+    (void)last.look();
+    return last.pending();
+  };
+  EXPECT_EQ(m->branch([&] { EXPECT_FALSE(before_the_end(false)); }), 0);
+  EXPECT_EQ(m->branch([&] { EXPECT_TRUE(before_the_end(true)); }), 0);
 }
 
 }  // namespace

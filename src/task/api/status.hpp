@@ -124,8 +124,9 @@ struct TaskStatus {
   std::int32_t pocket_prepped{-1};  ///< tool table index that is prepared, -1: none
   std::int32_t tool_prepped{-1};    ///< its tool number
   bool flood{false}, mist{false};
-  bool emc_enable_in{false};  ///< external estop chain closed
-  bool reserved2[5]{};
+  bool emc_enable_in{false};   ///< external estop chain closed
+  bool estop_external{false};  ///< of the last one that `estops` counts: not asked for by a client
+  bool reserved2[4]{};
 
   // --- overrides ---
   double feed_override{1}, rapid_override{1};
@@ -146,7 +147,8 @@ struct TaskStatus {
   bool last_failed{
       false};  ///< the newest command of a client that has an outcome ended in an error
   bool waiting_tool_prepared{false}, waiting_tool_changed{false};  ///< for iocontrol.0's pins
-  std::int32_t reserved4{0};
+  /// Estops that stopped something: a program, a jog, homing, a spindle. None when the machine stood idle.
+  std::uint32_t estops{0};
 };
 
 /// What stays as it is while task runs, from the INI file. Limits, which may change: motion's configuration (motion/api/config.hpp).

@@ -71,6 +71,8 @@ class CommandParticipant final : public rtapi::Participant {
   static constexpr int kNobody = -1;  ///< commands of task itself
   static constexpr rtapi::Nanos kBeat = 20 * rtapi::kMillisecond;
   static constexpr rtapi::Nanos kStateTime = rtapi::kSecond;
+  /// What stops a machine may reach its drives before it reaches this thread.
+  static constexpr rtapi::Nanos kJustNow = 200 * rtapi::kMillisecond;
   /// So long those that have not run yet may take.
   static constexpr rtapi::Nanos kBusyTime = 5 * rtapi::kSecond;
   /// Motion has had its chance to turn the machine on.
@@ -149,6 +151,7 @@ class CommandParticipant final : public rtapi::Participant {
 
   // machine.cpp
   void update_machine();
+  void note_work();
   /// True when those that wait for a state have waited so long, or nobody does.
   [[nodiscard]] bool state_is_late(rtapi::Nanos after) const;
   /// "" while the machine may still turn on.
@@ -259,6 +262,7 @@ class CommandParticipant final : public rtapi::Participant {
   bool enabling_{false};   ///< drives asked for, not there yet
   bool resetting_{false};  ///< estop reset asked for
   bool was_jogging_{false};
+  rtapi::Nanos worked_at_{-rtapi::kSecond};  ///< when the machine last did something
   std::uint64_t jog_until_{0};  ///< motion's cycle from which its status shows the last jog
   /// The way back to the path, in this order.
   enum class Returning : std::uint8_t { no, out, across, in, there };

@@ -46,7 +46,14 @@ std::string CommandParticipant::why_not_on() const {
   return "the machine did not turn on; motion.enable or an amplifier says no";
 }
 
+void CommandParticipant::note_work() {
+  const bool spins = std::any_of(std::begin(status_.spindle), std::end(status_.spindle),
+                                 [](const motion::SpindleStatus& s) { return s.on; });
+  if (state_ == TaskState::on && (spins || !idle())) worked_at_ = now_;
+}
+
 void CommandParticipant::update_machine() {
+  note_work();
   p_.exchange.task_state.set(static_cast<std::uint32_t>(state_));
   p_.exchange.mode.set(static_cast<std::uint32_t>(mode_));
   if (resetting_) {
@@ -132,6 +139,11 @@ void CommandParticipant::abort_all(std::uint32_t reason) {
 }
 
 void CommandParticipant::go_estop(const char* why) {
+  if (now_ - worked_at_ <= kJustNow) {
+    worked_at_ = now_ - rtapi::kSecond;
+    ++shown_.estops;
+    shown_.estop_external = why != nullptr;
+  }
   abort_all(why != nullptr ? abort_aux_estop : abort_state_estop);
   p_.motion.intent.enable.publish(0);
   p_.io.set_estop(true);
