@@ -15,6 +15,23 @@ class NameTable {
   /// Memory for the texts of one table: some hundred thousand names. A program of any size must not fill the computer's.
   static constexpr std::size_t kMostBytes = std::size_t{16} * 1024 * 1024;
 
+  NameTable() = default;
+  ~NameTable() = default;
+  /// The keys of `ids_` look into `texts_`: a copy has to look into its own. What is moved keeps its place.
+  NameTable(const NameTable& other) { *this = other; }
+  NameTable& operator=(const NameTable& other) {
+    if (this == &other) return *this;
+    ids_.clear();
+    texts_ = other.texts_;
+    bytes_ = other.bytes_;
+    ids_.reserve(texts_.size());
+    std::uint32_t id = 0;
+    for (const std::string& text : texts_) ids_.emplace(text, id++);
+    return *this;
+  }
+  NameTable(NameTable&&) noexcept = default;
+  NameTable& operator=(NameTable&&) noexcept = default;
+
   /// False: `name` is a new one, and the table is full.
   [[nodiscard]] bool has_room(std::string_view name) const {
     return bytes_ + name.size() <= kMostBytes || ids_.contains(name);

@@ -281,5 +281,19 @@ TEST(RunFromLineApproach, LeavesTheWorkFirstAndComesDownLast) {
   EXPECT_NEAR(m->joint(2), -40, 1e-9);
 }
 
+/// What MDI and earlier programs have put into named parameters is there behind a run from a line, too.
+TEST(RunFromLineApproach, KeepsNamedParametersOfBefore) {
+  auto m = homed_machine();
+  ASSERT_TRUE(m->mdi("#<_of_mdi>=5"));
+  const auto path = m->write_program("#<_of_program>=7\nG1 X20 F900\nG1 X[20+#<_of_mdi>]\nM2\n");
+  for (int run = 0; run < 2; ++run) {
+    ASSERT_TRUE(m->does({"open", path}));
+    ASSERT_TRUE(m->does({"run", "2"})) << m->errors();
+    EXPECT_NEAR(m->joint(0), 25, 1e-9);
+    ASSERT_TRUE(m->mdi("G0 X[#<_of_mdi> + #<_of_program>]")) << m->errors();
+    EXPECT_NEAR(m->joint(0), 12, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace kerf::harness

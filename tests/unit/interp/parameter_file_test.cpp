@@ -109,5 +109,28 @@ TEST_F(ParameterFiles, OffsetsApplyAtStart) {
   EXPECT_NE(rig.calls().find("SET_G5X_OFFSET(3, 2.0000,"), std::string::npos);
 }
 
+/// Also when what was copied is gone.
+TEST(ParameterTables, ACopyKnowsItsOwnNames) {
+  ParameterTable copy;
+  {
+    auto first = std::make_unique<ParameterTable>();
+    first->set_named(first->intern("_short"), Value{7, nullptr});
+    first->set_named(first->intern("_a_name_that_fits_into_no_string_object"), Value{8, nullptr});
+    copy = *first;
+    for (const std::uint32_t id : {0U, 1U}) first->set_named(id, Value{-1, nullptr});
+  }
+  const ParameterTable moved = [&] {
+    ParameterTable second(copy);
+    return second;
+  }();
+  for (ParameterTable table : {copy, moved}) {
+    const Value* short_one = table.find(table.intern("_short"));
+    const Value* long_one = table.find(table.intern("_a_name_that_fits_into_no_string_object"));
+    ASSERT_TRUE(short_one != nullptr && long_one != nullptr);
+    EXPECT_EQ(short_one->number, 7);
+    EXPECT_EQ(long_one->number, 8);
+  }
+}
+
 }  // namespace
 }  // namespace kerf::interp
