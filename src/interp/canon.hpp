@@ -39,6 +39,7 @@ struct SourceLine {
   std::int32_t line{0};        ///< counts from 1
   std::int32_t sequence{-1};   ///< N word, -1 without
   std::int32_t call_level{0};  ///< 0 in the main program
+  std::int32_t main_line{0};   ///< the same line, or that of the main program whose call led to it
   std::string_view file;       ///< path as opened, "" for MDI
   std::string_view text;       ///< the line as written, without the line end
   /// Digits of the N word, as written, of the block that lets these calls go. With cutter compensation that is a later one.

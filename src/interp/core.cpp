@@ -211,6 +211,7 @@ Outcome Core::execute_block(ParsedBlock& b) {
     begin_block();
   current = &b;
   state.line = b.place.line + 1;
+  if (block_level_ == 0) main_line_ = state.line;
   if (logs(LogLevel::blocks)) log(b.text, state.line);
   if (b.percent) {
     const bool first_line = flows.frames.size() == 1 && !flows.mdi && !state.percent_file &&
@@ -280,6 +281,7 @@ Outcome Core::finish_block(const ParsedBlock& p) {
     source.line = p.place.line + 1;
     source.sequence = p.sequence;
     source.call_level = block_level_;
+    source.main_line = main_line_;
     source.file = flows.programs[block_program_].path;
     source.text = p.text;
     if (p.sequence >= 0) source.label = label_of(p.text);

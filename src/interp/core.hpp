@@ -352,6 +352,7 @@ class Core {
   std::array<const char*, kLetters> unused_{};
   std::uint32_t block_program_{0};  ///< where the block in progress stands
   std::int32_t block_level_{0};
+  std::int32_t main_line_{0};  ///< of the main program, executed last
   bool modes_saved_{false};
   std::int32_t line_before_{0};
   ModalState saved_;

@@ -99,6 +99,7 @@ struct InterpreterView {
   rtapi::FixedString<255> file, source;
   rtapi::FixedString<127> command;
   std::int32_t current_line{0}, read_line{0}, call_level{0}, program_lines{0};
+  std::int32_t main_line{0};  ///< in execution, of the main program; 0: none
   double progress{0};
   std::int32_t g_codes[17]{};
   std::int32_t m_codes[10]{};

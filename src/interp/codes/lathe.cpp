@@ -275,6 +275,7 @@ bool Core::begin_profile(const Block& b, int code) {
   p->source.line = current->place.line + 1;
   p->source.sequence = current->sequence;
   p->source.call_level = block_level_;
+  p->source.main_line = main_line_;
   p->file = flows.programs[block_program_].path;
   p->text = current->text;
   p->level = flows.frames.size();

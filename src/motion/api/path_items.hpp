@@ -24,7 +24,8 @@ struct SourceTag {
   std::int32_t line{0};  ///< 1-based line in its file; 0: none (MDI, jog)
   std::int32_t file{0};  ///< task's number of the file
   std::int32_t call_level{0};
-  std::int32_t reserved{0};
+  std::int32_t main_line{
+      0};  ///< of the main program: the same line, or that of the call which led to it
 };
 
 /// The values of `motion.motion-type` and stat.motion_type.

@@ -15,7 +15,8 @@ constexpr rtapi::Nanos kAtLeast = 250 * rtapi::kMillisecond;  ///< of one long m
 void CommandParticipant::journal_begin(std::int32_t from_line) {
   if (p_.journal == nullptr) return;
   journal_ = {};
-  journal_.from_line = from_line;
+  // Where it begins in its middle is where it would begin again.
+  journal_.line = journal_.from_line = from_line;
   journal_.expected = true;
   journal_.epoch = epoch_;
   journal_.before_seq = std::max(status_.executed_seq, status_.current_seq);
@@ -80,7 +81,7 @@ void CommandParticipant::write_journal() {
   if (!journal_.begun) return;
   // The place of a program that was stopped is known when it stands.
   if (journal_.ending && !at_rest()) return;
-  if (view_.call_level == 0 && view_.current_line > 0) journal_.line = view_.current_line;
+  if (view_.main_line > 0) journal_.line = view_.main_line;
   const bool moved_on =
       view_.current_line != journal_.told_line || shown_.paused != journal_.told_paused;
   if (!journal_.ending && now_ < journal_.told_at + (moved_on ? kAtMost : kAtLeast)) return;

@@ -48,6 +48,7 @@ void CanonToPath::next_block(const interp::SourceLine& source) {
   tag_.line = source.line;
   tag_.file = static_cast<std::int32_t>(source.file_id);
   tag_.call_level = source.call_level;
+  tag_.main_line = source.main_line;
   file_ = source.file;
   if (interpreter_ != nullptr)
     delivered_.push_back({tag_, list_.size(), interpreter_->modal(), state_});

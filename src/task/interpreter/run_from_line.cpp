@@ -105,7 +105,7 @@ void InterpreterParticipant::approach() {
   canon_.new_tag();
   interp::SourceLine place;
   place.file_id = interp_.current_file();
-  place.line = seek_->line();
+  place.line = place.main_line = seek_->line();
   place.file = interp_.file_name(place.file_id);
   canon_.next_block(place);
   const auto add = [this](auto body) {
