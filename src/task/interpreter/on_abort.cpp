@@ -21,6 +21,14 @@ bool allowed(const TaskItem& item, bool drives) {
          std::holds_alternative<motion::ToolOffset>(body);
 }
 
+/// What turns or flows when the machine is off stays off.
+void leave_coolant_off(TaskItem& item) {
+  auto* coolant = std::get_if<SetCoolant>(&item.body);
+  if (coolant == nullptr) return;
+  if (coolant->flood > 0) coolant->flood = -1;
+  if (coolant->mist > 0) coolant->mist = -1;
+}
+
 /// Without drives nothing of these can happen, and the next program announces them anyway.
 bool is_mode(const TaskItem& item) {
   if (!is_path(item)) return false;
@@ -42,6 +50,8 @@ void InterpreterParticipant::run_on_abort(std::uint32_t reason) {
     report.text = "[RS274NGC]ON_ABORT_COMMAND: " + what;
     reports_.push_back(std::move(report));
   };
+  const auto turned = interp_.modal().direction;
+  const auto oriented = interp_.modal().orienting;
   canon_.new_tag();
   interp::Outcome o = interp_.execute_mdi(command + " [" + std::to_string(reason) + "]");
   for (int i = 0; o == interp::Outcome::ok && i < kMostBlocks; ++i) o = interp_.execute_next();
@@ -52,9 +62,15 @@ void InterpreterParticipant::run_on_abort(std::uint32_t reason) {
   if (o != interp::Outcome::idle) interp_.abort();
 
   const bool drives = motion_ready();
-  bool moves = false;
+  bool moves = false, starts = false;
   std::deque<TaskItem> kept;
   for (TaskItem& item : list_) {
+    if (!status_.enabled) leave_coolant_off(item);
+    if (is_path(item))
+      if (const auto* spindle = std::get_if<motion::SpindleChange>(&std::get<PathBody>(item.body)))
+        starts = starts || spindle->action == motion::SpindleChange::Action::forward ||
+                 spindle->action == motion::SpindleChange::Action::reverse ||
+                 spindle->action == motion::SpindleChange::Action::orient;
     if (allowed(item, drives))
       kept.push_back(std::move(item));
     else
@@ -64,7 +80,21 @@ void InterpreterParticipant::run_on_abort(std::uint32_t reason) {
   }
   list_ = std::move(kept);
   if (moves) complain("an abort does not move the machine; its moves were left out");
-  // Interpreter and canon are where the machine is, whatever the lines asked for.
+  if (starts) complain("an abort starts no spindle; its M3, M4 or M19 was left out");
+  // Interpreter and canon are as the machine is, whatever the lines asked for.
+  interp::ModalState modal = interp_.modal();
+  CanonState canon = canon_.state();
+  for (std::size_t n = 0; n < modal.direction.size(); ++n) {
+    if (modal.direction[n] != interp::SpindleDirection::stopped) modal.direction[n] = turned[n];
+    modal.orienting[n] = modal.orienting[n] && oriented[n];
+    canon.direction[n] =
+        static_cast<std::int8_t>(modal.direction[n] == interp::SpindleDirection::stopped     ? 0
+                                 : modal.direction[n] == interp::SpindleDirection::clockwise ? 1
+                                                                                             : -1);
+  }
+  if (!status_.enabled) modal.flood = modal.mist = false;
+  interp_.restore(modal);
+  canon_.restore(canon);
   canon_.set_position(status_.pos_cmd);
   interp_.synchronize({.machine_position = status_.pos_cmd});
 }

@@ -50,9 +50,27 @@ TEST(OnAbort, never_moves_the_machine) {
   rig.run_for(2);
   EXPECT_EQ(rig.fake->executed<motion::LinearMove>().size(), moves);
   EXPECT_EQ(rig.fake->executed<motion::SpindleChange>().size(), spindle);
-  EXPECT_THAT(rig.messages(), HasSubstr("an abort does not move the machine"));
+  const std::string messages = rig.messages();
+  EXPECT_THAT(messages, HasSubstr("an abort does not move the machine"));
+  EXPECT_THAT(messages, HasSubstr("an abort starts no spindle"));
+  EXPECT_EQ(rig.status().m_codes[2], 5) << "and shows none that turns";
   EXPECT_EQ(rig.command({"mdi", "G91 G0 X1"}).state, State::done);
   EXPECT_NEAR(rig.fake->status.pos_cmd.x, 6, 1e-9) << "the interpreter knows where the machine is";
+}
+
+TEST(OnAbort, a_machine_that_is_off_stays_dry) {
+  Rig rig(with_command());
+  write_sub(rig, "M7\nM8\n");
+  rig.ready();
+  rig.does({"abort"});
+  rig.run_for(0.1);
+  EXPECT_TRUE(rig.status().flood && rig.status().mist) << "the machine is on: as it is asked for";
+  for (const char* state : {"off", "estop"}) {
+    rig.does({"state", state});
+    rig.run_for(0.1);
+    EXPECT_FALSE(rig.status().flood || rig.status().mist) << state;
+    EXPECT_EQ(rig.status().m_codes[4], 9) << state;
+  }
 }
 
 TEST(OnAbort, reasons_of_errors_and_states) {
