@@ -53,6 +53,8 @@ TEST_F(Direction, BackToTheBeginningAndForwardsToTheEnd) {
   m->run_for(1);
   EXPECT_NEAR(m->joint(0), 0, 1e-9) << "it stands where its memory begins";
   EXPECT_FALSE(m->task().idle);
+  EXPECT_NE(m->task().waiting_for.object.view().find("forwards"), std::string::npos)
+      << m->task().waiting_for.object.view();
   EXPECT_FALSE(m->bit("motion.digital-out-00"));
   // Half way forwards, a little back, and on.
   ASSERT_TRUE(hold());

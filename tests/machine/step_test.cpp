@@ -73,6 +73,7 @@ TEST(Step, EachBlockOfSubsLoopsAndWaitsOnceAndToItsExactEnd) {
     ASSERT_TRUE(m->run_until([&] { return stands_stepped(*m); }, 30)) << "step " << n;
     EXPECT_EQ(m->task().current_line, stop.line) << "step " << n;
     EXPECT_EQ(m->task().single_step, 1);
+    EXPECT_FALSE(m->task().waiting_for.object.empty()) << "step " << n;
     EXPECT_NEAR(m->joint(0), stop.x, 1e-9) << "step " << n;
     EXPECT_NEAR(m->joint(1), stop.y, 1e-9) << "step " << n;
     EXPECT_EQ(m->bit("motion.digital-out-01"), n >= 11) << "step " << n;

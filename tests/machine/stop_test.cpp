@@ -253,5 +253,38 @@ TEST(Estop, ExternalEstopStopsDrivesAndSpindle) {
   EXPECT_FALSE(m->bit("motion.motion-enabled"));
 }
 
+/// A safety relay may take its time; what is waited for is shown, and an estop ends the wait.
+TEST(Estop, ResetWaitsForTheChain) {
+  MachineOptions options;
+  options.hal = {"unlinkp iocontrol.0.emc-enable-in", "setp iocontrol.0.emc-enable-in 0"};
+  auto m = Machine::start(options);
+  ASSERT_TRUE(m->ready()) << m->errors();
+  const auto reset = m->send({"state", "estop-reset"});
+  m->run_for(3);
+  EXPECT_FALSE(task::is_terminal(m->outcome(reset).state)) << m->outcome(reset).text;
+  EXPECT_EQ(m->task().waiting_for.pin.view(), "iocontrol.0.emc-enable-in");
+  EXPECT_TRUE(m->bit("iocontrol.0.user-enable-out")) << "or a relay could never close";
+  EXPECT_EQ(m->branch([&] {
+    EXPECT_TRUE(m->hal("setp iocontrol.0.emc-enable-in 1"));
+    m->run_for(0.1);
+    EXPECT_EQ(m->outcome(reset).state, task::CommandState::done);
+    EXPECT_EQ(m->task().task_state, task::TaskState::estop_reset);
+    EXPECT_TRUE(m->task().waiting_for.object.empty());
+  }),
+            0);
+  EXPECT_EQ(m->branch([&] {
+    m->run_for(1.1);
+    EXPECT_EQ(m->outcome(reset).state, task::CommandState::error);
+    EXPECT_FALSE(m->bit("iocontrol.0.user-enable-out"));
+  }),
+            0);
+  EXPECT_TRUE(m->does({"state", "estop"}));
+  EXPECT_EQ(m->outcome(reset).state, task::CommandState::aborted);
+  EXPECT_TRUE(m->task().waiting_for.object.empty());
+  ASSERT_TRUE(m->hal("setp iocontrol.0.emc-enable-in 1"));
+  m->run_for(5);
+  EXPECT_EQ(m->task().task_state, task::TaskState::estop) << "nobody waits any more";
+}
+
 }  // namespace
 }  // namespace kerf::harness

@@ -1,6 +1,7 @@
 #include "task/command/command_participant.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "motion/api/faults.hpp"
@@ -406,6 +407,9 @@ void motion_wait(WaitingFor& wait, const motion::MotionStatus& status, const mot
                       "joint." + joint + ".is-unlocked");
     }
   }
+  if (status.reverse && !status.path_empty && std::fabs(status.vel_mm_s) <= 0)
+    return say_wait(wait, "the path to run forwards: backwards it ends here",
+                    want.backwards ? "" : "motion.adaptive-feed");
   if (status.probing) return say_wait(wait, "the probe", "motion.probe-input");
   for (std::size_t j = 0; j < motion::kMaxJoints; ++j)
     if (status.joint[j].homing && homing_wait(wait, j, status.joint[j].home_state)) return;
@@ -512,6 +516,10 @@ void CommandParticipant::write_status() {
   s.max_vel_mm_s = want_.max_vel_mm_s;
   s.waiting_for = view_.waiting_for;
   if (s.waiting_for.object.empty()) path_wait(s.waiting_for);
+  if (resetting_) {
+    say_wait(s.waiting_for, "the estop chain to close", "iocontrol.0.emc-enable-in");
+    s.waiting_for.since_ns = reset_since_;
+  }
   s.prompt = view_.prompt;
   if (!(s.waiting_for.pin == wait_pin_)) {
     wait_pin_ = s.waiting_for.pin;

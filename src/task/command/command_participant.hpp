@@ -71,6 +71,8 @@ class CommandParticipant final : public rtapi::Participant {
   static constexpr int kNobody = -1;  ///< commands of task itself
   static constexpr rtapi::Nanos kBeat = 20 * rtapi::kMillisecond;
   static constexpr rtapi::Nanos kStateTime = rtapi::kSecond;
+  /// Safety relays take their time; a client that waits five seconds hears of it.
+  static constexpr rtapi::Nanos kResetTime = 4 * rtapi::kSecond;
   /// What stops a machine may reach its drives before it reaches this thread.
   static constexpr rtapi::Nanos kJustNow = 200 * rtapi::kMillisecond;
   /// So long those that have not run yet may take.
@@ -261,6 +263,7 @@ class CommandParticipant final : public rtapi::Participant {
   TaskMode mode_{TaskMode::manual};
   bool enabling_{false};   ///< drives asked for, not there yet
   bool resetting_{false};  ///< estop reset asked for
+  rtapi::Nanos reset_since_{0};
   bool was_jogging_{false};
   rtapi::Nanos worked_at_{-rtapi::kSecond};  ///< when the machine last did something
   std::uint64_t jog_until_{0};  ///< motion's cycle from which its status shows the last jog

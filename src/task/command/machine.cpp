@@ -61,7 +61,7 @@ void CommandParticipant::update_machine() {
       resetting_ = false;
       state_ = TaskState::estop_reset;
       end_state_tickets(CommandState::done, {});
-    } else if (state_is_late(kStateTime)) {
+    } else if (state_is_late(kResetTime)) {
       resetting_ = false;
       p_.io.set_estop(true);
       const std::string why = "estop stays: iocontrol.0.emc-enable-in is FALSE";
@@ -171,6 +171,7 @@ void CommandParticipant::do_state(Ticket ticket, const Request& request) {
   } else if (wanted == "estop-reset") {
     if (state_ == TaskState::on) go_off();
     if (state_ != TaskState::estop) return reply(ticket, CommandState::done);
+    if (!resetting_) reset_since_ = now_;
     resetting_ = true;
     pending.deadline = now_ + kStateTime;
     p_.io.request_reset();

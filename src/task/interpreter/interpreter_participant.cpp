@@ -246,7 +246,7 @@ bool InterpreterParticipant::read_block() {
     const std::size_t before = list_.size();
     canon_.announce(canon_.new_tag());
     record.tag = canon_.tag();
-    record.tag.line = 0;
+    record.tag.line = record.tag.main_line = 0;
     record.first_seq = record.last_seq = 0;
     record.pending = static_cast<int>(list_.size() - before);
     record.has_items = true;
@@ -456,6 +456,7 @@ bool InterpreterParticipant::step_stop() {
       return false;
     run_.step.release();
     stopped_ = true;
+    stopped_at_ = now_;
     step_resumes_ = p_.exchange.resumes.get();
     return true;
   }

@@ -201,6 +201,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   bool aborting_{false};
   bool announce_{true};
   bool stopped_{false};
+  rtapi::Nanos stopped_at_{0};
   std::uint32_t step_resumes_{0};
   std::uint64_t last_seq_{0};
   std::uint64_t last_tag_{0};      ///< of it

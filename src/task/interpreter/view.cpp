@@ -8,6 +8,10 @@ namespace kerf::task {
 
 void InterpreterParticipant::fill_waiting(InterpreterView& view) const {
   view.waiting_for = waiting_for_;
+  if (stopped_ && waiting_for_.object.empty()) {
+    view.waiting_for.object = rtapi::FixedString<63>("step or resume");
+    view.waiting_for.since_ns = stopped_at_;
+  }
   // iov2: no order is begun before the changer has seen the abort behind the last one.
   if (tool_order_ != 0 && p_.io.state().waiting_abort_ack) {
     view.waiting_for.object = rtapi::FixedString<63>("the tool changer to acknowledge an abort");
@@ -83,10 +87,11 @@ void InterpreterParticipant::show() {
   view.source = rtapi::FixedString<255>(interp_.file_name(static_cast<std::uint32_t>(line.file)));
   view.current_line = line.line;
   view.call_level = line.call_level;
+  view.main_line = line.main_line;
   view.read_line = interp_.next_line();
   view.program_lines = program_lines_;
-  if (run_.active && !run_.mdi && at.tag.call_level == 0 && program_lines_ > 0)
-    progress_ = static_cast<double>(at.tag.line) / program_lines_;
+  if (run_.active && !run_.mdi && program_lines_ > 0)
+    progress_ = static_cast<double>(at.tag.main_line) / program_lines_;
   view.progress = progress_;
   const auto g = at.modal.active_g_codes();
   const auto m = at.modal.active_m_codes();
