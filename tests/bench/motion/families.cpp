@@ -113,8 +113,8 @@ void reference_machine(motion::MachineConfig& config) {
   config.joint[3].max_acc = config.axis[3].max_acc = 1200;
 }
 
-Program freeform(int segments, double p_mm, double feed, std::uint64_t seed) {
-  ProgramWriter w(titled("freeform", p_mm), p_mm, feed);
+Program freeform(int segments, double p_mm, double feed, std::uint64_t seed, bool merges) {
+  ProgramWriter w(titled(merges ? "freeform" : "freeform Q0", p_mm), p_mm, feed, merges);
   Random r(seed);
   // A smooth curve (sums of sines of the arc) cut into chords of 0.05 to 0.2 mm and rounded as CAM output is.
   const double f1 = r.between(0.02, 0.04), f2 = r.between(0.07, 0.12), f3 = r.between(0.2, 0.3);

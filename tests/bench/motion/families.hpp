@@ -50,7 +50,8 @@ class ProgramWriter {
 /// The machine on which LinuxCNC's figures were taken: X Y 200 mm/s, Z 150 mm/s, XYZ 1750 mm/s2, A 90 deg/s and 1200 deg/s2.
 void reference_machine(motion::MachineConfig& config);
 
-[[nodiscard]] Program freeform(int segments, double p_mm, double feed, std::uint64_t seed);
+[[nodiscard]] Program freeform(int segments, double p_mm, double feed, std::uint64_t seed,
+                               bool merges = true);
 /// Rows over a surface with waves of `detail` to 6 times as long, in chords of 0.05 to 0.2 mm with three decimals: what CAM makes of a relief.
 [[nodiscard]] Program relief(int segments, double p_mm, double feed, bool merges,
                              std::uint64_t seed, double detail = 4);

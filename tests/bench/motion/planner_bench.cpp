@@ -1,4 +1,4 @@
-// planner_bench [--seed N] [--quick] [--optima] [--cost] [--count CYCLES] [--gcode FOLDER] [--pictures FOLDER]
+// planner_bench [--seed N] [--quick] [--optima] [--cost [--only NAME]] [--count CYCLES] [--gcode FOLDER] [--pictures FOLDER]
 //
 // Runs generated programs through planner and servo cycle without HAL, one millisecond a cycle, limited in acceleration and in jerk, and
 // prints beside the goals: time, offline optimum and feed floor; the largest share of a joint limit in any cycle (by differences of the
@@ -236,19 +236,34 @@ int retraces(std::uint64_t seed) {
   return bad;
 }
 
-void throughput(bool quick, std::uint64_t seed) {
+/// Every family of short lines.
+std::vector<bench::Program> short_lines(bool quick, std::uint64_t seed) {
+  const int lines = quick ? 2000 : 10000;
+  std::vector<bench::Program> out;
+  for (const bool merges : {true, false})
+    out.push_back(bench::freeform(lines, 0.01, 100, seed, merges));
+  for (const double detail : {4.0, 0.6})
+    for (const bool merges : {true, false})
+      out.push_back(bench::relief(lines, 0.01, 100, merges, seed, detail));
+  out.push_back(bench::fractal(quick ? 4 : 6, 0.5, 0.05, 100));
+  for (const bool reversing : {false, true})
+    out.push_back(bench::four_axis(lines / 20, 0.02, 100, reversing, seed));
+  out.push_back(bench::inverse_time(lines / 10, 0.02, seed));
+  for (const double feed : {50.0, 150.0}) out.push_back(bench::swarf(lines / 5, 0.02, feed));
+  return out;
+}
+
+void throughput(bool quick, const char* only, std::uint64_t seed) {
   std::printf("\nPlanning of short segments. Goal: at least 20 000 a second.\n");
-  const int lines = quick ? 5000 : 50000;
-  for (const bench::Program& program :
-       {bench::freeform(lines, 0.01, 100, seed), bench::relief(lines / 5, 0.01, 100, true, seed, 4),
-        bench::relief(lines / 5, 0.01, 100, false, seed, 4),
-        bench::relief(lines / 5, 0.01, 100, false, seed, 0.6),
-        bench::fractal(quick ? 4 : 6, 0.5, 0.05, 100)})
+  for (const bench::Program& program : short_lines(quick, seed))
     for (const double jerk : {0.0, kJerk}) {
+      if (only != nullptr && program.name.find(only) == std::string::npos) continue;
       const bench::RunResult r = bench::run(program, {jerk});
-      std::printf("%-22s limited in %-12s %8.0f segments/s, %.3f s for a second of motion\n",
-                  program.name.c_str(), jerk > 0 ? "jerk" : "acceleration",
-                  static_cast<double>(r.moves) / r.planner_s, r.planner_s / r.seconds);
+      std::printf(
+          "%-32s limited in %-12s %8.0f segments/s, %.3f s for a second of motion, %.2f us a "
+          "cycle\n",
+          program.name.c_str(), jerk > 0 ? "jerk" : "acceleration",
+          static_cast<double>(r.moves) / r.planner_s, r.planner_s / r.seconds, servo_us(r));
       if (!(jerk > 0)) continue;
       for (const auto& [what, n] :
            {std::pair{"from rest", r.laws.rests}, std::pair{"children", r.laws.children},
@@ -284,7 +299,7 @@ int write_programs(const char* folder, std::uint64_t seed) {
 int main_of(int argc, char** argv) {
   std::uint64_t seed = 1, count = 0;
   bool quick = false, optima = false, cost = false;
-  const char *gcode = nullptr, *pictures = nullptr;
+  const char *gcode = nullptr, *pictures = nullptr, *only = nullptr;
   for (int i = 1; i < argc; ++i) {
     const bool value = i + 1 < argc;
     if (std::strcmp(argv[i], "--seed") == 0 && value) {
@@ -299,17 +314,20 @@ int main_of(int argc, char** argv) {
       cost = true;
     } else if (std::strcmp(argv[i], "--pictures") == 0 && value) {
       pictures = argv[++i];
+    } else if (std::strcmp(argv[i], "--only") == 0 && value) {
+      only = argv[++i];
     } else if (std::strcmp(argv[i], "--quick") == 0) {
       quick = true;
     } else {
       std::puts(
-          "Usage: planner_bench [--seed N] [--quick] [--optima] [--cost] [--count CYCLES] [--gcode "
+          "Usage: planner_bench [--seed N] [--quick] [--optima] [--cost [--only NAME]] [--count "
+          "CYCLES] [--gcode "
           "FOLDER] "
           "[--pictures FOLDER]\n"
           "Times of generated programs beside their optima, the shares of the joint limits they "
           "use, and what planning costs.\n"
           "--optima: only the jerk-limited times beside their optima. --cost: only what planning "
-          "costs.\n"
+          "costs; --only: of programs with NAME in their names.\n"
           "--count: random programs with overrides, holds, aborts and resumes for that many servo "
           "cycles.");
       return std::strcmp(argv[i], "--help") == 0 ? 0 : 2;
@@ -328,7 +346,7 @@ int main_of(int argc, char** argv) {
   }
   std::vector<Entry> entries = families(quick, seed);
   if (cost) {
-    throughput(quick, seed);
+    throughput(quick, only, seed);
     return 0;
   }
   if (optima) {
@@ -340,7 +358,7 @@ int main_of(int argc, char** argv) {
   jerk_optima(families(true, seed), seed);
   corners();
   exact_stops();
-  throughput(quick, seed);
+  throughput(quick, only, seed);
   bad += repeats(seed);
   bad += retraces(seed);
   bad += overridden(entries, seed);
