@@ -88,14 +88,14 @@ void rows_of(const Piece& piece, double s0, double s1, const AxisLimits& limits,
   const bool arc = piece.shape == Piece::Shape::arc;
   const auto [f0, e0] = piece.bend(s0);
   const auto [f1, e1] = piece.bend(s1);
-  Slopes s{f0, {}, f1};
+  Slopes s{f0, f0, f1};
   Vec em;
   if (arc) {
     const Piece::Bend middle = piece.bend((s0 + s1) / 2);
     s.p1 = middle.first * 2.0 - (f0 + f1) * 0.5;
     em = middle.second * 2.0 - (e0 + e1) * 0.5;
   } else {
-    s.p1 = piece.first((s0 + s1) / 2) * 2.0 - (f0 + f1) * 0.5;
+    s.p1.add((s1 - s0) / 2, e0);
   }
   out.count = 0;
   const double half = 1.0 / (2.0 * (s1 - s0));

@@ -31,12 +31,13 @@ struct AxisLimits {
 
 /// -1 <= a x0 + b x1 <= 1
 struct Row {
-  double a{0}, b{0};
+  double a, b;
 };
 inline constexpr std::size_t kMostJoints = 8;  ///< that are not an axis each
 /// Four of an axis; three of a joint; one of the path.
 inline constexpr std::size_t kMaxRows = 4 * kAxes + 3 * kMostJoints + 1;
 
+/// Only the first ones are ever written or read: the servo cycle makes some for each stretch that it is on.
 struct Rows {
   std::array<Row, kMaxRows> at;
   std::size_t count{0};

@@ -14,30 +14,48 @@ constexpr double kForward = 1.0 - 1e-8;
 constexpr double kUnderWay = 1.0 + 1e-5;
 constexpr double kFlat = 1e-9;
 
-/// Both bounds of x0 for a given x1, as lines in x1: upper = least of (1 - b x1)/a, lower = largest of (-1 - b x1)/a.
+/// A bound of x0 for a given x1, and how it changes with x1.
 struct Bound {
   double value{0}, slope{0};
 };
 
-Bound upper_of_x0(std::span<const Row> rows, double x1) noexcept {
-  Bound out{kNoLimit, 0};
-  for (const Row& r : rows) {
-    if (r.a == 0) continue;
-    const double value = ((r.a > 0 ? kBackward : -kBackward) - r.b * x1) / r.a;
-    if (value < out.value) out = {value, -r.b / r.a};
+/// The rows as bounds of x0, lines in x1: -height + slope x1 <= x0 <= height + slope x1.
+class Lines {
+ public:
+  explicit Lines(std::span<const Row> rows) noexcept {
+    for (const Row& r : rows) {
+      if (r.a == 0) continue;
+      const double over = 1.0 / r.a;
+      height_[count_] = kBackward * std::abs(over);
+      slope_[count_] = -r.b * over;
+      ++count_;
+    }
   }
-  return out;
-}
+  /// The least of the upper ones.
+  [[nodiscard]] Bound upper(double x1) const noexcept {
+    Bound out{kNoLimit, 0};
+    for (std::size_t i = 0; i < count_; ++i) {
+      const double value = height_[i] + slope_[i] * x1;
+      if (value < out.value) out = {value, slope_[i]};
+    }
+    return out;
+  }
+  /// The largest of the lower ones and 0.
+  [[nodiscard]] Bound lower(double x1) const noexcept {
+    Bound out{0, 0};
+    for (std::size_t i = 0; i < count_; ++i) {
+      const double value = slope_[i] * x1 - height_[i];
+      if (value > out.value) out = {value, slope_[i]};
+    }
+    return out;
+  }
 
-Bound lower_of_x0(std::span<const Row> rows, double x1) noexcept {
-  Bound out{0, 0};
-  for (const Row& r : rows) {
-    if (r.a == 0) continue;
-    const double value = ((r.a > 0 ? -kBackward : kBackward) - r.b * x1) / r.a;
-    if (value > out.value) out = {value, -r.b / r.a};
-  }
-  return out;
-}
+ private:
+  // Only the first ones are ever written or read.
+  double height_[kMaxRows];
+  double slope_[kMaxRows];
+  std::size_t count_{0};
+};
 
 }  // namespace
 
@@ -47,28 +65,34 @@ double largest_x0(std::span<const Row> rows, double most) noexcept {
   double right = most;
   for (const Row& r : rows)
     if (r.a == 0 && r.b != 0) right = std::min(right, kBackward / std::abs(r.b));
+  const Lines lines(rows);
+  Bound at_right;
   for (int n = 0; n < 64; ++n) {
-    const Bound up = upper_of_x0(rows, right), low = lower_of_x0(rows, right);
-    const double gap = up.value - low.value;
+    at_right = lines.upper(right);
+    const Bound low = lines.lower(right);
+    const double gap = at_right.value - low.value;
     if (gap >= 0) break;
-    const double slope = up.slope - low.slope;  // below 0: the gap closes towards the right
+    const double slope = at_right.slope - low.slope;  // below 0: the gap closes towards the right
     if (slope >= 0) {
       right = 0;
+      at_right = lines.upper(right);
       break;
     }
     right = std::max(0.0, right - gap / slope);
-    if (n == 63) right *= 1 - 1e-3;
+    if (n == 63) {
+      right *= 1 - 1e-3;
+      at_right = lines.upper(right);
+    }
   }
-  Bound at_right = upper_of_x0(rows, right);
   if (at_right.slope >= 0 || right == 0) return at_right.value;
   double left = 0;
-  Bound at_left = upper_of_x0(rows, 0);
+  Bound at_left = lines.upper(0);
   if (at_left.slope <= 0) return at_left.value;
   for (int n = 0; n < 64; ++n) {
     // Where the rising line of the left meets the falling line of the right.
     const double at = left + ((at_right.value - at_right.slope * (right - left)) - at_left.value) /
                                  (at_left.slope - at_right.slope);
-    const Bound here = upper_of_x0(rows, at);
+    const Bound here = lines.upper(at);
     const double top = at_left.value + at_left.slope * (at - left);
     if (here.value >= top * (1 - 1e-12)) return here.value;
     if (here.slope > 0) {
@@ -90,9 +114,9 @@ Range range_of_x1(std::span<const Row> rows, double x0, bool under_way) noexcept
   for (const Row& r : rows) {
     // A row that hardly depends on x1 would only magnify the rounding of x0.
     if (std::abs(r.b) <= kFlat * std::abs(r.a)) continue;
-    const double p = (full - r.a * x0) / r.b, q = (-full - r.a * x0) / r.b;
-    low = std::max(low, std::min(p, q));
-    high = std::min(high, std::max(p, q));
+    const double over = 1.0 / r.b, middle = -r.a * x0 * over, half = full * std::abs(over);
+    low = std::max(low, middle - half);
+    high = std::min(high, middle + half);
   }
   return {low, high};
 }
