@@ -131,14 +131,13 @@ void TimeLaw::guess_nodes(const Start& start, bool patient) noexcept {
   const bool rests = start.x <= 0;
   x_.assign(n + 1, 0);
   x_[0] = start.x;
-  const auto even = [&](std::size_t i) {
-    return kGuessSpeed *
-           std::min(rows_.even_cap(i), patient ? std::max(rows_[i].wish, start.x) : rows_[i].wish);
-  };
-  for (std::size_t i = 1; i < n; ++i) {
-    x_[i] = std::min(
-        {even(i - 1), even(i), i > 1 ? even(i - 2) : kNoLimit, i + 1 < n ? even(i + 1) : kNoLimit});
-  }
+  // Evenly, and beside its neighbours.
+  sums_.assign(n + 1, kNoLimit);
+  for (std::size_t i = 0; i < n; ++i)
+    sums_[i] = kGuessSpeed * std::min(rows_.even_cap(i),
+                                      patient ? std::max(rows_[i].wish, start.x) : rows_[i].wish);
+  for (std::size_t i = 1; i < n; ++i)
+    x_[i] = std::min({sums_[i - 1], sums_[i], i > 1 ? sums_[i - 2] : kNoLimit, sums_[i + 1]});
   // x grows like it does from a stop, by a power 4/3 of the way, and by 2 A D at most.
   double acc = 0, jerk = 0;
   const auto grow = [&](std::size_t from, std::size_t to, std::size_t way_of) {
@@ -238,13 +237,17 @@ TimeLaw::Result TimeLaw::attempt(const Start& start) noexcept {
   // Far above a wish: first something that keeps the limits, then braking.
   const bool waits = lowest < kFarBelow * start.x;
   LawNewton::Aim aim;
-  for (int round = 0; round < rounds_; ++round) {
+  // Stops: other ends are tried instead of other ways to the same one. So all of the limits is used up at once, and nothing else tried.
+  const bool stops = rounds_ == kStopRounds;
+  const int rounds = stops && !waits ? 1 : rounds_;
+  aim.soon = stops;
+  for (int round = 0; round < rounds; ++round) {
     const bool patient = waits == (round % 2 == 0);
     newton_.begin(rows_, start.x, start.u, patient);
     guess_nodes(start, patient);
     for (std::size_t i = 1; i < rows_.size(); ++i) newton_.guess(i, x_[i]);
     // A state on the edge of what is possible, and the certificate allows for it.
-    if (!rests && round > 0) aim.acc = kEdgeAcc, aim.jerk = kEdgeJerk;
+    if (!rests && (stops || round > 0)) aim.acc = kEdgeAcc, aim.jerk = kEdgeJerk;
     aim.mu = kFirstMu;
     newton_.start(rests && round >= kShrinkFrom, aim);
     const bool ok = newton_.run(aim);

@@ -21,6 +21,7 @@ class LawNewton {
     double violation{1e-3};
     double mu{1e-2};  ///< first weight of the barrier, relative to the time
     int iterations{60};
+    bool soon{false};  ///< rather no result than many iterations
   };
 
   [[nodiscard]] bool create(Memory& memory, std::size_t intervals,

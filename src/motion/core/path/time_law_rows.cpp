@@ -48,14 +48,16 @@ Derivatives derivatives(const Piece& piece, double s0, double s1) noexcept {
   const double sm = (s0 + s1) / 2;
   d.p0 = piece.first(s0);
   d.p2 = piece.first(s1);
-  d.p1 = piece.first(sm) * 2.0 - (d.p0 + d.p2) * 0.5;
   d.e0 = piece.second(s0);
   d.e1 = piece.second(s1);
   if (piece.shape == Piece::Shape::arc) {
+    d.p1 = piece.first(sm) * 2.0 - (d.p0 + d.p2) * 0.5;
     d.c0 = piece.third(s0);
     d.c2 = piece.third(s1);
     d.c1 = piece.third(sm) * 2.0 - (d.c0 + d.c2) * 0.5;
   } else {
+    d.p1 = d.p0;
+    d.p1.add((s1 - s0) / 2, d.e0);
     d.c0 = d.c1 = d.c2 = piece.d;
   }
   return d;
@@ -149,6 +151,7 @@ void LawRows::push(std::size_t k, double from, double to) noexcept {
   in.wish = s.wish < s.cap ? s.wish : kNoLimit;
   in.from = from;
   in.stretch = k;
+  straight_limits(s, from + in.length / 2, limits_, in.straight_acc, in.straight_jerk);
   room_ = intervals_.push_back(in) && room_;
 }
 
@@ -399,6 +402,9 @@ bool LawRows::make_rows(std::size_t i) noexcept {
                    joint[joints++] = p;
                    acc_rows(p.p0, p.p1, p.p2, p.e0, p.e1, limit.acc, !same);
                  });
+  const double xyz = limits_.path_jerk < kNoLimit
+                         ? std::max({norm3(d.p0, 0), norm3(d.p1, 0), norm3(d.p2, 0)})
+                         : 0.0;
   for (int k = 0; k < 3; ++k) {
     int count = 0;
     for (std::size_t j = 0; j < kAxes; ++j) {
@@ -416,8 +422,7 @@ bool LawRows::make_rows(std::size_t i) noexcept {
       const JointPart& p = joint[j];
       jerk_row(k, p.p0, p.p1, p.p2, p.e0, p.e1, k == 0 ? p.c0 : k == 1 ? p.c1 : p.c2, limit);
     }
-    const double xyz = std::max({norm3(d.p0, 0), norm3(d.p1, 0), norm3(d.p2, 0)});
-    if (limits_.path_jerk < kNoLimit && xyz > 0) {
+    if (xyz > 0) {
       ++count;
       row(xyz * ww, -2 * xyz * ww, xyz * ww, limits_.path_jerk);
     }
@@ -455,6 +460,7 @@ double LawRows::rest_cap(std::size_t i, double way, bool start) const noexcept {
   const double sign = start ? 1 : -1;
   const auto take = [&](double p0, double p1, double p2, double e0, double e1, double c,
                         double acc_limit, double jerk_limit) {
+    if (p0 == 0 && p2 == 0 && e0 == 0 && e1 == 0) return;
     const double ka = 2 / (3 * way), kj = 2 / (9 * way * way);
     const double a =
         std::max({std::abs(p0 * ka), std::abs(p1 * ka + e0 / 2), std::abs(p2 * ka + e1)});
@@ -528,11 +534,6 @@ double LawRows::even_cap(std::size_t i) const noexcept {
     }
   }
   return x;
-}
-
-void LawRows::straightest(std::size_t i, double& acc, double& jerk) const noexcept {
-  const LawInterval& in = intervals_[i];
-  straight_limits(stretches_[in.stretch], in.from + in.length / 2, limits_, acc, jerk);
 }
 
 LawExcess LawRows::excess(std::size_t i, const double b[3], bool given) const noexcept {

@@ -37,6 +37,8 @@ struct LawInterval {
   double length{0};
   double cap{0}, wish{0};
   double from{0};  ///< on its piece
+  double straight_acc{0},
+      straight_jerk{0};  ///< of sigma, as if the path went on straight from its middle
   std::size_t stretch{0};
   std::size_t row{0};     ///< its first row; accelerations first, then jerks by coefficient
   std::int32_t accs{0};   ///< by axis; the last one of each that of its end
@@ -106,7 +108,10 @@ class LawRows {
   /// The largest x at which a place can be passed evenly, roughly.
   [[nodiscard]] double even_cap(std::size_t i) const noexcept;
   /// What a straight along q' could do there: acceleration and jerk of sigma.
-  void straightest(std::size_t i, double& acc, double& jerk) const noexcept;
+  void straightest(std::size_t i, double& acc, double& jerk) const noexcept {
+    acc = intervals_[i].straight_acc;
+    jerk = intervals_[i].straight_jerk;
+  }
 
   /// By how much the interval with these coefficients goes over the true limits. `given`: nothing is said about b[0] and its u, which nobody chose.
   [[nodiscard]] LawExcess excess(std::size_t i, const double b[3], bool given) const noexcept;
