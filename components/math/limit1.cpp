@@ -10,7 +10,7 @@ class Limit1 final : public hal::Component<Limit1> {
       .summary = "Keeps a value between min and max",
       .notes =
           "Bounds the value only: for the rate of change too, see limit2. With min above max, "
-          "min wins."};
+          "max wins."};
   using Component::Component;
 
  private:

@@ -10,8 +10,8 @@ class Limit2 final : public hal::Component<Limit2> {
       .summary = "Keeps a value between min and max and its rate of change below maxv",
       .notes =
           "For a position these are limits of position and velocity. out starts from zero and "
-          "walks to in; load makes it jump there. min and max are never broken, not even for "
-          "maxv; with min above max, min wins."};
+          "walks to in; load makes it jump there. When min or max moves past out, out walks back "
+          "within them; with min above max an input below min counts as min, any other as max."};
   using Component::Component;
 
  private:
@@ -26,12 +26,16 @@ class Limit2 final : public hal::Component<Limit2> {
   void update(const hal::Period& period) noexcept {
     const double min = min_, max = max_;
     double value = in_;
-    if (value > max) value = max;
-    if (value < min) value = min;
+    if (value < min)
+      value = min;
+    else if (value > max)
+      value = max;
     if (!load_) {
       const double step = maxv_ * period.seconds();
-      if (value > before_ + step) value = before_ + step;
-      if (value < before_ - step) value = before_ - step;
+      if (value < before_ - step)
+        value = before_ - step;
+      else if (value > before_ + step)
+        value = before_ + step;
     }
     before_ = value;
     out_ = value;

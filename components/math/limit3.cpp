@@ -50,7 +50,12 @@ class Limit3 final : public hal::Component<Limit3> {
     if (can_rest(way, high, change)) return high;
     double next = way;
     const double rest = 2.0 * way / step, steps = std::ceil(rest - kRounding);
-    if (steps > 1.0) next = rest < smooth_steps_ ? step * (steps - 1.0) / steps : step - change;
+    // Where less is left than the acceleration of a call takes away, out comes to rest and does not turn back; there the rounding is
+    // great beside what is left.
+    if (steps > 1.0) {
+      const double spread = smooth_steps_ + (step < change * (1.0 - kRounding) ? 1e-6 : 0.0);
+      next = rest < spread ? step * (steps - 1.0) / steps : step - change;
+    }
     return std::max(low, std::min(next, high));
   }
   double value_{0.0}, step_{0.0}, target_{0.0};

@@ -35,7 +35,7 @@ class Lincurve final : public hal::Component<Lincurve> {
     if (in >= x_val_[last])
       i = last;
     else if (in > x_val_[0])
-      while (i < last && in > x_val_[i + 1]) ++i;
+      while (i < last && in >= x_val_[i + 1]) ++i;
     double out = y_val_[i];
     if (i < last && in > x_val_[i]) {
       const double x0 = x_val_[i], x1 = x_val_[i + 1], y1 = y_val_[i + 1];

@@ -74,7 +74,6 @@ class Plasmac final : public PlasmacHeight {
     torch_off_now();
     stop_ = why;
     hold_ = true;
-    ohmic_on_ = false;
     skip_probe_ = false;
     corner_lock_ = void_lock_ = false;
     cornerlock_is_locked_ = false;
@@ -121,7 +120,6 @@ class Plasmac final : public PlasmacHeight {
           state_ = S::pause_at_end;
           timer_.set(pause_at_end_);
           if (pause_at_end_ <= 0.0) torch_off_now();
-          ohmic_on_ = false;
         }
       } else if (state_ >= S::pierce_height && sensor_active_.last()) {
         fail(breakaway_      ? "breakaway switch activated, program is paused"

@@ -38,9 +38,9 @@ class Spindle final : public hal::Component<Spindle> {
                      index == 0);
       scale.declare(b, name("scale.#"), "Output for one rpm, negative to turn the other way", 1.0);
       min.declare(b, name("min.#"), "Lowest speed of this gear [rpm]");
-      max.declare(b, name("max.#"), "Highest speed of this gear [rpm]");
-      accel.declare(b, name("accel.#"), "Acceleration [rpm per second]");
-      decel.declare(b, name("decel.#"), "Deceleration [rpm per second]");
+      max.declare(b, name("max.#"), "Highest speed of this gear [rpm], 0 none");
+      accel.declare(b, name("accel.#"), "Acceleration [rpm per second], 0 at once");
+      decel.declare(b, name("decel.#"), "Deceleration [rpm per second], 0 at once");
       speed_tolerance.declare(b, name("speed-tolerance.#"),
                               "Difference that counts as at speed [rpm]", 20.0);
       zero_tolerance.declare(b, name("zero-tolerance.#"), "Speed that counts as standing [rpm]",
@@ -91,12 +91,12 @@ class Spindle final : public hal::Component<Spindle> {
     double size = std::fabs(commanded_speed_.get());
     bool limited = false;
     if (!enable_) size = 0.0;
-    if (size > gear.max) {
-      size = gear.max;
-      limited = true;
-    }
     if (size > 0.0 && size < gear.min) {
       size = gear.min;
+      limited = true;
+    }
+    if (gear.max > 0.0 && size > gear.max) {
+      size = gear.max;
       limited = true;
     }
     limited_ = limited;
@@ -104,17 +104,21 @@ class Spindle final : public hal::Component<Spindle> {
     const double base = simulated ? speed_ : now;
     // Beside an encoder the steps are speeds, so that the acceleration depends on the load.
     const double per_step = simulated ? dt : 1.0;
+    const auto step_of = [per_step](double rate) noexcept {
+      return rate > 0.0 ? rate * per_step : HUGE_VAL;
+    };
     // Slowing down ends at standstill: the other direction begins with acceleration.
     const bool slows = (base > 0.0 && wanted < base) || (base < 0.0 && wanted > base);
-    // Within the tolerance it is at speed, and commanded no more by steps.
-    const bool at_speed = std::fabs(wanted - now) <= gear.speed_tolerance;
+    // Within the tolerance of the command, whatever its limits make of it, it is at speed, and commanded no more by steps.
+    const double asked = enable_ ? commanded_speed_.get() : 0.0;
+    const bool at_speed = std::fabs(asked - now) <= gear.speed_tolerance && !(asked * now < 0.0);
     double next = wanted;
     if (!at_speed && slows) {
-      const double step = gear.decel * per_step;
+      const double step = step_of(gear.decel);
       next = base > 0.0 ? std::max(base - step, std::max(wanted, 0.0))
                         : std::min(base + step, std::min(wanted, 0.0));
     } else if (!at_speed) {
-      const double step = gear.accel * per_step;
+      const double step = step_of(gear.accel);
       next = rtapi::limited(wanted, base - step, base + step);
     }
     brake_ = slows && !at_speed;

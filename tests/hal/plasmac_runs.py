@@ -178,10 +178,14 @@ class Run:
         start = rng.choice([START] * 8 + ["plasmac.spotting-start"] * self.spots + ["plasmac.scribe-start"])
         self.do(at, start, 1)
         self.do(21, SPEED, 50)
+        begins_anew = False
         for _ in range(rng.choice([1, 1, 2, 3])):
             what = rng.choice(["pause", "pause", "disturb", "disturb", "end", "end", "abort", "off"])
             if what == "off" and start == "plasmac.scribe-start":  # LinuxCNC leaves it on
                 what = "end"
+            if what == "end" and begins_anew:  # LinuxCNC goes to a height above the material of the job before
+                what = "disturb"
+            begins_anew = begins_anew or what in ("abort", "off")
             when = at + rng.randint(1, 60)
             if what == "pause":
                 at = self.pause(when)
