@@ -259,11 +259,15 @@ void throughput(bool quick, const char* only, std::uint64_t seed) {
     for (const double jerk : {0.0, kJerk}) {
       if (only != nullptr && program.name.find(only) == std::string::npos) continue;
       const bench::RunResult r = bench::run(program, {jerk});
+      // Stops are made so many times a second, however short the lines are.
+      const double stops = r.stops_s / r.seconds,
+                   most = (1 - stops) * static_cast<double>(r.moves) / (r.planner_s - r.stops_s);
       std::printf(
-          "%-32s limited in %-12s %8.0f segments/s, %.3f s for a second of motion, %.2f us a "
-          "cycle\n",
+          "%-32s limited in %-12s %8.0f segments/s, %.3f s for a second of motion, of it %.3f s "
+          "for stops; keeps up with %.0f segments/s; %.2f us a cycle\n",
           program.name.c_str(), jerk > 0 ? "jerk" : "acceleration",
-          static_cast<double>(r.moves) / r.planner_s, r.planner_s / r.seconds, servo_us(r));
+          static_cast<double>(r.moves) / r.planner_s, r.planner_s / r.seconds, stops, most,
+          servo_us(r));
       if (!(jerk > 0)) continue;
       for (const auto& [what, n] :
            {std::pair{"from rest", r.laws.rests}, std::pair{"children", r.laws.children},

@@ -137,6 +137,28 @@ std::vector<Programmed> programmed(const Program& program) {
   return out;
 }
 
+/// What of the planner's time goes into stops: the cycles in which it made one and no other law, less what cycles without any law take.
+class PlannerParts {
+ public:
+  void add(double seconds, const motion::LawMaker::Counts& now) {
+    const bool stop = now.stops.all != before_.stops.all,
+               law = now.rests.all != before_.rests.all || now.children.all != before_.children.all;
+    before_ = now;
+    if (law) return;
+    (stop ? with_ : without_) += seconds;
+    ++(stop ? stops_ : others_);
+  }
+  [[nodiscard]] double stops_s() const {
+    const double one = others_ > 0 ? without_ / static_cast<double>(others_) : 0.0;
+    return std::max(with_ - one * static_cast<double>(stops_), 0.0);
+  }
+
+ private:
+  motion::LawMaker::Counts before_;
+  double with_{0}, without_{0};
+  std::size_t stops_{0}, others_{0};
+};
+
 }  // namespace
 
 RunResult run(const Program& program, const RunOptions& options) {
@@ -154,6 +176,7 @@ RunResult run(const Program& program, const RunOptions& options) {
   Pose before = rig.status().pos_cmd;
   const std::uint64_t seq0 = rig.seq;
   std::vector<float> speeds;
+  PlannerParts parts;
   out.hash = 1469598103934665603U;
   while (true) {
     while (next < program.items.size() && rig.push(program.items[next])) ++next;
@@ -163,7 +186,9 @@ RunResult run(const Program& program, const RunOptions& options) {
     while (rig.planner.run(*rig.path, rig.controller->view(), 1, rig.now_ns) ==
            motion::Planner::Waits::turn) {
     }
-    out.planner_s += processor_now() - t0;
+    const double planned = processor_now() - t0;
+    out.planner_s += planned;
+    parts.add(planned, rig.planner.law_counts());
     rig.plan = false;
     const double t1 = seconds_now();
     if (program.machine == Machine::lathe)
@@ -218,6 +243,7 @@ RunResult run(const Program& program, const RunOptions& options) {
   out.moves = program.items.size() - 1;
   out.faults = rig.faults.size();
   out.laws = rig.planner.law_counts();
+  out.stops_s = parts.stops_s();
   if (!speeds.empty()) {
     const auto quarter = static_cast<std::ptrdiff_t>(speeds.size() / 4);
     out.slowest = *std::min_element(speeds.begin() + quarter, speeds.end() - quarter);

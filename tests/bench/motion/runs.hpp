@@ -27,6 +27,7 @@ struct RunResult {
       jerk{0};  ///< largest share of a joint limit, by differences of the commanded positions
   double deviation{0};  ///< from the programmed path in XYZ [mm]
   double planner_s{0};
+  double stops_s{0};  ///< of it, for stops that are kept ready
   double servo_s{
       0};  ///< of `timed` cycles; those in which the system took the processor away are left out
   double slowest{0};  ///< mm/s, the least speed in the middle half of the run
