@@ -1,4 +1,4 @@
-// planner_bench [--seed N] [--quick] [--optima] [--cost [--only NAME]] [--count CYCLES] [--gcode FOLDER] [--pictures FOLDER]
+// planner_bench [--seed N] [--quick] [--optima] [--cost | --stops [--only NAME]] [--count CYCLES] [--gcode FOLDER] [--pictures FOLDER]
 //
 // Runs generated programs through planner and servo cycle without HAL, one millisecond a cycle, limited in acceleration and in jerk, and
 // prints beside the goals: time, offline optimum and feed floor; the largest share of a joint limit in any cycle (by differences of the
@@ -18,6 +18,7 @@
 #include "bench/motion/campaign.hpp"
 #include "bench/motion/pictures.hpp"
 #include "bench/motion/runs.hpp"
+#include "bench/motion/stops.hpp"
 
 namespace kerf {
 namespace {
@@ -236,6 +237,28 @@ int retraces(std::uint64_t seed) {
   return bad;
 }
 
+/// Holds and aborts limited in jerk.
+void stop_times(const std::vector<Entry>& entries, const char* only, std::size_t most) {
+  std::printf(
+      "\nStops limited in jerk, beside the soonest that is known. Goal: at most 1.1.\n"
+      "%-26s %8s %8s %8s %8s %8s\n",
+      "program", "moments", "mean", "worst", "> 1.1", "solver");
+  std::size_t all = 0, over = 0;
+  for (const Entry& e : entries) {
+    if (e.program.machine != bench::Machine::mill) continue;
+    if (only != nullptr && e.program.name.find(only) == std::string::npos) continue;
+    const bench::StopsResult r = bench::stops(e.program, kJerk, most);
+    const double percent = 100 / static_cast<double>(std::max<std::size_t>(r.moments, 1));
+    std::printf("%-26s %8zu %8.4f %8.3f %7.2f%% %7.2f%%\n", e.program.name.c_str(), r.moments,
+                r.mean, r.worst, percent * static_cast<double>(r.over),
+                percent * static_cast<double>(r.searched));
+    std::fflush(stdout);
+    all += r.moments;
+    over += r.over;
+  }
+  std::printf("%zu of %zu take more than 1.1 of the soonest\n", over, all);
+}
+
 /// Every family of short lines.
 std::vector<bench::Program> short_lines(bool quick, std::uint64_t seed) {
   const int lines = quick ? 2000 : 10000;
@@ -302,7 +325,7 @@ int write_programs(const char* folder, std::uint64_t seed) {
 
 int main_of(int argc, char** argv) {
   std::uint64_t seed = 1, count = 0;
-  bool quick = false, optima = false, cost = false;
+  bool quick = false, optima = false, cost = false, stops = false;
   const char *gcode = nullptr, *pictures = nullptr, *only = nullptr;
   for (int i = 1; i < argc; ++i) {
     const bool value = i + 1 < argc;
@@ -316,6 +339,8 @@ int main_of(int argc, char** argv) {
       optima = true;
     } else if (std::strcmp(argv[i], "--cost") == 0) {
       cost = true;
+    } else if (std::strcmp(argv[i], "--stops") == 0) {
+      stops = true;
     } else if (std::strcmp(argv[i], "--pictures") == 0 && value) {
       pictures = argv[++i];
     } else if (std::strcmp(argv[i], "--only") == 0 && value) {
@@ -324,14 +349,17 @@ int main_of(int argc, char** argv) {
       quick = true;
     } else {
       std::puts(
-          "Usage: planner_bench [--seed N] [--quick] [--optima] [--cost [--only NAME]] [--count "
+          "Usage: planner_bench [--seed N] [--quick] [--optima] [--cost | --stops [--only NAME]] "
+          "[--count "
           "CYCLES] [--gcode "
           "FOLDER] "
           "[--pictures FOLDER]\n"
           "Times of generated programs beside their optima, the shares of the joint limits they "
           "use, and what planning costs.\n"
           "--optima: only the jerk-limited times beside their optima. --cost: only what planning "
-          "costs; --only: of programs with NAME in their names.\n"
+          "costs. --stops: only stops limited in jerk beside the soonest known. --only: of "
+          "programs "
+          "with NAME in their names.\n"
           "--count: random programs with overrides, holds, aborts and resumes for that many servo "
           "cycles.");
       return std::strcmp(argv[i], "--help") == 0 ? 0 : 2;
@@ -353,6 +381,10 @@ int main_of(int argc, char** argv) {
     throughput(quick, only, seed);
     return 0;
   }
+  if (stops) {
+    stop_times(families(true, seed), only, quick ? 400 : 2000);
+    return 0;
+  }
   if (optima) {
     jerk_optima(families(true, seed), seed);
     return 0;
@@ -360,6 +392,7 @@ int main_of(int argc, char** argv) {
   int bad = acceleration_limited(entries, seed);
   bad += jerk_limited(entries, seed);
   jerk_optima(families(true, seed), seed);
+  stop_times(families(true, seed), nullptr, 200);
   corners();
   exact_stops();
   throughput(quick, only, seed);

@@ -28,13 +28,13 @@ constexpr double kStopEnds[] = {1.0, 1.1, 1.3, 1.6};
 /// Windows this many times as long as a stop on a straight end soon enough; attempts at each of them.
 constexpr double kStopHere = 1.3;
 constexpr int kStopRounds = 2;
-/// Braking without the solver: steps on the way of a straight at least, and shares of the limits to keep to where possible, of jerk besides.
-constexpr double kBrakeSteps = 16, kBrakeShares[] = {0.985, 0.998}, kBrakeJerk = 0.97;
+/// Braking without the solver: steps on the way of a straight at least; and more of them where a stop takes that many times as long as there.
+constexpr double kBrakeSteps[] = {32, 80};
+constexpr double kBrakeEnough = 1.5;
 /// Braking is tried from places of a law so far apart (of its time).
 constexpr double kLaterEvery = 0.12;
 /// A stop that took more passes, or the solver, is tried nearer by this factor and again, down to that one; not when it takes less than so many
 /// times what it would on a straight, nor in more intervals; and is worth it when it gains that much.
-constexpr int kFewPasses = 1;
 constexpr double kNearer = 0.93, kNearest = 0.3, kSoonEnough = 1.25, kWorthwhile = 0.999;
 constexpr std::size_t kMostNearer = 40;
 /// A wish below this share of the start's x is far.
@@ -72,33 +72,6 @@ void spline(const double b[3], LawStep& step) noexcept {
 double way_to_rest(const LawStep& s) noexcept { return -2 * s.x / (3 * s.u); }
 
 }  // namespace
-
-LawState at(const LawStep& step, double t) noexcept {
-  LawState out;
-  if (step.kind != LawStep::Kind::spline) {
-    const bool start = step.kind == LawStep::Kind::start;
-    const double r = start ? t / step.seconds : 1 - t / step.seconds;
-    out.s = start ? step.length * r * r * r : step.length * (1 - r * r * r);
-    out.speed = 3 * step.length * r * r / step.seconds;
-    out.acc = (start ? 6 : -6) * step.length * r / (step.seconds * step.seconds);
-    return out;
-  }
-  const double v = std::sqrt(step.x), z = step.w * t * t;
-  if (std::abs(z) < kSeries) {
-    out.s = v * t * (1 + z / 6 * (1 + z / 20)) + 0.5 * step.u * t * t * (1 + z / 12 * (1 + z / 30));
-    out.speed = v * (1 + z / 2 * (1 + z / 12)) + step.u * t * (1 + z / 6 * (1 + z / 20));
-  } else if (step.w > 0) {
-    const double k = std::sqrt(step.w), sinh = std::sinh(k * t), half = std::sinh(0.5 * k * t);
-    out.s = v / k * sinh + 2 * step.u / step.w * half * half;
-    out.speed = v * (1 + 2 * half * half) + step.u / k * sinh;
-  } else {
-    const double k = std::sqrt(-step.w), sin = std::sin(k * t), half = std::sin(0.5 * k * t);
-    out.s = v / k * sin - 2 * step.u / step.w * half * half;
-    out.speed = v * (1 - 2 * half * half) + step.u / k * sin;
-  }
-  out.acc = step.w * out.s + step.u;
-  return out;
-}
 
 bool TimeLaw::create(Memory& memory, std::size_t intervals,
                      std::size_t rows_per_interval) noexcept {
@@ -275,12 +248,11 @@ bool TimeLaw::certify(const Start& start) noexcept {
   return newton_.node(n - 1) <= rows_.stop_cap() * (1 + kMostVel);
 }
 
-void TimeLaw::place(std::size_t i, LawStep& step) const noexcept {
-  const LawInterval& in = rows_[i];
-  const LawStretch& from = rows_.stretches()[in.stretch];
-  step.length = in.length;
-  step.span = from.number;
-  step.left = std::max(from.span_end - (in.from + in.length), 0.0);
+void TimeLaw::place(std::size_t stretch, double from, double length, LawStep& step) const noexcept {
+  const LawStretch& s = rows_.stretches()[stretch];
+  step.length = length;
+  step.span = s.number;
+  step.left = std::max(s.span_end - (from + length), 0.0);
 }
 
 void TimeLaw::write(const Start& start) noexcept {
@@ -290,7 +262,7 @@ void TimeLaw::write(const Start& start) noexcept {
   for (std::size_t i = 0; i < n; ++i) {
     const LawInterval& in = rows_[i];
     LawStep step;
-    place(i, step);
+    place(in.stretch, in.from, in.length, step);
     if (i == 0 && start.x <= 0) {
       step.kind = LawStep::Kind::start;
       step.seconds = 3 * in.length / std::sqrt(newton_.node(1));
@@ -309,13 +281,13 @@ void TimeLaw::write(const Start& start) noexcept {
   }
 }
 
-TimeLaw::Result TimeLaw::solve_stop(const Start& start) noexcept {
-  return brake_stop(start) == Result::ok ? Result::ok : search_stop(start);
+TimeLaw::Result TimeLaw::solve_stop(const Start& start, const LawAlong& law) noexcept {
+  return brake_stop(start, law) == Result::ok ? Result::ok : search_stop(start);
 }
 
 /// The law that ends a little before the end of the one that was found, and then nearer still, as long as that stands sooner.
 void TimeLaw::end_nearer(const Start& start) noexcept {
-  if (seconds_ < kSoonEnough * least_stop(start)) return;
+  if (seconds_ < kSoonEnough * straight_stop(start)) return;
   const double straight = stop_way(start);
   double end = 0;
   for (const LawStep& s : law_) end += s.length;
@@ -351,47 +323,35 @@ void TimeLaw::restore() noexcept {
 }
 
 /// What a stop on a straight like the first place of the window takes.
-double TimeLaw::least_stop(const Start& start) const noexcept {
+double TimeLaw::straight_stop(const Start& start) const noexcept {
   const LawStretch& first = rows_.stretches().front();
   double acc = 0, jerk = 0;
   straight_limits(first, first.from, rows_.limits(), acc, jerk);
   return ramp_to({std::sqrt(start.x), start.u}, 0, {acc, jerk}).duration();
 }
 
-TimeLaw::Result TimeLaw::brake_stop(const Start& start) noexcept {
+TimeLaw::Result TimeLaw::brake_stop(const Start& start, const LawAlong& law) noexcept {
   iterations_ = 0;
-  passes_ = 0;
   law_.clear();
   seconds_ = 0;
-  if (rows_.stretches().empty() || !(start.x > 0) || !brake(start, 0)) return Result::failed;
-  // What took more passes may be far from the soonest.
-  if (passes_ > kFewPasses) end_nearer(start);
-  return Result::ok;
+  return !rows_.stretches().empty() && start.x > 0 && brake(start, 0, law) ? Result::ok
+                                                                           : Result::failed;
 }
 
 /// Braking from `way` on, where the state is `from`, is added to the law.
-bool TimeLaw::brake(const Start& from, double way) noexcept {
+bool TimeLaw::brake(const Start& from, double way, const LawAlong& law) noexcept {
   LawStop::Aim aim;
-  aim.widest = stop_way(from) / kBrakeSteps;
   aim.most = {kMostVel, kMostAcc, kMostJerk};
-  bool found = false;
-  for (const double share : kBrakeShares) {
-    if (found) break;
-    aim.acc = share;
-    aim.jerk = share * kBrakeJerk;
-    found = stop_.run(rows_, way, from.x, from.u, aim);
-    passes_ += stop_.passes();
-  }
-  if (!found) return false;
-  for (std::size_t i = 0; i <= stop_.size(); ++i) {
-    double b[3];
-    stop_.coefficients(i, b);
+  for (int k = 0; k < 2; ++k) aim.widest[k] = stop_way(from) / kBrakeSteps[k];
+  aim.enough_s = kBrakeEnough * straight_stop(from);
+  if (!stop_.run(rows_, way, from.x, from.u, law, aim)) return false;
+  const Buffer<LawStop::Step>& steps = stop_.steps();
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const LawStop::Step& made = steps[i];
     LawStep step;
-    place(i, step);
-    spline(b, step);
-    if (i == stop_.size()) {
-      step.left += step.length - stop_.way();
-      step.length = stop_.way();
+    place(made.stretch, made.from, made.length, step);
+    spline(made.b, step);
+    if (i + 1 == steps.size()) {
       step.w = 0;
       step.kind = LawStep::Kind::stop;
       step.seconds = 3 * step.length / std::sqrt(step.x);
@@ -412,7 +372,7 @@ bool TimeLaw::brake_behind(std::size_t k) noexcept {
     seconds_ += kept_[i].seconds;
     way += kept_[i].length;
   }
-  return brake({kept_[k].x, kept_[k].u}, way);
+  return brake({kept_[k].x, kept_[k].u}, way, {kept_.begin() + k, kept_.size() - k, 0});
 }
 
 /// Whether braking stands sooner from some place of the law on.

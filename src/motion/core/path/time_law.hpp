@@ -9,6 +9,7 @@
 #include <cstdint>
 
 #include "motion/core/path/buffer.hpp"
+#include "motion/core/path/law_step.hpp"
 #include "motion/core/path/limits.hpp"
 #include "motion/core/path/piece.hpp"
 #include "motion/core/path/time_law_newton.hpp"
@@ -16,31 +17,6 @@
 #include "motion/core/path/time_law_stop.hpp"
 
 namespace kerf::motion::path {
-
-/// One interval of a law, in closed form: O(1) to evaluate in the servo cycle.
-struct LawStep {
-  enum class Kind : std::int32_t {
-    spline, /**< d2s/dt2 = w s + u with s from the interval's start: exponentials or sines of sqrt|w| t */
-    start, /**< from rest: s = length (t / seconds)^3 */
-    stop   /**< to rest:   s = length (1 - (1 - t / seconds)^3) */
-  };
-  double length{0};   ///< sigma
-  double x{0}, u{0};  ///< at its start
-  double w{0};        ///< du/dsigma, constant (spline)
-  double seconds{0};
-  std::uint64_t span{0};  ///< as given to add()
-  double left{0};         ///< sigma from the end of this interval to the end of its span
-  Kind kind{Kind::spline};
-  std::int32_t reserved{0};
-};
-
-/// Place and speed within an interval `t` seconds after its start.
-struct LawState {
-  double s{0};      ///< sigma from the interval's start
-  double speed{0};  ///< dsigma/dt
-  double acc{0};    ///< d2sigma/dt2
-};
-[[nodiscard]] LawState at(const LawStep& step, double t) noexcept;
 
 class TimeLaw {
  public:
@@ -70,9 +46,9 @@ class TimeLaw {
   [[nodiscard]] Result solve(const Start& start) noexcept;
   /// A stop as soon as possible: to rest wherever within the window that is soonest. The window must be long enough (about 1.5 times the
   /// stopping distance on a straight; the caller lengthens it when this fails). By brake_stop(); where that finds none by search_stop().
-  [[nodiscard]] Result solve_stop(const Start& start) noexcept;
-  /// Braking from node to node (time_law_stop.hpp): cheap. Where that was not easy the solver tries to end nearer.
-  [[nodiscard]] Result brake_stop(const Start& start) noexcept;
+  [[nodiscard]] Result solve_stop(const Start& start, const LawAlong& law) noexcept;
+  /// Braking from node to node (time_law_stop.hpp): cheap. `law` is driven at the start.
+  [[nodiscard]] Result brake_stop(const Start& start, const LawAlong& law) noexcept;
   /// By the solver: down to a crawl as soon as limits allow, then the nearest end for which it finds a law, of which braking may take over
   /// the rest.
   [[nodiscard]] Result search_stop(const Start& start) noexcept;
@@ -92,9 +68,9 @@ class TimeLaw {
   void round_off() noexcept;
   void track(const Start& start) noexcept;
   [[nodiscard]] double stop_way(const Start& start) const noexcept;
-  [[nodiscard]] double least_stop(const Start& start) const noexcept;
+  [[nodiscard]] double straight_stop(const Start& start) const noexcept;
   void end_nearer(const Start& start) noexcept;
-  [[nodiscard]] bool brake(const Start& from, double way) noexcept;
+  [[nodiscard]] bool brake(const Start& from, double way, const LawAlong& law) noexcept;
   [[nodiscard]] bool brake_behind(std::size_t k) noexcept;
   void brake_later() noexcept;
   void keep() noexcept;
@@ -102,7 +78,7 @@ class TimeLaw {
   void cut() noexcept;
   [[nodiscard]] bool certify(const Start& start) noexcept;
   void write(const Start& start) noexcept;
-  void place(std::size_t i, LawStep& step) const noexcept;
+  void place(std::size_t stretch, double from, double length, LawStep& step) const noexcept;
 
   LawRows rows_;
   LawNewton newton_;
@@ -111,7 +87,6 @@ class TimeLaw {
   Buffer<double> x_, sums_, way_;
   double seconds_{0}, kept_seconds_{0};
   int iterations_{0};
-  int passes_{0};  ///< of braking
   std::uint64_t work_{0};
   int round_{0};  ///< the attempt that succeeded
   static constexpr int kRounds = 4;

@@ -6,32 +6,43 @@
 namespace kerf::motion::path {
 namespace {
 
-constexpr int kPasses = 8;
 /// Below this share of its first x a motion that has not found its rest will not find it.
 constexpr double kStill = 1e-6;
-/// Of the jerk of a straight: what is counted on for the way to rest at least.
-constexpr double kLeastEven = 0.05;
 /// A jerk row in which b2 counts less than that beside b1 bounds u, not w.
 constexpr double kNoW = 1e-3;
-/// A place at which no w would do: steps towards a u at which one does, how far beyond it, and how much larger u may become in one (of the
-/// acceleration of a straight).
-constexpr int kRootSteps = 4;
-constexpr double kBeyondRoot = 1.02, kMostMore = 0.5;
-/// u is never held above this share of that acceleration, and not at all below this share of the first x.
-constexpr double kMostLow = 0.5, kSlow = 0.03;
 /// Steps, as a share of x over the acceleration of a straight; and the least one, as a share of the widest.
 constexpr double kStep = 0.12, kLeastStep = 0.03;
 /// Shares of the way to rest: a new step, and one that is too long; never shorter than this share of the widest.
 constexpr double kOfRest = 0.14, kMostOfRest = 0.2, kLeastOfRest = 2e-4, kTooLong = 1.4;
 /// What x keeps of b1 over an interval, and where b2 is looked for at first.
 constexpr double kLeastLeft = 0.02, kFirstLeft = 0.1;
+/// Share of the limits with which the way back is tried: another grid may need a little more.
+constexpr double kTry = 0.996;
+/// What jerk allows is looked at again where b2 is farther than that from where it was looked for (of b1).
+constexpr double kSameB2 = 0.04;
+/// An interval is halved so often at most where its jerk rows leave no room for the law: by more than this share.
+constexpr int kNarrower = 2;
+constexpr double kRoom = 0.01;
+/// Back at the law but for that.
+constexpr double kBack = 1e-9;
+/// What would need so many times the jerk of a straight all along will not find its rest.
+constexpr double kLost = 3;
+/// Even jerk as a share of what a straight could do, above which it is not looked at.
+constexpr double kEven = 1.02;
+/// Times the range between what does not lead on and what does is halved.
+constexpr int kHalvings = 4;
+/// Intervals that are taken at once before it is tried what leads on from there: at first, and most.
+constexpr std::size_t kFirstFall = 4, kMostFall = 8;
+/// So many times in a row no end that is sooner by this share: there will be none.
+constexpr int kNoSooner = 2;
+constexpr double kSooner = 0.998;
 
 }  // namespace
 
 bool LawStop::create(Memory& memory, std::size_t intervals) noexcept {
-  for (Buffer<double>* b : {&at_, &x_, &u_, &low_, &even_, &old_at_, &old_low_, &old_even_})
+  for (Buffer<double>* b : {&at_, &x_, &u_, &jerk_})
     if (!b->create(memory, intervals + 2)) return false;
-  return true;
+  return along_.create(memory, intervals + 2) && steps_.create(memory, intervals + 2);
 }
 
 double LawStop::Range::clamp(double b) const noexcept {
@@ -44,184 +55,188 @@ void LawStop::coefficients(std::size_t i, double b[3]) const noexcept {
   b[2] = x_[i + 1];
 }
 
-void LawStop::by_acc(std::size_t i, const double b[3], Range& range) const noexcept {
+void LawStop::by_acc(std::size_t i, const double b[3], double share, Range& range) const noexcept {
   const LawRows& rows = *rows_;
   const LawInterval& in = rows[i];
   for (std::size_t r = in.row; r < in.row + static_cast<std::size_t>(in.accs); ++r) {
     const double a2 = rows.a2[r];
     if (a2 == 0) continue;
-    const double over = 1 / a2, half = std::abs(over);
+    const double over = 1 / a2, half = share * std::abs(over);
     const double middle = -over * (rows.a0[r] * b[0] + rows.a1[r] * b[1]);
     range.low = std::max(range.low, middle - half);
     range.high = std::min(range.high, middle + half);
   }
 }
 
-void LawStop::by_jerk(std::size_t i, const double b[3], double share, Side side,
-                      Range& range) const noexcept {
+void LawStop::by_jerk(std::size_t i, const double b[3], double share, Range& range) const noexcept {
   const LawRows& rows = *rows_;
   const LawInterval& in = rows[i];
   const double xm = (b[0] + 2 * b[1] + b[2]) / 4, right = share / std::sqrt(xm);
   std::size_t r = in.row + static_cast<std::size_t>(in.accs);
   for (int k = 0; k < 3; ++k) {
-    const double limit = side == Side::middle ? right : right * (1.5 - b[k] / (2 * xm));
+    const double limit = right * (1.5 - b[k] / (2 * xm));
     for (std::int32_t j = 0; j < in.jerks; ++j, ++r) {
       const double a1 = rows.a1[r], a2 = rows.a2[r];
-      if (std::abs(a2) < kNoW * std::abs(a1)) continue;
+      if (std::abs(a2) < kNoW * std::abs(a1)) {
+        range.whole = false;
+        continue;
+      }
       const double over = 1 / a2, half = limit * std::abs(over);
       const double middle = -over * (rows.a0[r] * b[0] + a1 * b[1]);
-      if (middle - half > range.low) range.low = middle - half, range.low_slope = -a1 * over;
-      if (middle + half < range.high) range.high = middle + half, range.high_slope = -a1 * over;
+      range.low = std::max(range.low, middle - half);
+      range.high = std::min(range.high, middle + half);
     }
   }
 }
 
-/// The least u at the end of an interval where it passes with x.
-double LawStop::acc_bound(std::size_t i, double x) const noexcept {
-  const LawRows& rows = *rows_;
-  const LawInterval& in = rows[i];
-  double low = -kNoLimit;
-  // The last Bernstein coefficient of each axis is over b1 and b2 only: (a1 + a2) x - a1 D u.
-  for (std::size_t r = in.row; r < in.row + static_cast<std::size_t>(in.accs); ++r) {
-    const double p = -rows.a1[r] * in.length, e = rows.a1[r] + rows.a2[r];
-    if (rows.a0[r] == 0 && p != 0)
-      low = std::max(low, (-aim_.acc - std::copysign(1.0, p) * e * x) / std::abs(p));
-  }
-  return low;
+/// The place of node i, and the law there.
+void LawStop::look_along(std::size_t i) noexcept {
+  at_[i] = at_[i - 1] + (*rows_)[i - 1].length;
+  const double at = law_.from + at_[i];
+  while (law_at_ > 0 && law_begins_ > at) law_begins_ -= law_.step[--law_at_].length;
+  while (law_at_ < law_.count && law_begins_ + law_.step[law_at_].length < at)
+    law_begins_ += law_.step[law_at_++].length;
+  // Behind its end it leads nowhere.
+  along_[i] =
+      law_at_ < law_.count ? at_place(law_.step[law_at_], at - law_begins_) : LawPoint{0, kNoLimit};
 }
 
-/// What is known of the place of a new node: from the last pass, else what a straight could do.
-void LawStop::hold_back(std::size_t i) noexcept {
-  double acc = 0, jerk = 0;
-  rows_->straightest(i - 1, acc, jerk);
-  at_[i] = at_[i - 1] + (*rows_)[i - 1].length;
-  low_[i] = -aim_.acc * acc;
-  even_[i] = aim_.jerk * jerk;
-  while (seen_ + 1 < old_at_.size() && old_at_[seen_] < at_[i - 1]) ++seen_;
-  for (std::size_t k = seen_; k < old_at_.size(); ++k) {
-    low_[i] = std::max(low_[i], old_low_[k]);
-    even_[i] = std::min(even_[i], old_even_[k]);
-    if (old_at_[k] >= at_[i]) break;
+/// u / x of the law at node i. Where it gains speed an even one leads on as well.
+double LawStop::slope(std::size_t i) const noexcept {
+  return along_[i].x > 0 ? std::min(along_[i].u / along_[i].x, 0.0) : kNoLimit;
+}
+
+/// Whether the rows of interval i, which ask for more than the path does, the more the longer it is, leave room for the law.
+bool LawStop::holds_law(std::size_t i) const noexcept {
+  const LawPoint& from = along_[i];
+  const double b[3] = {from.x, from.x + from.u * (*rows_)[i].length, along_[i + 1].x};
+  if (!(b[1] > 0 && b[2] > 0)) return true;
+  return rows_->excess(i, b, false).jerk <= kRoom;
+}
+
+/// The b2 with which interval i leads back to the law.
+double LawStop::back_at_law(std::size_t i) const noexcept {
+  const double d = (*rows_)[i].length, left = 1 - slope(i + 1) * d;
+  return left > kLeastLeft ? (x_[i] + u_[i] * d) / left : kNoLimit;
+}
+
+double LawStop::rest_way(std::size_t i) const noexcept {
+  return u_[i] < 0 ? -2 * x_[i] / (3 * u_[i]) : kNoLimit;
+}
+
+bool LawStop::add_step(std::size_t i, double step) noexcept {
+  for (int k = 0;; ++k) {
+    if (!rows_->add_step(step)) return false;
+    look_along(i + 1);
+    if (k == kNarrower || holds_law(i)) return true;
+    step = (*rows_)[i].length / 2;
+    rows_->take_back(i);
   }
 }
 
 /// Makes interval i where there is none; where it is too long for what is left to rest, anew. False: the window ends.
-bool LawStop::step_ahead(std::size_t i, double rest_way) noexcept {
+bool LawStop::step_ahead(std::size_t i) noexcept {
   LawRows& rows = *rows_;
-  const double finest = kLeastOfRest * aim_.widest;
-  if (i < rows.size() && i > 0 &&
-      rows[i].length > std::max(kMostOfRest * rest_way, kTooLong * finest))
+  const double rest = rest_way(i), finest = kLeastOfRest * widest_;
+  if (i < rows.size() && i > 0 && rows[i].length > std::max(kMostOfRest * rest, kTooLong * finest))
     rows.take_back(i);
   if (i < rows.size()) return true;
   double acc = 0, jerk = 0;
   rows.straightest(i - 1, acc, jerk);
-  const double step = std::clamp(kStep * x_[i] / acc, kLeastStep * aim_.widest, aim_.widest);
-  if (!rows.add_step(std::min(step, std::max(kOfRest * rest_way, finest)))) return false;
-  hold_back(i + 1);
-  return true;
+  jerk_[i] = jerk;
+  double step = std::clamp(kStep * x_[i] / acc, kLeastStep * widest_, widest_);
+  step = std::min(step, std::max(kOfRest * rest, finest));
+  return add_step(i, step);
 }
 
-/// Interval i: down as far as it leads on. `w`: of the one before, then of this one. False: nothing keeps the limits.
-bool LawStop::take(std::size_t i, double& w) noexcept {
+/// Interval i with the b2 that is nearest to what is wanted. `w`: of the one before, then of this one. False: no limits are kept so.
+bool LawStop::reach(std::size_t i, double wanted, double share, double& w) noexcept {
   const double d = (*rows_)[i].length;
   double b[3] = {x_[i], x_[i] + u_[i] * d, 0};
+  if (!(b[1] > 0)) return false;
   b[2] = std::max(b[1] + (u_[i] + w * d) * d, kFirstLeft * b[1]);
   Range acc;
-  by_acc(i, b, acc);
-  bool any = true;
+  by_acc(i, b, share, acc);
   // What jerk allows depends on b2 a little.
+  bool whole = false;
   for (int k = 0; k < 2; ++k) {
-    const double least = std::max(low_[i + 1], -std::sqrt(2 * even_[i + 1] * std::sqrt(b[2])));
     Range range = acc;
-    by_jerk(i, b, 1, Side::safe, range);
-    any = range.low <= range.high;
-    b[2] = std::max(range.clamp(b[1] + least * d), kLeastLeft * b[1]);
+    by_jerk(i, b, share, range);
+    const double before = b[2];
+    b[2] = std::max(range.clamp(wanted), kLeastLeft * b[1]);
+    whole = range.whole && range.low <= range.high;
+    if (std::abs(b[2] - before) < kSameB2 * b[1]) break;
   }
   w = (b[2] - 2 * b[1] + b[0]) / (d * d);
   x_[i + 1] = b[2];
   u_[i + 1] = (b[2] - b[1]) / d;
-  return any || kept(i);
+  // What is only tried is certified when it becomes a stop.
+  return (share < 1 && whole) || kept(i);
 }
 
-bool LawStop::forwards() noexcept {
-  LawRows& rows = *rows_;
-  double t = 0, best = kNoLimit, w = 0;
-  reached_ = seen_ = 0;
-  for (std::size_t i = 0; i + 1 < x_.size() && x_[i] > kStill * x_[0]; ++i) {
-    const double x = x_[i], u = u_[i];
-    const double rest_way = u < 0 ? -2 * x / (3 * u) : kNoLimit;
-    if (!step_ahead(i, rest_way)) break;
-    const double total = t + 3 * rest_way / std::sqrt(x);
-    if (total < best && x <= rows.stop_cap(i, rest_way)) {
-      best = total;
-      end_ = i;
-      way_ = rest_way;
-    }
-    if (t > best || !(x + u * rows[i].length > 0)) break;
-    const bool keeps = take(i, w);
-    reached_ = i + 1;
-    // Behind a place at which nothing keeps the limits there is nothing to learn.
-    if (!keeps) break;
-    t += 2 * rows[i].length / (std::sqrt(x) + std::sqrt(x_[i + 1]));
+/// Even jerk leads to rest from node i: the motion that has come there is a stop. False: it does not keep the limits.
+bool LawStop::end_at(std::size_t i) noexcept {
+  for (std::size_t k = settled_; k < i; ++k)
+    if (!kept(k)) return false;
+  double t = t_;
+  for (std::size_t k = settled_; k < i; ++k)
+    t += 2 * (*rows_)[k].length / (std::sqrt(x_[k]) + std::sqrt(x_[k + 1]));
+  t += 3 * rest_way(i) / std::sqrt(x_[i]);
+  soonest_ = std::min(soonest_, t);
+  if (t >= best_) return true;
+  best_ = t;
+  // What is settled stays as it is.
+  steps_.truncate(std::min(kept_, settled_));
+  for (std::size_t k = steps_.size(); k <= i; ++k) {
+    const LawInterval& in = (*rows_)[k];
+    const double d = k < i ? in.length : rest_way(i);
+    steps_.push_back({in.stretch, in.from, d, {x_[k], x_[k] + u_[k] * d, k < i ? x_[k + 1] : 0}});
   }
-  return best < kNoLimit;
+  kept_ = settled_;
+  return true;
 }
 
-/// What interval i asks of the nodes before it.
-void LawStop::learn(std::size_t i) noexcept {
-  const double d = (*rows_)[i].length;
-  double b[3], acc = 0, jerk = 0;
-  coefficients(i, b);
-  rows_->straightest(i, acc, jerk);
-  Range range;
-  by_jerk(i, b, aim_.jerk, Side::safe, range);
-  // Where no w would do at this u, it has to be larger.
-  double u = -kNoLimit;
-  for (int k = 0; k < kRootSteps && range.low > range.high; ++k) {
-    const double slope = range.high_slope - range.low_slope;
-    const double more = kBeyondRoot * (range.low - range.high) / slope;
-    if (!(slope > 0) || !(more < kMostMore * acc * d)) break;
-    b[1] += more;
-    b[2] += 2 * more;
-    u = (b[1] - b[0]) / d;
-    range = Range{};
-    by_jerk(i, b, aim_.jerk, Side::safe, range);
+/// Whether the motion can get back to the law from node i.
+bool LawStop::leads_on(std::size_t i, double w) noexcept {
+  for (; i + 1 < x_.size() && x_[i] > kStill * x_[0]; ++i) {
+    if (u_[i] >= slope(i) * x_[i] - kBack * std::abs(slope(i) * x_[i])) return true;
+    if (!step_ahead(i)) return false;
+    const double jerk = u_[i] * u_[i] / (2 * std::sqrt(x_[i]));
+    if (u_[i] < 0 && jerk < kEven * jerk_[i] && x_[i] <= rows_->stop_cap(i, rest_way(i)))
+      return end_at(i);
+    if (u_[i] < 0 && jerk > kLost * jerk_[i]) return false;
+    if (!reach(i, back_at_law(i), kTry, w)) return false;
   }
-  const auto w_of = [&](const Range& r) { return (r.high - 2 * b[1] + b[0]) / (d * d); };
-  Range evenly;
-  by_jerk(i, b, aim_.jerk, Side::middle, evenly);
-  even_[i] = std::clamp(w_of(evenly) * std::sqrt((b[0] + 2 * b[1] + b[2]) / 4), kLeastEven * jerk,
-                        aim_.jerk * jerk);
-  low_[i + 1] = std::max(low_[i + 1], acc_bound(i, x_[i + 1]));
-  low_[i] = std::min(std::max(low_[i + 1] - w_of(range) * d, u), kMostLow * acc);
-  if (x_[i] < kSlow * x_[0]) low_[i] = -kNoLimit;
+  return false;
 }
 
-void LawStop::backwards() noexcept {
-  const double behind = low_[reached_];
-  low_[reached_] = -kNoLimit;
-  for (std::size_t i = reached_; i-- > 0;) learn(i);
-  low_[reached_] = std::max(low_[reached_], behind);
-  // The least on the way to rest.
-  for (std::size_t i = 0; i < reached_; ++i) {
-    double way = u_[i] < 0 ? -2 * x_[i] / (3 * u_[i]) : 0;
-    for (std::size_t k = i; k < reached_ && way > 0; ++k) {
-      even_[i] = std::min(even_[i], even_[k]);
-      way -= (*rows_)[k].length;
-    }
+/// So many intervals from i on: down as far as the rows allow. False: that does not lead on.
+bool LawStop::fall(std::size_t i, std::size_t count, double& w) noexcept {
+  double now = w;
+  for (const std::size_t end = i + count; i < end; ++i) {
+    if (i + 1 >= x_.size() || (i > 0 && !step_ahead(i)) || !reach(i, -kNoLimit, 1, now))
+      return false;
   }
-  remember();
+  if (!leads_on(i, now)) return false;
+  w = now;
+  return true;
 }
 
-void LawStop::remember() noexcept {
-  const std::size_t n = rows_->size() + 1;
-  const auto copy = [n](const Buffer<double>& from, Buffer<double>& to) {
-    to.assign(n, 0);
-    std::copy(from.begin(), from.begin() + n, to.begin());
-  };
-  copy(at_, old_at_);
-  copy(low_, old_low_);
-  copy(even_, old_even_);
+/// Interval i: down as far as it leads on, when that is less than the rows allow. False: nothing leads on.
+bool LawStop::hold(std::size_t i, double& w) noexcept {
+  double now = w;
+  (void)reach(i, -kNoLimit, 1, now);
+  double low = x_[i + 1];
+  now = w;
+  if (!reach(i, back_at_law(i), 1, now) || !leads_on(i + 1, now)) return false;
+  double high = x_[i + 1];
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = (low + high) / 2;
+    now = w;
+    (reach(i, middle, 1, now) && leads_on(i + 1, now) ? high : low) = middle;
+  }
+  (void)reach(i, high, 1, w);
+  return true;
 }
 
 bool LawStop::kept(std::size_t i) const noexcept {
@@ -232,37 +247,55 @@ bool LawStop::kept(std::size_t i) const noexcept {
   return e.vel <= aim_.most.vel && e.acc <= aim_.most.acc && e.jerk <= aim_.most.jerk;
 }
 
-bool LawStop::certified() const noexcept {
-  for (std::size_t i = 0; i < end_; ++i)
-    if (!kept(i)) return false;
-  return true;
-}
-
-bool LawStop::run(LawRows& rows, double way, double x0, double u0, const Aim& aim) noexcept {
+bool LawStop::run(LawRows& rows, double way, double x0, double u0, const LawAlong& law,
+                  const Aim& aim) noexcept {
   rows_ = &rows;
   aim_ = aim;
-  rows.make_stepwise(way);
-  for (Buffer<double>* b : {&at_, &x_, &u_, &low_, &even_}) b->assign(rows.most() + 1, 0);
-  for (Buffer<double>* b : {&old_at_, &old_low_, &old_even_}) b->clear();
-  seen_ = 0;
-  passes_ = 0;
-  x_[0] = x0;
-  u_[0] = u0;
-  if (!rows.add_step(aim.widest)) return false;
-  hold_back(1);
-  std::size_t before = 0;
-  double last = 0;
-  for (int pass = 0; pass < kPasses; ++pass) {
-    passes_ = pass;
-    const bool found = forwards();
-    if (found && certified()) return true;
-    // Nothing new.
-    if (reached_ == before && x_[reached_] == last) return false;
-    before = reached_;
-    last = x_[reached_];
-    backwards();
+  law_ = law;
+  best_ = kNoLimit;
+  steps_.clear();
+  for (const double widest : aim.widest) {
+    if (best_ <= aim.enough_s) break;
+    widest_ = widest;
+    rows.make_stepwise(way);
+    for (Buffer<double>* b : {&at_, &x_, &u_, &jerk_}) b->assign(rows.most() + 1, 0);
+    along_.assign(rows.most() + 1, LawPoint{});
+    x_[0] = x0;
+    u_[0] = u0;
+    along_[0] = {x0, u0};
+    brake();
   }
-  return false;
+  return best_ < kNoLimit;
+}
+
+/// On one grid.
+void LawStop::brake() noexcept {
+  const LawRows& rows = *rows_;
+  law_at_ = settled_ = kept_ = 0;
+  law_begins_ = t_ = 0;
+  soonest_ = kNoLimit;
+  if (!add_step(0, widest_)) return;
+  double w = 0, before = kNoLimit;
+  std::size_t count = kFirstFall;
+  for (int later = 0; settled_ + kMostFall + 1 < x_.size() && later < kNoSooner;) {
+    const std::size_t i = settled_;
+    std::size_t taken = count;
+    if (fall(i, count, w)) {
+      count = std::min(2 * count, kMostFall);
+    } else if (count > 1) {
+      count /= 2;
+      continue;
+    } else if (hold(i, w)) {
+      taken = 1;
+    } else {
+      return;
+    }
+    for (; taken > 0; --taken, ++settled_)
+      t_ += 2 * rows[settled_].length / (std::sqrt(x_[settled_]) + std::sqrt(x_[settled_ + 1]));
+    if (t_ > best_ || !step_ahead(settled_)) return;
+    if (soonest_ < kNoLimit) later = soonest_ < kSooner * before ? 0 : later + 1;
+    before = soonest_;
+  }
 }
 
 }  // namespace kerf::motion::path

@@ -21,8 +21,8 @@ constexpr std::size_t kMost = Law::kSteps * 3 / 4;
 constexpr double kShare = 0.75, kStopTimes = 1.5;
 /// What follows a stop is made ready so long before.
 constexpr double kRestAhead = 0.25;
-/// A law that ends within so many times the least stop needs no stop beside it.
-constexpr double kSoonAtRest = 1.5;
+/// A law that ends within so many times what even braking takes needs no stop beside it.
+constexpr double kSoonAtRest = 1.1;
 /// Of place (sigma), and of speed and acceleration as a share.
 constexpr double kSamePlace = 1e-9, kSameSpeed = 1e-9;
 /// After a law that was not found.
@@ -331,8 +331,8 @@ void LawMaker::make_child(std::size_t running, double now, bool changed) noexcep
   lead_ *= kLessLead;
 }
 
-/// What a stop takes at least from there: on a straight with all that the axes have.
-double LawMaker::least_stop(const Place& place) const noexcept {
+/// Below what any stop takes from there: even braking with all the acceleration that the axes have, on a straight.
+double LawMaker::even_stop(const Place& place) const noexcept {
   const Stretch& s = stretch(place.span);
   const path::Vec slope = s.piece.first(s.from + s.length - place.left);
   double acc = path::kNoLimit;
@@ -352,19 +352,24 @@ void LawMaker::make_stop(std::size_t running, double now, double before) noexcep
   if (slot == kNone || !locate(running, begins, key, place)) return;
   info.next_stop = begins + kStopEvery;
   // About to end in rest anyway.
-  if (info.total - begins < kSoonAtRest * least_stop(place)) return;
+  if (info.total - begins < kSoonAtRest * even_stop(place)) return;
   key.kind = LawKey::Kind::stop;
   Window window;
-  // Where braking finds none the next moment is tried before the solver is.
+  const Law& law = laws_.law[running];
+  const path::LawStep& step = law.step[key.index];
+  const path::LawAlong along{&step, law.count - key.index, path::at(step, key.seconds).s};
+  // Where nothing is found the next moment soon follows; the solver is asked at every second one of these.
+  const bool searches = !info.stop_failed;
   const bool filled = fill(place, place.span, For::stop, window);
-  const auto result = !filled            ? path::TimeLaw::Result::failed
-                      : info.stop_failed ? solver_.solve_stop(place.start)
-                                         : solver_.brake_stop(place.start);
-  info.stop_failed = !solved(result, place, counts_.stops);
-  if (info.stop_failed) {
+  const auto result = !filled    ? path::TimeLaw::Result::failed
+                      : searches ? solver_.solve_stop(place.start, along)
+                                 : solver_.brake_stop(place.start, along);
+  info.stop_failed = searches;
+  if (!solved(result, place, counts_.stops)) {
     info.next_stop = begins + kStopAgain;
     return;
   }
+  info.stop_failed = false;
   publish(slot, key, window).begins = begins;
 }
 

@@ -67,7 +67,7 @@ class LawMaker {
     double last_left{0}, total{0};
     double begins{0};         ///< seconds into its parent
     double next_stop{0};      ///< seconds into it: from where a stop is wanted next
-    bool stop_failed{false};  ///< the last one was not found
+    bool stop_failed{false};  ///< the last one was not found, by the solver either
     double child_tried{-1};
     FeedScale scale;
   };
@@ -86,7 +86,7 @@ class LawMaker {
   void stand(const LawPlace& at) noexcept;
   void follow(std::size_t running, const LawPlace& at) noexcept;
   void make_child(std::size_t running, double now, bool changed) noexcept;
-  [[nodiscard]] double least_stop(const Place& place) const noexcept;
+  [[nodiscard]] double even_stop(const Place& place) const noexcept;
   void make_stop(std::size_t running, double now, double before) noexcept;
   [[nodiscard]] bool locate(std::size_t running, double t, LawKey& key,
                             Place& place) const noexcept;
