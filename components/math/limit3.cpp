@@ -46,7 +46,8 @@ class Limit3 final : public hal::Component<Limit3> {
   }
   [[nodiscard]] double towards(double way, double step, double low, double high,
                                double change) const noexcept {
-    if (step <= 0.0) return way <= high ? std::max(way, low) : high;
+    // Of a way that is rounding alone nothing tells how long a row it takes.
+    if (step <= 0.0 || way < 1e-6 * change) return way <= high ? std::max(way, low) : high;
     if (can_rest(way, high, change)) return high;
     double next = way;
     const double rest = 2.0 * way / step, steps = std::ceil(rest - kRounding);

@@ -86,7 +86,9 @@ class Anglejog final : public hal::Component<Anglejog> {
     // Enabled, it stands still until the first count, as LinuxCNC's does.
     if (enable && !enabled_before_) {
       awaits_ = true;
-      target_ = way_;
+      // From whole counts for the axes on.
+      const double fine_scale = scale_ / fine_;
+      target_ = scale_ != 0.0 ? std::trunc(way_ / fine_scale) * fine_scale : way_;
     } else if (counts != counts_before_) {
       awaits_ = false;
     }
@@ -109,9 +111,9 @@ class Anglejog final : public hal::Component<Anglejog> {
     enabled_before_ = enable;
     current_mag_ = way_;
     if (scale_ != 0.0) {
-      const double fine_counts = way_ / scale_ * fine_;
-      coscounts_ = whole(fine_counts * cosine_);
-      sincounts_ = whole(fine_counts * sine_);
+      const double fine_scale = scale_ / fine_;
+      coscounts_ = whole(way_ * cosine_ / fine_scale);
+      sincounts_ = whole(way_ * sine_ / fine_scale);
     }
   }
   hal::Function update_{function<&Anglejog::update>("", "Computes the outputs from the inputs")};

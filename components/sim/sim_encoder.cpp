@@ -37,7 +37,7 @@ class SimEncoderChannel : public hal::Channel {
     // How often make-pulses runs is not known before its first call.
     double counts = speed_ / scale * static_cast<double>(per_turn_) * period_s_;
     counts = rtapi::limited(counts, -1.0, 1.0);
-    step_ = std::llround(counts * kOne);
+    step_ = static_cast<std::int64_t>(counts * kOne);
   }
 
  private:
