@@ -20,21 +20,29 @@ namespace {
 /// Children of a dead launcher end by themselves; those that do not are ended after this time.
 constexpr int kPatienceMs = 400;
 
-constexpr int kDisableMs = 20;  ///< for motion to switch off, and drivers to write
+constexpr int kDisableMs = 100;  ///< for motion to switch off, which takes a living one a cycle
+constexpr int kSettleMs = 20;    ///< for drivers to write
 
-/// While the realtime process still runs, which it does for a while behind its supervisor.
-void reach_safe_state(const std::string& instance, const std::vector<SafePin>& pins) {
+struct Declared {
+  std::vector<SafePin> pins;
+  std::vector<std::vector<std::string>> commands;
+};
+
+/// While the realtime process still runs, which it does for a while behind its supervisor; or if it does not, without it.
+void reach_safe_state(const std::string& instance, const Declared& declared) {
   auto segment = rtapi::Segment::attach(instance);
   if (!segment.ok()) return;
-  const SafeState safe(**segment, pins);
+  const SafeState safe(**segment, declared.pins);
   safe.disable();
   for (int waited = 0; waited < kDisableMs && safe.enabled(); ++waited) pause_ms(1);
-  safe.apply(true);
-  pause_ms(kDisableMs);
+  const bool host_lives = !safe.enabled();
+  safe.apply(host_lives);
+  if (!host_lives) (void)run_safe_commands(declared.commands);  // nobody is there to be told
+  pause_ms(kSettleMs);
 }
 
 [[noreturn]] void watch(int fd, const std::string& instance, const std::string& run_id,
-                        const std::vector<SafePin>& pins) {
+                        const Declared& declared) {
   (void)setsid();
   (void)prctl(PR_SET_NAME, "kerf-guard");
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE})
@@ -45,7 +53,7 @@ void reach_safe_state(const std::string& instance, const std::vector<SafePin>& p
     n = read(fd, &word, 1);
   } while (n < 0 && errno == EINTR);
   if (n == 0) {
-    reach_safe_state(instance, pins);
+    reach_safe_state(instance, declared);
     (void)rtapi::end_processes_of_run(run_id, kPatienceMs);
     (void)rtapi::Segment::remove(instance);
   }
@@ -55,7 +63,8 @@ void reach_safe_state(const std::string& instance, const std::vector<SafePin>& p
 }  // namespace
 
 rtapi::Status Guard::start(const std::string& instance, const std::string& run_id, int close_fd,
-                           const std::vector<SafePin>& safe_pins) {
+                           const std::vector<SafePin>& safe_pins,
+                           const std::vector<std::vector<std::string>>& safe_commands) {
   int pair[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair) != 0)
     return rtapi::fail(rtapi::Errc::system, std::string("no socket: ") + std::strerror(errno));
@@ -68,7 +77,7 @@ rtapi::Status Guard::start(const std::string& instance, const std::string& run_i
   if (pid == 0) {
     close(pair[0]);
     if (close_fd >= 0) close(close_fd);
-    watch(pair[1], instance, run_id, safe_pins);
+    watch(pair[1], instance, run_id, {safe_pins, safe_commands});
   }
   close(pair[1]);
   if (fd_ >= 0) close(fd_);  // of one that has died

@@ -6,6 +6,7 @@
 
 #include "hal/core/value_text.hpp"
 #include "hal/core/view.hpp"
+#include "launcher/process.hpp"
 #include "motion/api/shared.hpp"
 
 namespace kerf::launcher {
@@ -146,6 +147,31 @@ void SafeState::look() {
   const bool now = enabled();
   if (was_enabled_ && !now) apply(true);
   was_enabled_ = now;
+}
+
+std::vector<std::string> run_safe_commands(const std::vector<std::vector<std::string>>& commands) {
+  constexpr int kPatienceMs = 1000;
+  std::vector<std::string> complaints;
+  std::vector<Child> started;
+  for (const std::vector<std::string>& words : commands) {
+    auto child = Child::start(words);
+    if (child.ok())
+      started.push_back(std::move(*child));
+    else
+      complaints.push_back("[SAFE_STATE]COMMAND: " + child.error().message());
+  }
+  const auto running = [&] {
+    return std::any_of(started.begin(), started.end(), [](Child& c) { return c.running(); });
+  };
+  for (int waited = 0; waited < kPatienceMs && running(); waited += 2) pause_ms(2);
+  for (Child& child : started) {
+    const auto exit = child.poll_exit();
+    if (!exit || exit->by_signal || exit->number != 0)
+      complaints.push_back(
+          "[SAFE_STATE]COMMAND: " + child.name() + " " +
+          (exit ? describe_exit(*exit) : std::string("did not end within a second")));
+  }
+  return complaints;
 }
 
 }  // namespace kerf::launcher

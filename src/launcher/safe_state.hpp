@@ -52,4 +52,8 @@ class SafeState {
   bool was_enabled_{false};
 };
 
+/// [SAFE_STATE]COMMAND, when the realtime process is dead: all at once, each for a second at most. Complaints, a line each.
+[[nodiscard]] std::vector<std::string> run_safe_commands(
+    const std::vector<std::vector<std::string>>& commands);
+
 }  // namespace kerf::launcher

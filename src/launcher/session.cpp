@@ -168,7 +168,7 @@ Status Session::make_instance() {
   hooks.waits = [this](const std::string& text) { console_.say(text); };
   hooks.taken = [this](const std::string& run_id) {
     run_id_ = run_id;
-    return guard_.start(instance_, run_id_, supervisor_end_, plan_.safe_pins);
+    return guard_.start(instance_, run_id_, supervisor_end_, plan_.safe_pins, plan_.safe_commands);
   };
   KERF_TRY(segment_, rtapi::Segment::create(instance_, plan_.segment_mb << 20U, hooks));
   KERF_CHECK(rtapi::make_clock(
@@ -375,7 +375,8 @@ void Session::note_user_components() { user_components_ = hal_->user_components(
 
 void Session::tell_of_end(pid_t pid, const ExitState& state) {
   if (pid == guard_.pid()) {
-    const Status again = guard_.start(instance_, run_id_, supervisor_end_, plan_.safe_pins);
+    const Status again =
+        guard_.start(instance_, run_id_, supervisor_end_, plan_.safe_pins, plan_.safe_commands);
     console_.say(
         "kerf's guard " + describe_exit(state) +
         (again.ok() ? "; there is a new one" : "; nobody cleans up should kerf be killed"));

@@ -45,13 +45,16 @@ void Session::tear_down(const StopReason& reason) {
 
 void Session::stop_machine() {
   const bool task_lives = task_process_ != nullptr && task_process_->running();
-  const bool host_lives = realtime_ != nullptr && realtime_->running() && hal_ != nullptr;
-  if (task_lives && host_lives && task_ != nullptr && task_->connected()) {
+  // It may die under way, too; the safe state is then nobody's but ours.
+  const auto host_lives = [this] {
+    return realtime_ != nullptr && realtime_->running() && hal_ != nullptr;
+  };
+  if (task_lives && host_lives() && task_ != nullptr && task_->connected()) {
     console_.detail("stopping motion");
     if (task_->send({"state", "estop"}).ok()) {
-      const auto stopped = [this] {
+      const auto stopped = [&] {
         task::TaskStatus status;
-        return !task_->status(status) ||
+        return !host_lives() || !task_->status(status) ||
                (status.task_state == task::TaskState::estop && status.idle);
       };
       (void)clock_->wait_until(stopped, kPatienceMs);
@@ -59,13 +62,13 @@ void Session::stop_machine() {
     task_->show_messages();
   }
   clock_->set_lookout({}, {});
-  if (!task_lives && host_lives && safe_ != nullptr) {
+  if (!task_lives && host_lives() && safe_ != nullptr) {
     // Motion sees by itself that task is silent, stops on the path and switches off.
-    (void)clock_->wait_until([this] { return !safe_->enabled(); }, kPatienceMs);
+    (void)clock_->wait_until([&] { return !host_lives() || !safe_->enabled(); }, kPatienceMs);
     safe_->disable();
   }
-  reach_safe_state(host_lives);
-  if (!host_lives || clock_->stopped()) return;
+  reach_safe_state(host_lives());
+  if (!host_lives() || clock_->stopped()) return;
   hal_->set_keep_going(true);
   // Threads still run, so that drivers write what the file sets.
   for (const HalStep& step : plan_.shutdown) {
@@ -89,24 +92,8 @@ void Session::reach_safe_state(bool host_lives) {
   for (const SafePin& pin : plan_.safe_pins)
     text += "\n  " + pin.name + " should be " + pin.value + ": set for programs that read it";
   console_.say(text);
-  std::vector<Child> started;
-  for (const std::vector<std::string>& words : plan_.safe_commands) {
-    auto child = Child::start(words);
-    if (child.ok())
-      started.push_back(std::move(*child));
-    else
-      console_.error("[SAFE_STATE]COMMAND: " + child.error().message());
-  }
-  const auto running = [&] {
-    return std::any_of(started.begin(), started.end(), [](Child& c) { return c.running(); });
-  };
-  for (int waited = 0; waited < kPatienceMs && running(); waited += 2) pause_ms(2);
-  for (Child& child : started) {
-    const auto exit = child.poll_exit();
-    if (!exit || exit->by_signal || exit->number != 0)
-      console_.error("[SAFE_STATE]COMMAND: " + child.name() + " " +
-                     (exit ? describe_exit(*exit) : std::string("did not end within a second")));
-  }
+  for (const std::string& complaint : run_safe_commands(plan_.safe_commands))
+    console_.error(complaint);
   if (!plan_.safe_pins.empty()) pause_ms(kProgramsSettleMs);
 }
 

@@ -213,6 +213,41 @@ TEST(KillMinusNine, LeavesATrueJournalWholeFilesAndTheSafeState) {
   EXPECT_EQ(next.wait_exit(), 0) << next.output();
 }
 
+/// Of several that die at once: whoever is left stops what only a program of the INI file's can reach (a frequency converter).
+TEST(KillMinusNine, WhoeverIsLeftRunsTheCommandsOfTheSafeState) {
+  Mill mill("together9");
+  const std::string told = mill.path("told");
+  mill.change("[AXIS_X]\n", "[SAFE_STATE]\nPIN = relay.in 1\nCOMMAND = /usr/bin/touch " + told +
+                                "\n\n[AXIS_X]\n");
+  mill.change("HALCMD = setp spindle-motor.acceleration 100",
+              "HALCMD = loadrt not names=relay\nHALCMD = addf relay servo-thread");
+  mill.take_silence();
+  mill.write("job.ngc", long_program());
+  const std::vector<std::vector<const char*>> together{
+      {"milltask", "rtapi_app"}, {"rtapi_app", "kerf"}, {"milltask", "kerf", "rtapi_app"}};
+  for (const auto& victims : together) {
+    SCOPED_TRACE(std::string(victims.front()) + " first of " + std::to_string(victims.size()));
+    std::filesystem::remove(told);
+    Kerf kerf(mill, "together9", {"--program", mill.path("job.ngc")});
+    const Witness witness("together9" + std::to_string(getpid()));
+    ASSERT_TRUE(witness.ready()) << kerf.output();
+    for (int i = 0; i < 4000 && witness.motion().current.line < 8; ++i) pause_ms(5);
+    ASSERT_GE(witness.motion().current.line, 8) << kerf.output();
+    witness.switch_relay_off();
+    std::vector<pid_t> pids;
+    for (const std::string name : victims) {
+      const auto found = name == "kerf" ? std::vector<pid_t>{kerf.pid()} : kerf.parts(name);
+      ASSERT_EQ(found.size(), 1U) << kerf.output();
+      pids.push_back(found[0]);
+    }
+    for (const pid_t pid : pids) kill(pid, SIGKILL);
+    (void)kerf.wait_exit();
+    EXPECT_EQ(kerf.leftovers(), "");
+    EXPECT_TRUE(std::filesystem::exists(told)) << kerf.output();
+    EXPECT_EQ(witness.relay(), 1U);
+  }
+}
+
 /// The guard dies, too: there is a new one, and it knows the safe state.
 TEST(KillMinusNine, AGuardThatDiesIsReplacedByOneThatReachesTheSafeState) {
   Mill mill("guard9");
