@@ -26,13 +26,29 @@ constexpr double kHardlyLess = 0.9;
 /// Weights of the barrier (relative to the time) down to which a law goes before it begins to brake for wishes, and with which it begins.
 constexpr double kRough = 0.1, kRecentre = 1;
 
-template <class Pair>
-Pair larger(Pair a, Pair b) noexcept {
+// Of one number, or of each of two.
+template <class V>
+V larger(V a, V b) noexcept {
   return a > b ? a : b;
 }
-template <class Pair>
-Pair smaller(Pair a, Pair b) noexcept {
+template <class V>
+V smaller(V a, V b) noexcept {
   return a < b ? a : b;
+}
+template <class V>
+V load(const Buffer<double>& from, std::size_t i) noexcept {
+  V out;
+  __builtin_memcpy(&out, from.begin() + i, sizeof out);
+  return out;
+}
+template <class V>
+void store(Buffer<double>& to, std::size_t i, V value) noexcept {
+  __builtin_memcpy(to.begin() + i, &value, sizeof value);
+}
+/// The same number for each.
+template <class V>
+V each(double x) noexcept {
+  return V{} + x;
 }
 
 }  // namespace
@@ -63,7 +79,10 @@ bool LawNewton::create(Memory& memory, std::size_t intervals,
   // A limit and a wish each.
   for (Buffer<Bound>* b : {&at_middle_, &at_node_})
     if (!b->create(memory, 2 * n)) return false;
-  return sides_.create(memory, rows) && side_.create(memory, n);
+  for (Side* side : {&up_, &down_})
+    for (Buffer<double>* b : {&side->s, &side->z, &side->ds, &side->dz, &side->over, &side->room})
+      if (!b->create(memory, rows)) return false;
+  return side_.create(memory, n);
 }
 
 void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) noexcept {
@@ -74,7 +93,12 @@ void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) n
   x0_ = x0;
   rests_ = x0 <= 0;
   for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_}) b->assign(n_ + 1, 0);
-  sides_.assign(rows.a0.size(), Sides());
+  all_rows_ = rows.a0.size();
+  // Those next to rest count nowhere.
+  for (Side* side : {&up_, &down_}) {
+    side->s.assign(all_rows_, 1);
+    side->z.assign(all_rows_, 0);
+  }
   side_.assign(n_ + 1, JerkSide());
   at_middle_.clear();
   at_node_.clear();
@@ -202,10 +226,8 @@ void LawNewton::start_wish(Bound& c, double x) noexcept {
 
 void LawNewton::wish_truly(double mu) noexcept {
   // Away from the bounds: what was worth being near to is no more.
-  for (Sides& side : sides_) {
-    const Pair least = mu / side.s;
-    side.z = larger(side.z, least);
-  }
+  for (Side* side : {&up_, &down_})
+    for (std::size_t r = 0; r < all_rows_; ++r) side->z[r] = std::max(side->z[r], mu / side->s[r]);
   each_bound([&](Bound& c, double x) {
     if (!(c.length > 0)) {
       c.z = std::max(c.z, mu / c.s);
@@ -228,11 +250,12 @@ void LawNewton::start_slacks(double mu) noexcept {
       const double right =
           k < accs ? acc_ : std::max(side.right[(k - accs) / rows[i].jerks], 0.1 * side.right[0]);
       const double v = rows.a0[r] * b[0] + rows.a1[r] * b[1] + rows.a2[r] * b[2];
-      Sides& row = sides_[r];
-      row.s =
-          Pair{std::max(right - v, kFirstSlack * right), std::max(right + v, kFirstSlack * right)};
-      row.z = mu / row.s;
-      row.ds = row.dz = Pair{0, 0};
+      up_.s[r] = std::max(right - v, kFirstSlack * right);
+      down_.s[r] = std::max(right + v, kFirstSlack * right);
+      for (Side* row : {&up_, &down_}) {
+        row->z[r] = mu / row->s[r];
+        row->ds[r] = row->dz[r] = 0;
+      }
     }
   }
   each_bound([&](Bound& c, double x) {
@@ -251,74 +274,94 @@ double LawNewton::build_time(double length, const double b[3], Quadratic& q) noe
   const double i0 = 1 / b[0], im = 1 / xm, i2 = 1 / b[2];
   const double r0 = d * std::sqrt(i0), rm = 4 * d * std::sqrt(im), r2 = d * std::sqrt(i2);
   const double t0 = r0 * i0, tm = rm * im, t2 = r2 * i2, hm = 0.75 * tm * im / 16;
-  q.g01 = Pair{0.5 * t0 + 0.125 * tm, 0.25 * tm};
-  q.g2 = 0.5 * t2 + 0.125 * tm;
-  q.h0001 = Pair{0.75 * t0 * i0 + hm, 2 * hm};
-  q.h0211 = Pair{hm, 4 * hm};
-  q.h1222 = Pair{2 * hm, 0.75 * t2 * i2 + hm};
+  q.g[0] = 0.5 * t0 + 0.125 * tm;
+  q.g[1] = 0.25 * tm;
+  q.g[2] = 0.5 * t2 + 0.125 * tm;
+  q.h00 = 0.75 * t0 * i0 + hm;
+  q.h01 = q.h12 = 2 * hm;
+  q.h02 = hm;
+  q.h11 = 4 * hm;
+  q.h22 = 0.75 * t2 * i2 + hm;
   return r0 + rm + r2;
 }
 
-/// The rows [r, end) with one right side: moved on, looked at, and added. With slopes the right side depends on b too.
+/// Row r, or r and the one behind it: moved on, looked at, and added.
+template <bool kSlopes, class V>
+inline void LawNewton::add_row(std::size_t r, const double b[3], double right, const Look& look,
+                               Sums<V>& to) noexcept {
+  const LawRows& rows = *rows_;
+  const V c0 = load<V>(rows.a0, r), c1 = load<V>(rows.a1, r), c2 = load<V>(rows.a2, r);
+  const V v = c0 * b[0] + c1 * b[1] + c2 * b[2], room = right - v, room_down = right + v;
+  // A slack that is too small may grow to what it truly is.
+  const V s = larger(load<V>(up_.s, r) + look.primal * load<V>(up_.ds, r), room);
+  const V s_down = larger(load<V>(down_.s, r) + look.primal * load<V>(down_.ds, r), room_down);
+  const V least = each<V>(kLeastMultiplier);
+  const V z = larger(load<V>(up_.z, r) + look.dual * load<V>(up_.dz, r), least);
+  const V z_down = larger(load<V>(down_.z, r) + look.dual * load<V>(down_.dz, r), least);
+  const V over = 1 / s, over_down = 1 / s_down;
+  store(up_.s, r, s), store(up_.z, r, z), store(up_.over, r, over), store(up_.room, r, room);
+  store(down_.s, r, s_down), store(down_.z, r, z_down);
+  store(down_.over, r, over_down), store(down_.room, r, room_down);
+  const V w = z * over, w_down = z_down * over_down;
+  const V back = w * (s - room), back_down = w_down * (s_down - room_down);
+  to.least = smaller(to.least, smaller(room, room_down));
+  to.sum += s * z + s_down * z_down;
+  const V weight = w + w_down, pull = back - back_down, pull_mu = over - over_down;
+  const V h0 = weight * c0, h1 = weight * c1;
+  to.h00 += h0 * c0, to.h01 += h0 * c1, to.h02 += h0 * c2;
+  to.h11 += h1 * c1, to.h12 += h1 * c2, to.h22 += weight * c2 * c2;
+  to.g0 += pull * c0, to.g1 += pull * c1, to.g2 += pull * c2;
+  to.m0 += pull_mu * c0, to.m1 += pull_mu * c1, to.m2 += pull_mu * c2;
+  if constexpr (kSlopes) {
+    const V difference = w - w_down;
+    to.x0 += difference * c0, to.x1 += difference * c1, to.x2 += difference * c2;
+    to.weights += weight, to.pulls += back + back_down, to.pulls_mu += over + over_down;
+  }
+}
+
+/// The rows [r, end) with one right side. With slopes the right side depends on b too.
 template <bool kSlopes>
 void LawNewton::add_rows(std::size_t r, std::size_t end, const double b[3], const Section& section,
                          Quadratic& q, Look& look) noexcept {
-  const LawRows& rows = *rows_;
-  const Pair right = both(section.right);
-  Pair least = right, g01{}, m01{}, x01{}, weights{}, pulls{}, pulls_mu{};
-  double g2 = 0, m2 = 0, x2 = 0;
-  for (; r < end; ++r) {
-    const double c0 = rows.a0[r], c1 = rows.a1[r], c2 = rows.a2[r];
-    if (section.given && c2 == 0) continue;
-    Sides& side = sides_[r];
-    const double v = c0 * b[0] + c1 * b[1] + c2 * b[2];
-    const Pair room = right - Pair{v, -v};
-    // A slack that is too small may grow to what it truly is.
-    const Pair s = larger(side.s + look.primal * side.ds, room);
-    const Pair z = larger(side.z + look.dual * side.dz, both(kLeastMultiplier));
-    const Pair over = 1 / s, w = z * over, back = w * (s - room);
-    side.s = s, side.z = z, side.over = over, side.room = room;
-    least = smaller(least, room);
-    look.sum += s * z;
-    const double weight = w[0] + w[1], pull = back[0] - back[1], pull_mu = over[0] - over[1];
-    const Pair c01 = {c0, c1};
-    q.h0001 += both(weight * c0) * c01;
-    q.h0211 += both(weight) * Pair{c0, c1} * Pair{c2, c1};
-    q.h1222 += both(weight * c2) * Pair{c1, c2};
-    g01 += both(pull) * c01;
-    g2 += pull * c2;
-    m01 += both(pull_mu) * c01;
-    m2 += pull_mu * c2;
-    if constexpr (kSlopes) {
-      const double difference = w[0] - w[1];
-      x01 += both(difference) * c01;
-      x2 += difference * c2;
-      weights += w;
-      pulls += back;
-      pulls_mu += over;
-    }
+  Sums<Pair> two{each<Pair>(section.right)};
+  Sums<double> one{section.right};
+  if (section.given) {
+    for (; r < end; ++r)
+      if (rows_->a2[r] != 0) add_row<kSlopes>(r, b, section.right, look, one);
   }
-  look.worst = std::max(look.worst, -std::min(least[0], least[1]) * section.relative);
-  q.g01 -= g01, q.g2 -= g2;
-  q.mu01 -= m01, q.mu2 -= m2;
+  for (; r + 1 < end; r += 2) add_row<kSlopes>(r, b, section.right, look, two);
+  if (r < end) add_row<kSlopes>(r, b, section.right, look, one);
+  const auto all = [](Pair p, double x) { return p[0] + p[1] + x; };
+  const double least = std::min({two.least[0], two.least[1], one.least});
+  look.worst = std::max(look.worst, -least * section.relative);
+  look.sum += all(two.sum, one.sum);
+  q.h00 += all(two.h00, one.h00), q.h01 += all(two.h01, one.h01), q.h02 += all(two.h02, one.h02);
+  q.h11 += all(two.h11, one.h11), q.h12 += all(two.h12, one.h12), q.h22 += all(two.h22, one.h22);
+  q.g[0] -= all(two.g0, one.g0), q.g[1] -= all(two.g1, one.g1), q.g[2] -= all(two.g2, one.g2);
+  q.mu[0] -= all(two.m0, one.m0), q.mu[1] -= all(two.m1, one.m1), q.mu[2] -= all(two.m2, one.m2);
   if constexpr (kSlopes) {
     const double s0 = section.slope[0], s1 = section.slope[1], s2 = section.slope[2];
-    const double weight = weights[0] + weights[1], pull = pulls[0] + pulls[1],
-                 pull_mu = pulls_mu[0] + pulls_mu[1], x0 = x01[0], x1 = x01[1];
-    q.g01 += both(pull) * Pair{s0, s1}, q.g2 += pull * s2;
-    q.mu01 += both(pull_mu) * Pair{s0, s1}, q.mu2 += pull_mu * s2;
-    q.h0001 += Pair{weight * s0 * s0 - 2 * x0 * s0, weight * s0 * s1 - x0 * s1 - x1 * s0};
-    q.h0211 += Pair{weight * s0 * s2 - x0 * s2 - x2 * s0, weight * s1 * s1 - 2 * x1 * s1};
-    q.h1222 += Pair{weight * s1 * s2 - x1 * s2 - x2 * s1, weight * s2 * s2 - 2 * x2 * s2};
+    const double weight = all(two.weights, one.weights), pull = all(two.pulls, one.pulls),
+                 pull_mu = all(two.pulls_mu, one.pulls_mu), x0 = all(two.x0, one.x0),
+                 x1 = all(two.x1, one.x1), x2 = all(two.x2, one.x2);
+    for (int k = 0; k < 3; ++k) {
+      q.g[k] += pull * section.slope[k];
+      q.mu[k] += pull_mu * section.slope[k];
+    }
+    q.h00 += weight * s0 * s0 - 2 * x0 * s0;
+    q.h01 += weight * s0 * s1 - x0 * s1 - x1 * s0;
+    q.h02 += weight * s0 * s2 - x0 * s2 - x2 * s0;
+    q.h11 += weight * s1 * s1 - 2 * x1 * s1;
+    q.h12 += weight * s1 * s2 - x1 * s2 - x2 * s1;
+    q.h22 += weight * s2 * s2 - 2 * x2 * s2;
   }
 }
 
 /// Of interval i, over the unknowns: b0 = l m[i-1] + r m[i], b2 = ll m[i] + rr m[i+1].
 void LawNewton::add(std::size_t i, const Quadratic& q) noexcept {
   const double l = left_[i], rt = right_[i], ll = left_[i + 1], rr = right_[i + 1];
-  const double h00 = q.h0001[0], h01 = q.h0001[1], h02 = q.h0211[0], h11 = q.h0211[1],
-               h12 = q.h1222[0], h22 = q.h1222[1];
-  const double g0 = q.g01[0], g1 = q.g01[1], mu0 = q.mu01[0], mu1 = q.mu01[1];
+  const double h00 = q.h00, h01 = q.h01, h02 = q.h02, h11 = q.h11, h12 = q.h12, h22 = q.h22;
+  const double g0 = q.g[0], g1 = q.g[1], mu0 = q.mu[0], mu1 = q.mu[1];
   if (i > 0) {
     d0_[i - 1] += l * l * h00;
     d1_[i - 1] += l * (rt * h00 + h01 + ll * h02);
@@ -329,10 +372,10 @@ void LawNewton::add(std::size_t i, const Quadratic& q) noexcept {
   d0_[i] += rt * (rt * h00 + 2 * h01 + 2 * ll * h02) + h11 + ll * (2 * h12 + ll * h22);
   d1_[i] += rr * (rt * h02 + h12 + ll * h22);
   d0_[i + 1] += rr * rr * h22;
-  dm_[i] += rt * g0 + g1 + ll * q.g2;
-  by_mu_[i] += rt * mu0 + mu1 + ll * q.mu2;
-  dm_[i + 1] += rr * q.g2;
-  by_mu_[i + 1] += rr * q.mu2;
+  dm_[i] += rt * g0 + g1 + ll * q.g[2];
+  by_mu_[i] += rt * mu0 + mu1 + ll * q.mu[2];
+  dm_[i + 1] += rr * q.g[2];
+  by_mu_[i + 1] += rr * q.mu[2];
 }
 
 void LawNewton::add_at_node(std::size_t i, double h, double g, double by_mu) noexcept {
@@ -387,8 +430,8 @@ void LawNewton::look_and_build(double primal, double dual) noexcept {
   sum_ = worst_ = time_ = 0;
   terms_ = 0;
   Look look;
-  look.primal = both(primal);
-  look.dual = both(dual);
+  look.primal = primal;
+  look.dual = dual;
   for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
     const LawInterval& in = rows[i];
     double b[3];
@@ -407,7 +450,7 @@ void LawNewton::look_and_build(double primal, double dual) noexcept {
     terms_ += 2 * accs + 6 * jerks;
     add(i, q);
   }
-  sum_ = look.sum[0] + look.sum[1];
+  sum_ = look.sum;
   worst_ = look.worst;
   for (Bound& c : at_middle_) {
     prepare(c, m_[c.i], primal, dual);
@@ -459,43 +502,55 @@ bool LawNewton::factor_and_solve(double mu) noexcept {
   return std::isfinite(dm_[first_]);
 }
 
-/// What the rows [r, end) say of the largest steps, as 1 over them.
-void LawNewton::step_rows(std::size_t r, std::size_t end, const double db[3], double mu, bool given,
-                          double dright, Pair& primal, Pair& dual) noexcept {
+template <class V>
+inline void LawNewton::step_row(std::size_t r, const double db[3], double mu, double dright,
+                                V& primal, V& dual) noexcept {
   const LawRows& rows = *rows_;
-  const Pair more = both(dright), aim = both(mu);
-  for (; r < end; ++r) {
-    const double c2 = rows.a2[r];
-    if (given && c2 == 0) continue;
-    const double dv = rows.a0[r] * db[0] + rows.a1[r] * db[1] + c2 * db[2];
-    Sides& side = sides_[r];
-    const Pair z = side.z, over = side.over;
-    const Pair ds = side.room - side.s - Pair{dv, -dv} + more, dz = (aim - z * ds) * over - z;
-    side.ds = ds, side.dz = dz;
+  const V dv =
+      load<V>(rows.a0, r) * db[0] + load<V>(rows.a1, r) * db[1] + load<V>(rows.a2, r) * db[2];
+  const auto side = [&](Side& of, V moves) {
+    const V z = load<V>(of.z, r), over = load<V>(of.over, r);
+    const V ds = load<V>(of.room, r) - load<V>(of.s, r) + moves, dz = (mu - z * ds) * over - z;
+    store(of.ds, r, ds), store(of.dz, r, dz);
     primal = larger(primal, -ds * over);
     dual = larger(dual, -dz / z);
+  };
+  side(up_, dright - dv);
+  side(down_, dright + dv);
+}
+
+/// What the rows [r, end) say of the largest steps, as 1 over them.
+void LawNewton::step_rows(std::size_t r, std::size_t end, const double db[3], double mu, bool given,
+                          double dright, double& primal, double& dual) noexcept {
+  Pair primals = each<Pair>(primal), duals = each<Pair>(dual);
+  if (given) {
+    for (; r < end; ++r)
+      if (rows_->a2[r] != 0) step_row(r, db, mu, dright, primal, dual);
   }
+  for (; r + 1 < end; r += 2) step_row(r, db, mu, dright, primals, duals);
+  if (r < end) step_row(r, db, mu, dright, primal, dual);
+  primal = std::max({primal, primals[0], primals[1]});
+  dual = std::max({dual, duals[0], duals[1]});
 }
 
 void LawNewton::step_sizes(double mu) noexcept {
   const LawRows& rows = *rows_;
   // 1 over the largest step.
-  Pair primals = both(kToBound), duals = both(kToBound);
+  double primal = kToBound, dual = kToBound;
   for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
     const LawInterval& in = rows[i];
     const double db[3] = {i == 0 ? 0 : left_[i] * dm_[i - 1] + right_[i] * dm_[i], dm_[i],
                           left_[i + 1] * dm_[i] + right_[i + 1] * dm_[i + 1]};
     const auto accs = static_cast<std::size_t>(in.accs), jerks = static_cast<std::size_t>(in.jerks);
     std::size_t r = in.row;
-    step_rows(r, r + accs, db, mu, i == 0, 0, primals, duals);
+    step_rows(r, r + accs, db, mu, i == 0, 0, primal, dual);
     r += accs;
     for (int k = 0; k < 3 && jerks > 0; ++k, r += jerks) {
       const double* slope = side_[i].slope[k];
       const double dright = slope[0] * db[0] + slope[1] * db[1] + slope[2] * db[2];
-      step_rows(r, r + jerks, db, mu, false, dright, primals, duals);
+      step_rows(r, r + jerks, db, mu, false, dright, primal, dual);
     }
   }
-  double primal = std::max(primals[0], primals[1]), dual = std::max(duals[0], duals[1]);
   const auto bound = [&](Bound& c, double dx) {
     if (c.length > 0) {
       c.dz = c.pull + mu * c.pull_mu + c.weight * dx;
@@ -522,7 +577,7 @@ bool LawNewton::run(const Aim& aim) noexcept {
   iterations_ = 0;
   acc_ = aim.acc;
   jerk_ = aim.jerk;
-  const std::size_t rows = sides_.size() * 2 + 4 * n_;
+  const std::size_t rows = all_rows_ * 2 + 4 * n_;
   double before = seconds();
   double mu = aim.mu * before / static_cast<double>(rows);
   start_slacks(mu);

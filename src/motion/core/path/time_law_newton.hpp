@@ -41,13 +41,14 @@ class LawNewton {
   [[nodiscard]] int iterations() const noexcept { return iterations_; }
 
  private:
-  /// Of both sides of a row, v <= right first and -v <= right.
-  using Pair [[gnu::vector_size(16), gnu::aligned(8)]] = double;
-  struct Sides {
-    Pair s{1, 1}, z{0, 0};  ///< slack and multiplier
-    Pair ds{0, 0}, dz{0, 0};
-    Pair over{1, 1};  ///< 1 / s
-    Pair room{1, 1};  ///< the true slack
+  /// Of two rows that follow each other.
+  using Pair [[gnu::vector_size(16)]] = double;
+  /// Of all rows, one side: v <= right, or -v <= right.
+  struct Side {
+    Buffer<double> s, z;  ///< slack and multiplier
+    Buffer<double> ds, dz;
+    Buffer<double> over;  ///< 1 / s
+    Buffer<double> room;  ///< the true slack
   };
   /// x <= top; with a length: x - t <= top, where t has a price.
   struct Bound {
@@ -72,9 +73,8 @@ class LawNewton {
   };
   /// Over the coefficients b of an interval: matrix; right side without mu, and what mu is multiplied by in it.
   struct Quadratic {
-    Pair h0001{0, 0}, h0211{0, 0}, h1222{0, 0};
-    Pair g01{0, 0}, mu01{0, 0};
-    double g2{0}, mu2{0};
+    double h00{0}, h01{0}, h02{0}, h11{0}, h12{0}, h22{0};
+    double g[3]{}, mu[3]{};
   };
   /// Rows with one right side.
   struct Section {
@@ -83,11 +83,22 @@ class LawNewton {
     bool given{false};             ///< b0 and b1 are those of the start
   };
   struct Look {
-    Pair primal{0, 0}, dual{0, 0};  ///< steps to take
-    Pair sum{0, 0};
+    double primal{0}, dual{0};  ///< steps to take
+    double sum{0};
     double worst{0};
   };
-  [[nodiscard]] static Pair both(double x) noexcept { return Pair{x, x}; }
+  /// What rows add up to: one after another, or the odd and the even ones.
+  template <class V>
+  struct Sums {
+    V least, sum{}, h00{}, h01{}, h02{}, h11{}, h12{}, h22{}, g0{}, g1{}, g2{}, m0{}, m1{}, m2{};
+    V x0{}, x1{}, x2{}, weights{}, pulls{}, pulls_mu{};
+  };
+  template <bool kSlopes, class V>
+  void add_row(std::size_t r, const double b[3], double right, const Look& look,
+               Sums<V>& to) noexcept;
+  template <class V>
+  void step_row(std::size_t r, const double db[3], double mu, double dright, V& primal,
+                V& dual) noexcept;
 
   [[nodiscard]] static double price_of(const Bound& wish, double x) noexcept;
   static void start_wish(Bound& wish, double x) noexcept;
@@ -107,7 +118,7 @@ class LawNewton {
   void look_and_build(double primal, double dual) noexcept;
   [[nodiscard]] bool factor_and_solve(double mu) noexcept;
   void step_rows(std::size_t r, std::size_t end, const double db[3], double mu, bool given,
-                 double dright, Pair& primal, Pair& dual) noexcept;
+                 double dright, double& primal, double& dual) noexcept;
   void step_sizes(double mu) noexcept;
   void shrink_guess() noexcept;
 
@@ -127,8 +138,9 @@ class LawNewton {
 
   Buffer<double> m_, dm_, node_, left_, right_;  ///< node i = left m[i-1] + right m[i]
   Buffer<double> d0_, d1_, d2_;
-  Buffer<double> by_mu_;   ///< dm_ holds the right side without mu
-  Buffer<Sides> sides_;    ///< of rows
+  Buffer<double> by_mu_;  ///< dm_ holds the right side without mu
+  Side up_, down_;        ///< v <= right, -v <= right
+  std::size_t all_rows_{0};
   Buffer<JerkSide> side_;  ///< of intervals, where x is
   Buffer<Bound> at_middle_, at_node_;
 };
