@@ -29,23 +29,24 @@ class Mux16 final : public hal::Component<Mux16> {
       "elapsed", "Time for which other selectors have been waiting [s]")};
   hal::RoParam<std::int32_t> selected_{
       param<hal::RoParam<std::int32_t>>("selected", "Number of the selected input")};
-  std::uint32_t code_{0};
+  std::uint32_t in_use_{0};
 
   void update(const hal::Period& period) noexcept {
     std::uint32_t code = 0;
     for (std::size_t i = 0; i < sel_.size(); ++i) code |= std::uint32_t{sel_[i].get()} << i;
     if (suppress_no_input_ && code == 0) return;
-    if (code != code_) {
+    std::uint32_t number = code;
+    if (use_graycode_)
+      for (std::uint32_t shift = 1; shift < 4; shift *= 2) number ^= number >> shift;
+    // What was selected without a debounce-time is not in use yet for one that comes later.
+    if (number != in_use_ && debounce_time_ > 0.0) {
       if (elapsed_.last() < debounce_time_) {
         elapsed_ = elapsed_.last() + period.seconds();
         return;
       }
-      code_ = code;
+      in_use_ = number;
       elapsed_ = 0.0;
     }
-    std::uint32_t number = code;
-    if (use_graycode_)
-      for (std::uint32_t shift = 1; shift < 4; shift *= 2) number ^= number >> shift;
     selected_ = static_cast<std::int32_t>(number);
     const double value = in_[number];
     out_f_ = value;

@@ -52,7 +52,7 @@ class SimEncoderChannel : public hal::Channel {
   hal::In<std::int32_t> rawcounts_{
       pin<hal::In<std::int32_t>>("rawcounts", "Accepted for the files that link it")};
 
-  static constexpr std::int64_t kOne = std::int64_t{1} << 27;  // a count
+  static constexpr std::int64_t kOne = std::int64_t{1} << 31;  // a count, as LinuxCNC divides it
   std::int64_t place_{0}, step_{0}, count_{0}, per_turn_{400};
   double period_s_{0.0};  // of make-pulses
 };
