@@ -100,6 +100,8 @@ struct InterpreterView {
   rtapi::FixedString<127> command;
   std::int32_t current_line{0}, read_line{0}, call_level{0}, program_lines{0};
   std::int32_t main_line{0};  ///< in execution, of the main program; 0: none
+  std::uint64_t block_id{0};  ///< of the block in execution (motion::SourceTag::id)
+  std::uint64_t moved_id{0};  ///< of the newest block begun that moves the machine
   double progress{0};
   std::int32_t g_codes[17]{};
   std::int32_t m_codes[10]{};

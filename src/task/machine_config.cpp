@@ -56,6 +56,7 @@ class SetupReader {
     out_.setup.mdi_queue = static_cast<int>(r_.integer("TASK", "MDI_QUEUED_COMMANDS"));
     out_.setup.motion.heartbeat_timeout_s = r_.real("KERF", "HEARTBEAT_TIMEOUT");
     out_.setup.motion.lost_heartbeat_is_off = r_.choice("KERF", "HEARTBEAT_REACTION") == 1;
+    out_.setup.step_by_moves = r_.choice("KERF", "SINGLE_STEP") == 1;
     out_.setup.motion.overrun = static_cast<motion::OverrunPolicy>(r_.choice("KERF", "OVERRUN"));
     out_.setup.motion.overrun_periods = r_.real("KERF", "OVERRUN_PERIODS");
     out_.setup.motion.stale_cycles =

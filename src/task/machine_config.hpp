@@ -65,6 +65,7 @@ struct MachineSetup {
   std::string startup_code;                ///< [RS274NGC]RS274NGC_STARTUP_CODE
   std::string on_abort_command;            ///< [RS274NGC]ON_ABORT_COMMAND
   int mdi_queue{10};                       ///< [TASK]MDI_QUEUED_COMMANDS
+  bool step_by_moves{false};               ///< [KERF]SINGLE_STEP = moves
   double linear_unit_mm{1};                ///< mm per machine unit
   double angular_unit_deg{1};
   std::array<double, motion::kMaxJoints> joint_unit{};  ///< mm or degrees per unit of [JOINT_n]

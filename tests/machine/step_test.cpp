@@ -88,6 +88,44 @@ TEST(Step, EachBlockOfSubsLoopsAndWaitsOnceAndToItsExactEnd) {
   EXPECT_EQ(m->motion().faults, 0U) << m->errors();
 }
 
+/// [KERF]SINGLE_STEP = moves: blocks that move nothing are no steps, also when they stand in the queue of a held program.
+TEST(Step, ByMovesAlone) {
+  MachineOptions options;
+  options.append = "[KERF]\nSINGLE_STEP = moves\n";
+  auto m = Machine::start(options);
+  ASSERT_TRUE(m->ready()) << m->errors();
+  ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+  const auto path = m->write_program(
+      "M64 P0\nG21 G61\nG1 X10 F3000\nM65 P0\nG4 P0.05\nF2000\no1 repeat [2]\nM64 P1\n#1=3\nG91 G1 "
+      "X2\nG90\no1 endrepeat\nG2 X14 Y0 J3\nM62 P0\nM0\nG1 X20\nM65 P1\nM2\n");
+  // Line and X at the end of each; line 13 is a whole circle, line 15 M0.
+  const std::vector<std::pair<int, double>> stops{{3, 10},  {10, 12}, {10, 14},
+                                                  {13, 14}, {15, 14}, {16, 20}};
+  const auto steps = [&] {
+    for (std::size_t n = 0; n < stops.size(); ++n) {
+      ASSERT_TRUE(m->does({"step"})) << m->errors();
+      m->run_for(0.05);
+      ASSERT_TRUE(m->run_until([&] { return stands_stepped(*m); }, 30)) << n;
+      // A block that asks nothing of motion is done with the one before it.
+      EXPECT_EQ(m->motion().current.line, stops[n].first) << n;
+      EXPECT_NEAR(m->joint(0), stops[n].second, 1e-9) << n;
+    }
+    ASSERT_TRUE(m->does({"step"})) << m->errors();
+    EXPECT_TRUE(m->run_until([&] { return m->task().idle; }, 10));
+    EXPECT_EQ(m->motion().faults, 0U) << m->errors();
+  };
+  EXPECT_EQ(m->branch([&] {
+    ASSERT_TRUE(m->does({"open", path})) << m->errors();
+    steps();
+  }),
+            0);
+  ASSERT_TRUE(m->does({"mode", "auto"}));
+  m->start_program(path);
+  ASSERT_TRUE(m->run_until([&] { return m->joint(0) > 5; }, 30));
+  ASSERT_TRUE(m->does({"pause"}) && m->run_until([&] { return m->motion().held; }, 5));
+  steps();
+}
+
 /// Paused in the middle, the queue is full of blocks that blend into each other: no step skips one or stops twice in one.
 TEST(Step, AfterAPauseItGoesOnBlockByBlockAndNoneIsLost) {
   auto m = machine();

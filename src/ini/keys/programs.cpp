@@ -151,6 +151,12 @@ constexpr Key kKerfRows[] = {
         .otherwise("stop")
         .read_by(By::task)
         .own(),
+    choice("SINGLE_STEP", "blocks moves",
+           "where a step ends: behind each executed block, or behind the next that moves the "
+           "machine; M0 and the like stop it in both")
+        .otherwise("blocks")
+        .read_by(By::task)
+        .own(),
     choice(
         "OVERRUN", "warn hold estop",
         "what a servo cycle that comes too late does while the machine is on: a line in the log, "

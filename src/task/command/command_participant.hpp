@@ -79,6 +79,8 @@ class CommandParticipant final : public rtapi::Participant {
   static constexpr rtapi::Nanos kBusyTime = 5 * rtapi::kSecond;
   /// Motion has had its chance to turn the machine on.
   static constexpr std::uint64_t kCyclesToTurnOn = 50;
+  /// By then it has seen that a hold was taken away.
+  static constexpr std::uint64_t kCyclesToRelease = 3;
   /// By then it has taken an order, and its status shows it.
   static constexpr std::uint64_t kCyclesToTake = 3;
 

@@ -104,7 +104,16 @@ void CommandParticipant::finish_block_step() {
   if (!want_.single_step || status_.cycle <= block_step_since_ ||
       !(status_.held || status_.path_empty))
     return;
+  const bool goes_on = p_.setup.step_by_moves && !status_.path_empty;
+  if (goes_on && view_.block_id < status_.current.id) return;  // not known yet
   block_step_ended_ = status_.cycle;
+  if (goes_on && view_.moved_id < status_.current.id) {
+    // Motion has to see a hold between two blocks; for clients it is one step.
+    p_.motion.intent.hold.publish(1);
+    end_block_step();
+    block_step_due_ = status_.cycle + kCyclesToRelease;
+    return;
+  }
   // With an empty path the interpreter thread stands behind the block on its own.
   if (!status_.path_empty)
     pause();

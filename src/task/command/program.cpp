@@ -7,11 +7,6 @@
 #include "task/command/command_participant.hpp"
 
 namespace kerf::task {
-namespace {
-/// Of motion: by then it has seen that a hold was taken away.
-constexpr std::uint64_t kCyclesToRelease = 3;
-}  // namespace
-
 void CommandParticipant::execute(Ticket ticket, const Request& request, int client) {
   switch (request.command->id) {
     case CommandId::state: return do_state(ticket, request);

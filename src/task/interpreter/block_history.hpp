@@ -24,6 +24,11 @@ struct BlockRecord {
   CanonState canon;
   /// Where its moves may lead (machine coordinates); low is above high in an axis without any.
   rtapi::Pose low{kNowhere}, high{kNowhere * -1};
+  [[nodiscard]] bool moves() const {
+    for (std::size_t a = 0; a < rtapi::kAxes; ++a)
+      if (low[a] <= high[a]) return true;
+    return false;
+  }
   bool machine_place{false};  ///< names or notes a place in machine coordinates
   /// M6 that is not done: until it is, the length offset is still that of the tool before.
   bool tool_awaited{false};
@@ -41,6 +46,7 @@ class BlockHistory {
     record.modal = modal;
     record.canon = canon;
     records_.push_back(record);
+    moved_ = 0;
   }
   void add(const BlockRecord& record) {
     // Blocks that ask nothing (loops, expressions) would fill the memory with states nobody can stop at.
@@ -76,6 +82,7 @@ class BlockHistory {
                                              : here_complete && next.pending <= 0;
       if (!begun) return;
       records_.pop_front();
+      if (records_.front().moves()) moved_ = records_.front().tag.id;
     }
   }
   /// After a stop: the block of this tag is where the machine stands, unless it is behind already.
@@ -88,6 +95,8 @@ class BlockHistory {
     for (BlockRecord& record : records_) f(record);
   }
   [[nodiscard]] const BlockRecord& present() const { return records_.front(); }
+  /// Id of the newest block that the machine has begun and that moves it; 0: none since reset().
+  [[nodiscard]] std::uint64_t moved() const { return moved_; }
   [[nodiscard]] std::size_t size() const { return records_.size(); }
 
  private:
@@ -98,6 +107,7 @@ class BlockHistory {
     return at != records_.end() && at->tag.id == tag_id ? &*at : nullptr;
   }
   std::deque<BlockRecord> records_;
+  std::uint64_t moved_{0};
 };
 
 }  // namespace kerf::task

@@ -426,6 +426,7 @@ bool InterpreterParticipant::synchronise_if_due() {
 void InterpreterParticipant::note_stepping() {
   const bool stepping = run_.active && !run_.mdi && p_.exchange.stepping.get() != 0;
   if (stepping && !run_.stepping) {
+    stepped_to_ = executed() ? history_.present().tag.id : 0;
     run_.step.allow(last_tag_);
     // At M0 a step is the block behind it.
     if (!executed() || !asides_.empty() || (barrier_.marked && !barrier_.pausing))
@@ -450,11 +451,15 @@ bool InterpreterParticipant::step_allows(const TaskItem& item) {
 bool InterpreterParticipant::step_stop() {
   if (!run_.active || run_.mdi || run_.failed) return false;
   if (!stopped_) {
+    // A held queue: motion itself steps through it.
+    if (status_.held) stepped_to_ = history_.present().tag.id;
     const bool rest = !list_.empty() && run_.step.covers(list_.front().tag.id);
     if (!run_.step.begun() || rest || !asides_.empty() || !executed() ||
         (run_.source_done && list_.empty()))
       return false;
     run_.step.release();
+    if (p_.setup.step_by_moves && history_.moved() <= stepped_to_) return true;
+    stepped_to_ = history_.present().tag.id;
     stopped_ = true;
     stopped_at_ = now_;
     step_resumes_ = p_.exchange.resumes.get();

@@ -202,6 +202,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   bool announce_{true};
   bool stopped_{false};
   rtapi::Nanos stopped_at_{0};
+  std::uint64_t stepped_to_{0};  ///< id of the block behind which the last step ended
   std::uint32_t step_resumes_{0};
   std::uint64_t last_seq_{0};
   std::uint64_t last_tag_{0};      ///< of it

@@ -88,6 +88,8 @@ void InterpreterParticipant::show() {
   view.current_line = line.line;
   view.call_level = line.call_level;
   view.main_line = line.main_line;
+  view.block_id = at.tag.id;
+  view.moved_id = history_.moved();
   view.read_line = interp_.next_line();
   view.program_lines = program_lines_;
   if (run_.active && !run_.mdi && program_lines_ > 0)
