@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/core/ramp.hpp"
+
 namespace kerf::motion::path {
 namespace {
 
@@ -26,7 +28,7 @@ constexpr double kRoom = 0.01;
 /// Back at the law but for that.
 constexpr double kBack = 1e-9;
 /// What would need so many times the jerk of a straight all along will not find its rest.
-constexpr double kLost = 3;
+constexpr double kLost = 1.5;
 /// Even jerk as a share of what a straight could do, above which it is not looked at.
 constexpr double kEven = 1.02;
 /// Times the range between what does not lead on and what does is halved.
@@ -36,6 +38,8 @@ constexpr std::size_t kFirstFall = 4, kMostFall = 8;
 /// So many times in a row no end that is sooner by this share: there will be none.
 constexpr int kNoSooner = 2;
 constexpr double kSooner = 0.998;
+/// An end that is nearer than so many times what a stop on a straight would take may be the soonest.
+constexpr double kSoonEnough = 2.5;
 
 }  // namespace
 
@@ -122,6 +126,13 @@ double LawStop::back_at_law(std::size_t i) const noexcept {
 
 double LawStop::rest_way(std::size_t i) const noexcept {
   return u_[i] < 0 ? -2 * x_[i] / (3 * u_[i]) : kNoLimit;
+}
+
+/// What it would take from node i.
+double LawStop::straight_stop(std::size_t i) const noexcept {
+  double acc = 0, jerk = 0;
+  rows_->straightest(i, acc, jerk);
+  return ramp_to({std::sqrt(x_[i]), u_[i]}, 0, {acc, jerk}).duration();
 }
 
 bool LawStop::add_step(std::size_t i, double step) noexcept {
@@ -293,7 +304,10 @@ void LawStop::brake() noexcept {
     for (; taken > 0; --taken, ++settled_)
       t_ += 2 * rows[settled_].length / (std::sqrt(x_[settled_]) + std::sqrt(x_[settled_ + 1]));
     if (t_ > best_ || !step_ahead(settled_)) return;
-    if (soonest_ < kNoLimit) later = soonest_ < kSooner * before ? 0 : later + 1;
+    if (soonest_ < kSooner * before) later = 0;
+    // A crawl far ahead says nothing of what is nearer.
+    else if (soonest_ - t_ < kSoonEnough * straight_stop(settled_))
+      ++later;
     before = soonest_;
   }
 }

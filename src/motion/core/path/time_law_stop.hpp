@@ -51,6 +51,7 @@ class LawStop {
   [[nodiscard]] bool holds_law(std::size_t i) const noexcept;
   [[nodiscard]] bool add_step(std::size_t i, double step) noexcept;
   [[nodiscard]] bool step_ahead(std::size_t i) noexcept;
+  [[nodiscard]] double straight_stop(std::size_t i) const noexcept;
   [[nodiscard]] double rest_way(std::size_t i) const noexcept;
   [[nodiscard]] bool reach(std::size_t i, double wanted, double share, double& w) noexcept;
   [[nodiscard]] bool leads_on(std::size_t i, double w) noexcept;
