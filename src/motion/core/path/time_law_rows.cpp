@@ -18,6 +18,9 @@ constexpr double kTooNear = 0.3, kNearHead = 0.03;
 /// one that the new grid can express.
 constexpr double kFirstChange = 0.25, kFineGrowth = 0.5;
 
+/// A jerk row in which b2 counts less than that beside b1 bounds u, not w.
+constexpr double kNoW = 1e-3;
+
 /// So many steps before the end of a stretch are equal.
 constexpr double kEvenParts = 3;
 
@@ -109,7 +112,8 @@ bool LawRows::create(Memory& memory, std::size_t intervals,
   const std::size_t rows = intervals * rows_per_interval;
   return stretches_.create(memory, intervals) && intervals_.create(memory, intervals) &&
          nodes_.create(memory, intervals) && a0.create(memory, rows) && a1.create(memory, rows) &&
-         a2.create(memory, rows);
+         a2.create(memory, rows) && mid0.create(memory, rows) && mid1.create(memory, rows) &&
+         half.create(memory, rows);
 }
 
 void LawRows::begin(const AxisLimits& limits) noexcept {
@@ -305,7 +309,24 @@ bool LawRows::add_step(double most) noexcept {
   const double to = parts <= 1 ? s.to : at_ + (parts <= kEvenParts ? left / parts : most);
   push(used_ - 1, at_, to);
   at_ = to;
-  return room_ && make_rows(intervals_.size() - 1);
+  if (!room_ || !make_rows(intervals_.size() - 1)) return false;
+  turn_rows(intervals_.back());
+  return true;
+}
+
+/// Its rows, the last ones, as bounds of b2.
+void LawRows::turn_rows(LawInterval& in) noexcept {
+  for (Buffer<double>* b : {&mid0, &mid1, &half}) b->truncate(in.row);
+  in.bounds_u = false;
+  const std::size_t jerks = in.row + static_cast<std::size_t>(in.accs);
+  for (std::size_t r = in.row; r < a2.size(); ++r) {
+    const bool none = r < jerks ? a2[r] == 0 : std::abs(a2[r]) < kNoW * std::abs(a1[r]);
+    const double over = none ? 0 : 1 / a2[r];
+    in.bounds_u = in.bounds_u || (none && r >= jerks);
+    mid0.push_back(-a0[r] * over);
+    mid1.push_back(-a1[r] * over);
+    half.push_back(none ? kNoLimit : std::abs(over));
+  }
 }
 
 void LawRows::take_back(std::size_t i) noexcept {

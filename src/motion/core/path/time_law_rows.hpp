@@ -43,6 +43,7 @@ struct LawInterval {
   std::size_t row{0};     ///< its first row; accelerations first, then jerks by coefficient
   std::int32_t accs{0};   ///< by axis; the last one of each that of its end
   std::int32_t jerks{0};  ///< of each of the three coefficients
+  bool bounds_u{false};   ///< of steps: a jerk row in which b2 counts for nothing beside b1
   /// Arcs and joints: what the rows leave out, times the largest b; times the largest |u|; times the largest difference of neighbouring b; times |w|.
   double acc_rest{0}, acc_rest_u{0}, jerk_rest{0}, jerk_rest_u{0}, jerk_rest_b{0}, jerk_rest_w{0};
 };
@@ -118,6 +119,8 @@ class LawRows {
 
   /// Rows: left side over (b0, b1, b2), for a limit of 1.
   Buffer<double> a0, a1, a2;
+  /// Of steps: b2 is within `half` of mid0 b0 + mid1 b1 for a right side of 1; kNoLimit: the row hardly depends on it.
+  Buffer<double> mid0, mid1, half;
 
  private:
   void choose_steps(double x0, double u0) noexcept;
@@ -125,6 +128,7 @@ class LawRows {
   bool push_node(double at) noexcept;
   void push(std::size_t k, double from, double to) noexcept;
   [[nodiscard]] bool make_rows(std::size_t i) noexcept;
+  void turn_rows(LawInterval& in) noexcept;
   [[nodiscard]] bool goes_on(std::size_t i, const Vec& first, const Vec& second) const noexcept;
   [[nodiscard]] double rest_cap(std::size_t i, double way, bool start) const noexcept;
 

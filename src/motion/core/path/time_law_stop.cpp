@@ -10,8 +10,6 @@ namespace {
 
 /// Below this share of its first x a motion that has not found its rest will not find it.
 constexpr double kStill = 1e-6;
-/// A jerk row in which b2 counts less than that beside b1 bounds u, not w.
-constexpr double kNoW = 1e-3;
 /// Steps, as a share of x over the acceleration of a straight; and the least one, as a share of the widest.
 constexpr double kStep = 0.12, kLeastStep = 0.03;
 /// Shares of the way to rest: a new step, and one that is too long; never shorter than this share of the widest.
@@ -59,38 +57,39 @@ void LawStop::coefficients(std::size_t i, double b[3]) const noexcept {
   b[2] = x_[i + 1];
 }
 
-void LawStop::by_acc(std::size_t i, const double b[3], double share, Range& range) const noexcept {
+void LawStop::by_rows(std::size_t r, std::size_t end, const double b[3], double share,
+                      Range& range) const noexcept {
   const LawRows& rows = *rows_;
-  const LawInterval& in = rows[i];
-  for (std::size_t r = in.row; r < in.row + static_cast<std::size_t>(in.accs); ++r) {
-    const double a2 = rows.a2[r];
-    if (a2 == 0) continue;
-    const double over = 1 / a2, half = share * std::abs(over);
-    const double middle = -over * (rows.a0[r] * b[0] + rows.a1[r] * b[1]);
-    range.low = std::max(range.low, middle - half);
-    range.high = std::min(range.high, middle + half);
+  const double *mid0 = rows.mid0.begin(), *mid1 = rows.mid1.begin(), *half = rows.half.begin();
+  double low = range.low, high = range.high, low2 = low, high2 = high;
+  for (; r + 1 < end; r += 2) {
+    const double m = mid0[r] * b[0] + mid1[r] * b[1], h = share * half[r];
+    const double m2 = mid0[r + 1] * b[0] + mid1[r + 1] * b[1], h2 = share * half[r + 1];
+    low = std::max(low, m - h), high = std::min(high, m + h);
+    low2 = std::max(low2, m2 - h2), high2 = std::min(high2, m2 + h2);
   }
+  if (r < end) {
+    const double m = mid0[r] * b[0] + mid1[r] * b[1], h = share * half[r];
+    low = std::max(low, m - h), high = std::min(high, m + h);
+  }
+  range.low = std::max(low, low2);
+  range.high = std::min(high, high2);
+}
+
+void LawStop::by_acc(std::size_t i, const double b[3], double share, Range& range) const noexcept {
+  const LawInterval& in = (*rows_)[i];
+  by_rows(in.row, in.row + static_cast<std::size_t>(in.accs), b, share, range);
 }
 
 void LawStop::by_jerk(std::size_t i, const double b[3], double share, Range& range) const noexcept {
-  const LawRows& rows = *rows_;
-  const LawInterval& in = rows[i];
-  const double xm = (b[0] + 2 * b[1] + b[2]) / 4, right = share / std::sqrt(xm);
+  const LawInterval& in = (*rows_)[i];
+  const double xm = (b[0] + 2 * b[1] + b[2]) / 4, right = share / std::sqrt(xm),
+               over = 1 / (2 * xm);
   std::size_t r = in.row + static_cast<std::size_t>(in.accs);
-  for (int k = 0; k < 3; ++k) {
-    const double limit = right * (1.5 - b[k] / (2 * xm));
-    for (std::int32_t j = 0; j < in.jerks; ++j, ++r) {
-      const double a1 = rows.a1[r], a2 = rows.a2[r];
-      if (std::abs(a2) < kNoW * std::abs(a1)) {
-        range.whole = false;
-        continue;
-      }
-      const double over = 1 / a2, half = limit * std::abs(over);
-      const double middle = -over * (rows.a0[r] * b[0] + a1 * b[1]);
-      range.low = std::max(range.low, middle - half);
-      range.high = std::min(range.high, middle + half);
-    }
-  }
+  const auto jerks = static_cast<std::size_t>(in.jerks);
+  range.whole = range.whole && !in.bounds_u;
+  for (int k = 0; k < 3; ++k, r += jerks)
+    by_rows(r, r + jerks, b, right * (1.5 - b[k] * over), range);
 }
 
 /// The place of node i, and the law there.

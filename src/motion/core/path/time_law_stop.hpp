@@ -43,6 +43,9 @@ class LawStop {
     bool whole{true};  ///< it says all that there is to say
     [[nodiscard]] double clamp(double b) const noexcept;
   };
+  /// Of the rows [r, end), with this right side.
+  void by_rows(std::size_t r, std::size_t end, const double b[3], double share,
+               Range& range) const noexcept;
   void by_acc(std::size_t i, const double b[3], double share, Range& range) const noexcept;
   void by_jerk(std::size_t i, const double b[3], double share, Range& range) const noexcept;
   void look_along(std::size_t i) noexcept;
