@@ -93,7 +93,7 @@ class PwmgenChannel : public hal::Channel {
       } else {
         const std::int64_t whole = std::max<std::int64_t>(2, std::llround(calls / frequency));
         period_ns_ = whole * dt_ns;
-        pwm_freq_ = calls / static_cast<double>(whole);
+        if (enable_) pwm_freq_ = calls / static_cast<double>(whole);
       }
     }
     double duty = value_ / scale + offset_;
