@@ -33,11 +33,9 @@ constexpr double kEven = 1.02;
 constexpr int kHalvings = 4;
 /// Intervals that are taken at once before it is tried what leads on from there: at first, and most.
 constexpr std::size_t kFirstFall = 4, kMostFall = 8;
-/// So many times in a row no end that is sooner by this share: there will be none.
-constexpr int kNoSooner = 2;
+/// Braking ends where a try comes to no end that is sooner by this share, when the soonest is nearer than so many times a stop on a straight.
 constexpr double kSooner = 0.998;
-/// An end that is nearer than so many times what a stop on a straight would take may be the soonest.
-constexpr double kSoonEnough = 2.5;
+constexpr double kSoonEnough = 1.3;
 
 }  // namespace
 
@@ -287,7 +285,7 @@ void LawStop::brake() noexcept {
   if (!add_step(0, widest_)) return;
   double w = 0, before = kNoLimit;
   std::size_t count = kFirstFall;
-  for (int later = 0; settled_ + kMostFall + 1 < x_.size() && later < kNoSooner;) {
+  while (settled_ + kMostFall + 1 < x_.size()) {
     const std::size_t i = settled_;
     std::size_t taken = count;
     if (fall(i, count, w)) {
@@ -303,10 +301,9 @@ void LawStop::brake() noexcept {
     for (; taken > 0; --taken, ++settled_)
       t_ += 2 * rows[settled_].length / (std::sqrt(x_[settled_]) + std::sqrt(x_[settled_ + 1]));
     if (t_ > best_ || !step_ahead(settled_)) return;
-    if (soonest_ < kSooner * before) later = 0;
     // A crawl far ahead says nothing of what is nearer.
-    else if (soonest_ - t_ < kSoonEnough * straight_stop(settled_))
-      ++later;
+    if (soonest_ >= kSooner * before && soonest_ - t_ < kSoonEnough * straight_stop(settled_))
+      return;
     before = soonest_;
   }
 }
