@@ -327,7 +327,8 @@ std::vector<Node> nodes_of(const std::vector<motion::PathSpan>& curve, const Mac
   return nodes;
 }
 
-/// The nearest point of the stretch to q, by Newton from the nearest of some places.
+/// The nearest point of the stretch to q, by Newton from the nearest of some places; by halving around it where that has not settled, as next to a
+/// reversal.
 double distance_to_stretch(const motion::PathSpan& span, const path::Vec& q) {
   const auto square = [](const path::Vec& d) {
     double sum = 0;
@@ -335,12 +336,15 @@ double distance_to_stretch(const motion::PathSpan& span, const path::Vec& q) {
     return sum;
   };
   const auto off = [&](double s) { return q - span.piece.point(s); };
-  constexpr int kPlaces = 8, kRounds = 30;
+  constexpr int kPlaces = 8, kRounds = 30, kNarrowings = 80;
+  constexpr double kSettled = 1e-10, kElsewhere = 1e-3;  // mm
   double at = span.from;
   for (int k = 1; k <= kPlaces; ++k) {
     const double s = span.from + span.length * k / kPlaces;
     if (square(off(s)) < square(off(at))) at = s;
   }
+  double low = std::max(at - span.length / kPlaces, span.from),
+         high = std::min(at + span.length / kPlaces, span.from + span.length);
   for (int k = 0; k < kRounds; ++k) {
     const path::Vec t = span.piece.first(at), d = off(at);
     double along = 0;
@@ -348,7 +352,13 @@ double distance_to_stretch(const motion::PathSpan& span, const path::Vec& q) {
     if (!(square(t) > 0)) break;
     at = std::clamp(at + along / square(t), span.from, span.from + span.length);
   }
-  return path::max_abs(off(at));
+  const double found = path::max_abs(off(at));
+  if (found < kSettled || found > kElsewhere) return found;
+  for (int k = 0; k < kNarrowings; ++k) {
+    const double a = low + (high - low) * 0.382, b = low + (high - low) * 0.618;
+    (square(off(a)) < square(off(b)) ? high : low) = square(off(a)) < square(off(b)) ? b : a;
+  }
+  return std::min(found, path::max_abs(off((low + high) / 2)));
 }
 
 /// |slope u + bend x0| <= acc at the node, u = (x1 - x0) / (2 way).
