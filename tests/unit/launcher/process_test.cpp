@@ -99,7 +99,7 @@ TEST(Guard, CleansUpAfterALauncherThatWasKilled) {
     if (!segment.ok()) _exit(1);
     const std::string run((*segment)->header().run_id.view());
     Guard guard;
-    if (!guard.start(instance, run, -1, {}).ok()) _exit(1);
+    if (!guard.start(instance, run, -1, {}, {}).ok()) _exit(1);
     setenv("KERF_RUN_ID", run.c_str(), 1);
     auto child = Child::start({"sh", "-c", "trap '' TERM; sleep 60"});
     const pid_t pids[2] = {child.ok() ? child->pid() : -1, guard.pid()};
@@ -125,7 +125,7 @@ TEST(Guard, LeavesEverythingAloneAfterRelease) {
   unsetenv("KERF_RUN_ID");
   ASSERT_TRUE(child.ok());
   Guard guard;
-  ASSERT_TRUE(guard.start("no-such-instance", run, -1, {}).ok());
+  ASSERT_TRUE(guard.start("no-such-instance", run, -1, {}, {}).ok());
   guard.release();
   EXPECT_FALSE(rtapi::process_lives(guard.pid(), 0));
   EXPECT_TRUE(child->running());
