@@ -73,7 +73,7 @@ struct Program {
   int refused;  ///< so many of its lines
 };
 
-const Program kPrograms[] = {
+constexpr Program kPrograms[] = {
     {"lines",
      "G21 G90 G94 G17\nF600\nG0 X20 Y20 Z-5\nG1 Z-8\nG1 X30\nG1 Y30\n\n(a remark)\nG0 Z-5\nM2\n",
      0},
