@@ -126,7 +126,8 @@ class StepgenChannel : public hal::Channel {
     } else if (high_ && high_left_ns_ == 0) {
       end_pulse();
     }
-    if (held_) face(addend_);
+    // Once the motor may turn, it is move() that knows the way: the command may have turned back meanwhile.
+    if (held_ && (turn_left_ns_ > 0 || !enable_)) face(addend_);
     if (!enable_) {
       drop_owed_steps();
       return;
@@ -168,7 +169,9 @@ class StepgenChannel : public hal::Channel {
     wanted = rtapi::limited(wanted, -most, most);
     frequency_ = speed_ = wanted;
     target_ = static_cast<std::int64_t>(wanted * base_s * kOne);
-    addend_change_ = static_cast<std::int64_t>(change / dt * base_s * base_s * kOne);
+    // At least the smallest there is, as in LinuxCNC: truncated to nothing, a gentle acceleration would never move the motor.
+    addend_change_ =
+        std::max<std::int64_t>(static_cast<std::int64_t>(change / dt * base_s * base_s * kOne), 1);
   }
 
  private:
