@@ -216,6 +216,43 @@ TEST(MatrixKb, ShowsTheKeysOfItsCodesAndNoMoreThanItMay) {
   EXPECT_TRUE(hal.get<bool>("matrix_kb.0.key.r0c2"));
 }
 
+TEST(MatrixKb, CountsTheKeysThatAreDownWhateverCodesRepeat) {
+  hal::TestBuilder hal;
+  hal.set_arg("config", "4x8");
+  ASSERT_TRUE(hal.create(module("matrix_kb"), "matrix-kb")) << hal.error();
+  const auto code = [&](std::uint32_t value) {
+    hal.set("matrix_kb.0.keycode", value);
+    hal.run("matrix_kb.0");
+  };
+  for (const std::uint32_t key : {0U, 0U, 1U, 2U}) code(0xC0 + key);
+  EXPECT_TRUE(hal.get<bool>("matrix_kb.0.key.r0c1")) << "the first key is down once";
+  EXPECT_FALSE(hal.get<bool>("matrix_kb.0.key.r0c2"));
+  code(0x80 + 2);
+  code(0xC0 + 3);
+  EXPECT_FALSE(hal.get<bool>("matrix_kb.0.key.r0c3")) << "a key that was not taken leaves no place";
+}
+
+TEST(MatrixKb, ScansEachKeyWhateverTheOthersOfItsRowDo) {
+  hal::TestBuilder hal;
+  hal.set_arg("config", "1x2s");
+  ASSERT_TRUE(hal.create(module("matrix_kb"), "matrix-kb")) << hal.error();
+  hal.set("matrix_kb.0.negative-logic", false);
+  const auto scan = [&](bool first, bool second) {
+    hal.set("matrix_kb.0.col-00-in", first);
+    hal.set("matrix_kb.0.col-01-in", second);
+    hal.run("matrix_kb.0");
+  };
+  // The second key changes between the two scans that have to agree for the first one.
+  for (const bool down : {true, false}) {
+    scan(down, !down);
+    scan(down, down);
+    EXPECT_EQ(hal.get<bool>("matrix_kb.0.key.r0c0"), down);
+    scan(down, down);
+    EXPECT_EQ(hal.get<bool>("matrix_kb.0.key.r0c1"), down);
+    for (int i = 0; i < 3; ++i) scan(down, down);
+  }
+}
+
 TEST(Pid, TunesAPlantSoThatItSettles) {
   hal::TestBuilder hal;
   hal.set_arg("num_chan", "1");
