@@ -112,6 +112,60 @@ TEST_F(Away, ASpindleThatWasStoppedMustTurnAgainBeforeResume) {
   EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
 }
 
+/// A feed goes on into the work only with the spindle that it had: also where nobody left the path.
+TEST_F(Away, ASpindleThatWasStoppedInAPauseMustTurnAgainBeforeResume) {
+  ASSERT_TRUE(m->does({"pause"})) << m->errors();
+  m->run_for(1);
+  ASSERT_TRUE(m->does({"spindle", "off"})) << m->errors();
+  m->run_for(0.5);
+  const auto stands = m->motion().pos_cmd;
+  for (const char* word : {"resume", "step"}) {
+    const auto reply = m->command({word});
+    EXPECT_EQ(reply.state, task::CommandState::error);
+    EXPECT_NE(reply.text.find("spindle 0 turned forward"), std::string::npos) << reply.text;
+  }
+  EXPECT_EQ(m->command({"spindle", "reverse"}).state, task::CommandState::error);
+  EXPECT_FALSE(m->bit("spindle.0.on"));
+  EXPECT_EQ(m->motion().pos_cmd, stands);
+  EXPECT_EQ(m->branch([&] {
+    // Who wants to go on otherwise aborts; nothing of it is left for the next program.
+    EXPECT_EQ(m->abort().state, task::CommandState::done);
+    m->run_for(0.5);
+    const auto next = m->start_program(m->write_program("G1 Z-5 F900\nG1 Z0\nM2\n"));
+    m->run_for(0.5);
+    EXPECT_TRUE(m->does({"pause"})) << m->errors();
+    m->run_for(0.2);
+    EXPECT_TRUE(m->does({"resume"})) << m->errors();
+    EXPECT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(next).state); }, 60));
+    EXPECT_EQ(m->outcome(next).state, task::CommandState::done) << m->errors();
+  }),
+            0);
+  ASSERT_TRUE(m->does({"spindle", "forward"})) << m->errors();
+  EXPECT_EQ(m->command({"resume"}).state, task::CommandState::error) << "not at speed yet";
+  m->run_for(12);
+  EXPECT_NEAR(m->motion().spindle[0].speed_rpm, 900, 1e-6);
+  EXPECT_TRUE(m->does({"resume"})) << m->errors();
+  ASSERT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }, 60));
+  EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
+}
+
+TEST_F(Away, ASpindleThatWasStoppedAtM0MustTurnAgainBeforeResume) {
+  ASSERT_TRUE(m->does({"abort"}));
+  m->run_for(0.5);
+  run = m->start_program(m->write_program("S900 M3\nG0 X20 Y20 Z-5\nM0\nG1 X30 F600\nM2\n"));
+  ASSERT_TRUE(m->run_until([&] { return m->task().paused; }, 60)) << m->errors();
+  m->run_for(0.2);
+  ASSERT_TRUE(m->does({"spindle", "off"})) << m->errors();
+  m->run_for(0.5);
+  EXPECT_EQ(m->command({"resume"}).state, task::CommandState::error);
+  ASSERT_TRUE(m->does({"spindle", "forward"})) << m->errors();
+  m->run_for(12);
+  EXPECT_TRUE(m->does({"resume"})) << m->errors();
+  ASSERT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }, 60));
+  EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
+  EXPECT_NEAR(m->joint(0), 30, 1e-9);
+}
+
 TEST_F(Away, AbortAtAnyTimeForgetsThePath) {
   ASSERT_TRUE(paused_and_away()) << m->errors();
   ASSERT_TRUE(m->does({"jog", "z", "20", "15"}));

@@ -18,13 +18,13 @@ bool CommandParticipant::refuse_away(Ticket ticket) {
           "the machine is away from the path: return leads back to it, then resume");
     return true;
   }
-  for (std::size_t n = 0; left_ && n < motion::kMaxSpindles; ++n) {
-    if (away_direction_[n] == 0) continue;
+  for (std::size_t n = 0; held_spindles_known_ && n < motion::kMaxSpindles; ++n) {
+    if (held_direction_[n] == 0) continue;
     const auto& spindle = status_.spindle[n];
-    const bool turns = spindle.on && spindle.direction == away_direction_[n];
+    const bool turns = spindle.on && spindle.direction == held_direction_[n];
     if (turns && spindle.at_speed) continue;
     const std::string name = "spindle " + std::to_string(n);
-    const std::string way = away_direction_[n] > 0 ? "forward" : "reverse";
+    const std::string way = held_direction_[n] > 0 ? "forward" : "reverse";
     std::string why = name;
     if (turns)
       why.append(" is not at its speed yet: spindle.")
@@ -33,24 +33,32 @@ bool CommandParticipant::refuse_away(Ticket ticket) {
     else
       why.append(" turned ")
           .append(way)
-          .append(" when the machine left the path: start it again (spindle ")
+          .append(" when the program was held: start it again (spindle ")
           .append(way)
           .append(") before resume, or abort");
     reply(ticket, CommandState::error, why);
     return true;
   }
-  left_ = false;
+  held_spindles_known_ = false;
   return false;
+}
+
+bool CommandParticipant::program_held() const {
+  return !view_.idle && (p_.exchange.paused.get() != 0 || view_.stopped);
+}
+
+void CommandParticipant::remember_spindles() {
+  if (held_spindles_known_) return;
+  for (std::size_t n = 0; n < motion::kMaxSpindles; ++n)
+    held_direction_[n] = status_.spindle[n].on ? status_.spindle[n].direction : 0;
+  held_spindles_known_ = true;
 }
 
 void CommandParticipant::do_away(Ticket ticket) {
   if (refuse_unless_on(ticket, "away")) return;
   if (view_.idle || status_.mode != motion::MotionMode::coordinated)
     return reply(ticket, CommandState::error, "nothing runs whose path could be left");
-  if (!left_)
-    for (std::size_t n = 0; n < motion::kMaxSpindles; ++n)
-      away_direction_[n] = status_.spindle[n].on ? status_.spindle[n].direction : 0;
-  left_ = true;
+  remember_spindles();
   p_.motion.intent.hold.publish(1);
   p_.exchange.paused.set(1);
   want_.away = true;
@@ -149,7 +157,7 @@ void CommandParticipant::take_shift(const Report& report) {
 void CommandParticipant::end_away() {
   want_.away = false;
   returning_ = Returning::no;
-  left_ = false;
+  held_spindles_known_ = false;
 }
 
 }  // namespace kerf::task

@@ -194,6 +194,8 @@ class CommandParticipant final : public rtapi::Participant {
   void close_journal();
 
   // away.cpp
+  [[nodiscard]] bool program_held() const;
+  void remember_spindles();
   void do_away(Ticket ticket);
   void do_back(Ticket ticket);
   void do_exchange_tool(Ticket ticket, const Request& request);
@@ -273,9 +275,10 @@ class CommandParticipant final : public rtapi::Participant {
   enum class Returning : std::uint8_t { no, out, across, in, there };
   Returning returning_{Returning::no};
   std::uint64_t return_since_{0};  ///< motion's cycle from which its standing counts
-  bool left_{false};               ///< away since the program was last resumed
-  std::array<std::int32_t, motion::kMaxSpindles>
-      away_direction_{};  ///< spindles when the machine left
+  /// How the spindles turned when the machine left the held path, or when the first of them was stopped by hand: so they have to turn
+  /// again before it goes on.
+  std::array<std::int32_t, motion::kMaxSpindles> held_direction_{};
+  bool held_spindles_known_{false};
   std::uint64_t block_step_due_{
       0};  ///< motion's cycle in which the next step begins, which was asked for as the last one ended
   std::uint64_t block_step_ended_{0};  ///< motion's cycle in which the last one was found to stand

@@ -94,6 +94,7 @@ void CommandParticipant::update_machine() {
   if (p_.exchange.paused.get() != 0 && idle()) {
     p_.motion.intent.hold.publish(0);
     p_.exchange.paused.set(0);
+    held_spindles_known_ = false;
   }
   finish_block_step();
   if (block_step_due_ != 0 && status_.cycle >= block_step_due_) begin_block_step();

@@ -336,17 +336,18 @@ void CommandParticipant::do_spindle(Ticket ticket, const Request& request) {
   if (refuse_spindle(ticket, spindle)) return;
   const std::string& action = request.text("action");
   if (action == "off") {
+    if (program_held()) remember_spindles();
     ++want_.spindle_stop_seq[spindle];
     write_intent();
     return reply(ticket, CommandState::done);
   }
-  // Away from a held path it can only turn again as the program had it.
-  if (left_ && status_.held && (action == "forward" || action == "reverse")) {
+  // Beside a held path it can only turn again as the program had it.
+  if (held_spindles_known_ && program_held() && (action == "forward" || action == "reverse")) {
     const std::int32_t direction = action == "forward" ? 1 : -1;
-    if (away_direction_[static_cast<std::size_t>(spindle)] != direction)
+    if (held_direction_[static_cast<std::size_t>(spindle)] != direction)
       return reply(ticket, CommandState::error,
                    "spindle " + std::to_string(spindle) + " did not turn " + action +
-                       " when the machine left the path");
+                       " when the program was held");
     want_.spindle_restart[spindle].wish(direction);
     wish();
     return reply(ticket, CommandState::done);

@@ -22,7 +22,8 @@ int main(int argc, char** argv) {
     worst = std::max(worst, m.follow_sines(5.0, kScale, 50'000, phase_s));
     done += 50'000.0 * kerf::components::kBasePerServo;
   }
-  std::printf("%.0f base periods of 50 us: %s; farthest from the command: %.3f steps\n", done,
-              m.watch().wrong().empty() ? "no time broken" : m.watch().wrong().c_str(), worst);
+  std::printf(
+      "%.0f base periods of 50 us: %s; farthest from the command half a period back: %.3f steps\n",
+      done, m.watch().wrong().empty() ? "no time broken" : m.watch().wrong().c_str(), worst);
   return m.watch().wrong().empty() && worst < 1.0 ? 0 : 1;
 }
