@@ -32,6 +32,26 @@ class Away : public testing::Test {
     return std::max(std::fabs(across), std::fabs(p.z + 20));
   }
   bool paused_and_away() { return m->does({"away"}) && m->motion().away && m->task().paused; }
+  /// The spindle was stopped, and nothing goes on, nor does it turn the other way.
+  void refused_without_spindle() {
+    for (const char* word : {"resume", "step"}) {
+      const auto reply = m->command({word});
+      EXPECT_EQ(reply.state, task::CommandState::error);
+      EXPECT_NE(reply.text.find("spindle 0 turned forward"), std::string::npos) << reply.text;
+    }
+    EXPECT_EQ(m->command({"spindle", "reverse"}).state, task::CommandState::error);
+    EXPECT_FALSE(m->bit("spindle.0.on"));
+  }
+  /// It turns again, and once it is at its speed the program goes on to its end.
+  void goes_on_with_spindle() {
+    ASSERT_TRUE(m->does({"spindle", "forward"})) << m->errors();
+    EXPECT_EQ(m->command({"resume"}).state, task::CommandState::error) << "not at speed yet";
+    m->run_for(12);
+    EXPECT_NEAR(m->motion().spindle[0].speed_rpm, 900, 1e-6);
+    EXPECT_TRUE(m->does({"resume"})) << m->errors();
+    ASSERT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }, 60));
+    EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
+  }
   std::unique_ptr<Machine> m;
   std::string path;
   std::uint64_t run{0};
@@ -98,18 +118,8 @@ TEST_F(Away, ASpindleThatWasStoppedMustTurnAgainBeforeResume) {
   ASSERT_TRUE(paused_and_away()) << m->errors();
   ASSERT_TRUE(m->does({"spindle", "off"})) << m->errors();
   ASSERT_TRUE(m->does({"return"})) << m->errors();
-  const auto reply = m->command({"resume"});
-  EXPECT_EQ(reply.state, task::CommandState::error);
-  EXPECT_NE(reply.text.find("spindle 0 turned forward"), std::string::npos) << reply.text;
-  EXPECT_EQ(m->command({"spindle", "reverse"}).state, task::CommandState::error);
-  EXPECT_FALSE(m->bit("spindle.0.on"));
-  ASSERT_TRUE(m->does({"spindle", "forward"})) << m->errors();
-  EXPECT_EQ(m->command({"resume"}).state, task::CommandState::error) << "not at speed yet";
-  m->run_for(12);
-  EXPECT_NEAR(m->motion().spindle[0].speed_rpm, 900, 1e-6);
-  EXPECT_TRUE(m->does({"resume"})) << m->errors();
-  ASSERT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }, 60));
-  EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
+  refused_without_spindle();
+  goes_on_with_spindle();
 }
 
 /// A feed goes on into the work only with the spindle that it had: also where nobody left the path.
@@ -119,13 +129,7 @@ TEST_F(Away, ASpindleThatWasStoppedInAPauseMustTurnAgainBeforeResume) {
   ASSERT_TRUE(m->does({"spindle", "off"})) << m->errors();
   m->run_for(0.5);
   const auto stands = m->motion().pos_cmd;
-  for (const char* word : {"resume", "step"}) {
-    const auto reply = m->command({word});
-    EXPECT_EQ(reply.state, task::CommandState::error);
-    EXPECT_NE(reply.text.find("spindle 0 turned forward"), std::string::npos) << reply.text;
-  }
-  EXPECT_EQ(m->command({"spindle", "reverse"}).state, task::CommandState::error);
-  EXPECT_FALSE(m->bit("spindle.0.on"));
+  refused_without_spindle();
   EXPECT_EQ(m->motion().pos_cmd, stands);
   EXPECT_EQ(m->branch([&] {
     // Who wants to go on otherwise aborts; nothing of it is left for the next program.
@@ -140,13 +144,7 @@ TEST_F(Away, ASpindleThatWasStoppedInAPauseMustTurnAgainBeforeResume) {
     EXPECT_EQ(m->outcome(next).state, task::CommandState::done) << m->errors();
   }),
             0);
-  ASSERT_TRUE(m->does({"spindle", "forward"})) << m->errors();
-  EXPECT_EQ(m->command({"resume"}).state, task::CommandState::error) << "not at speed yet";
-  m->run_for(12);
-  EXPECT_NEAR(m->motion().spindle[0].speed_rpm, 900, 1e-6);
-  EXPECT_TRUE(m->does({"resume"})) << m->errors();
-  ASSERT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }, 60));
-  EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
+  goes_on_with_spindle();
 }
 
 TEST_F(Away, ASpindleThatWasStoppedAtM0MustTurnAgainBeforeResume) {
@@ -157,12 +155,8 @@ TEST_F(Away, ASpindleThatWasStoppedAtM0MustTurnAgainBeforeResume) {
   m->run_for(0.2);
   ASSERT_TRUE(m->does({"spindle", "off"})) << m->errors();
   m->run_for(0.5);
-  EXPECT_EQ(m->command({"resume"}).state, task::CommandState::error);
-  ASSERT_TRUE(m->does({"spindle", "forward"})) << m->errors();
-  m->run_for(12);
-  EXPECT_TRUE(m->does({"resume"})) << m->errors();
-  ASSERT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }, 60));
-  EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->errors();
+  refused_without_spindle();
+  goes_on_with_spindle();
   EXPECT_NEAR(m->joint(0), 30, 1e-9);
 }
 

@@ -8,6 +8,7 @@
 #include "bench/motion/runs.hpp"
 #include "motion/core/path/time_law.hpp"
 #include "motion/core/ramp.hpp"
+#include "unit/motion/rig.hpp"
 
 namespace kerf::bench {
 namespace {
@@ -26,17 +27,6 @@ constexpr std::size_t kStretches = 250;
 constexpr double kReserve = 1.5;
 /// Ends that the solver is asked for: shares of the way of the best stop, from, to, ratio of neighbours.
 constexpr double kNearest = 0.55, kFarthest = 1.7, kNext = 1.09;
-
-class Heap final : public path::Memory {
- public:
-  void* allocate(std::size_t bytes, std::size_t) noexcept override {
-    blocks_.push_back(std::make_unique<std::byte[]>(bytes + 64));
-    return blocks_.back().get();
-  }
-
- private:
-  std::vector<std::unique_ptr<std::byte[]>> blocks_;
-};
 
 /// Where a law is at some moment.
 struct State {
@@ -216,7 +206,7 @@ class Stops {
 
   path::AxisLimits limits_;
   std::vector<motion::PathSpan> curve_;
-  Heap heap_;
+  motion::test::HeapMemory heap_;
   TimeLaw law_;
   bool ok_{false};
   std::size_t begin_{0}, end_{0};

@@ -14,6 +14,7 @@
 #include "bench/motion/runs.hpp"
 #include "motion/core/path/time_law.hpp"
 #include "property/motion/random_program.hpp"
+#include "unit/motion/rig.hpp"
 
 namespace kerf {
 namespace {
@@ -23,17 +24,6 @@ using path::LawStep;
 using path::TimeLaw;
 
 constexpr std::size_t kRoom = 3000;
-
-class Heap final : public path::Memory {
- public:
-  void* allocate(std::size_t bytes, std::size_t) noexcept override {
-    blocks_.push_back(std::make_unique<std::byte[]>(bytes + 64));
-    return blocks_.back().get();
-  }
-
- private:
-  std::vector<std::unique_ptr<std::byte[]>> blocks_;
-};
 
 double feed_of(const motion::PathSpan& span) { return span.speed.feed_cap; }
 
@@ -146,7 +136,7 @@ std::vector<bench::Program> programs(std::uint64_t seed) {
 }
 
 TEST(TimeLaw, DrivesTheBenchmarksCurvesFromStopToStop) {
-  Heap heap;
+  motion::test::HeapMemory heap;
   TimeLaw law;
   ASSERT_TRUE(law.create(heap, kRoom));
   const int most = motion::test::property_count(60);
@@ -225,7 +215,7 @@ struct Ratios {
 };
 
 TEST(TimeLaw, StopsSoon) {
-  Heap heap;
+  motion::test::HeapMemory heap;
   TimeLaw law;
   ASSERT_TRUE(law.create(heap, kRoom));
   const int most = motion::test::property_count(25);
@@ -314,7 +304,7 @@ TEST(TimeLaw, StopsSoon) {
 }
 
 TEST(TimeLaw, TakesShortWindowsAndAxesWithoutLimits) {
-  Heap heap;
+  motion::test::HeapMemory heap;
   TimeLaw law;
   ASSERT_TRUE(law.create(heap, 300));
   for (const double length : {1e-4, 0.01, 1.0, 300.0})

@@ -194,14 +194,20 @@ TEST(Moveoff, AppliesOffsetsWithinTheirLimitsAndComesBack) {
   }
 }
 
-TEST(MatrixKb, ShowsTheKeysOfItsCodesAndNoMoreThanItMay) {
-  hal::TestBuilder hal;
-  hal.set_arg("config", "4x8");
-  ASSERT_TRUE(hal.create(module("matrix_kb"), "matrix-kb")) << hal.error();
-  const auto code = [&](std::uint32_t value) {
+class MatrixKbCodes : public testing::Test {
+ protected:
+  void SetUp() override {
+    hal.set_arg("config", "4x8");
+    ASSERT_TRUE(hal.create(module("matrix_kb"), "matrix-kb")) << hal.error();
+  }
+  void code(std::uint32_t value) {
     hal.set("matrix_kb.0.keycode", value);
     hal.run("matrix_kb.0");
-  };
+  }
+  hal::TestBuilder hal;
+};
+
+TEST_F(MatrixKbCodes, ShowsTheKeysOfItsCodesAndNoMoreThanItMay) {
   code(0xC0 + 2 * 8 + 3);
   EXPECT_TRUE(hal.get<bool>("matrix_kb.0.key.r2c3"));
   code(0x40);
@@ -216,14 +222,7 @@ TEST(MatrixKb, ShowsTheKeysOfItsCodesAndNoMoreThanItMay) {
   EXPECT_TRUE(hal.get<bool>("matrix_kb.0.key.r0c2"));
 }
 
-TEST(MatrixKb, CountsTheKeysThatAreDownWhateverCodesRepeat) {
-  hal::TestBuilder hal;
-  hal.set_arg("config", "4x8");
-  ASSERT_TRUE(hal.create(module("matrix_kb"), "matrix-kb")) << hal.error();
-  const auto code = [&](std::uint32_t value) {
-    hal.set("matrix_kb.0.keycode", value);
-    hal.run("matrix_kb.0");
-  };
+TEST_F(MatrixKbCodes, CountsTheKeysThatAreDownWhateverCodesRepeat) {
   for (const std::uint32_t key : {0U, 0U, 1U, 2U}) code(0xC0 + key);
   EXPECT_TRUE(hal.get<bool>("matrix_kb.0.key.r0c1")) << "the first key is down once";
   EXPECT_FALSE(hal.get<bool>("matrix_kb.0.key.r0c2"));
