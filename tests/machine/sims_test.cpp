@@ -199,7 +199,8 @@ INSTANTIATE_TEST_SUITE_P(
                         {0, 0, 0},
                         {}},
                     sim("mill-4axis", {0, 0, 115, 0}, {.x = 0, .y = 0, .z = 80}),
-                    sim("lathe", {70, 40}, {.x = 70, .z = 40}), sim("gantry", {0, 0, 0, 0}, {})),
+                    sim("lathe", {70, 40}, {.x = 70, .z = 40}), sim("gantry", {0, 0, 0, 0}, {}),
+                    sim("stepper", {0, 0, 0}, {})),
     name_of);
 
 std::unique_ptr<Machine> homed(const std::string& folder) {
@@ -236,6 +237,44 @@ TEST(SimDetails, TheGantrysSidesGoTogether) {
   ASSERT_TRUE(m->mdi("G0 Y500"));
   EXPECT_GT(cycles, 1000U);
   EXPECT_EQ(apart, 0U);
+}
+
+// The motors as their drives have counted them, against what motion commanded half a period before.
+TEST(SimDetails, TheSteppersLoseNoStepAndStayWithinOneOfThePath) {
+  auto m = homed("stepper");
+  ASSERT_NE(m, nullptr);
+  struct Motor {
+    double last{0}, before{0};
+  } motors[3];
+  const char* const letters[]{"x", "y", "z"};
+  const double steps_per_mm[]{100, 100, 400};
+  double worst_steps = 0, worst_following = 0;
+  std::uint64_t cycles = 0;
+  m->on_cycle([&](const motion::MotionStatus&) {
+    ++cycles;
+    for (int j = 0; j < 3; ++j) {
+      Motor& motor = motors[j];
+      const std::string joint = "joint." + std::to_string(j);
+      if (cycles > 2) {
+        const double steps = m->get(std::string(letters[j]) + "-drive.count");
+        worst_steps = std::max(
+            worst_steps, std::abs(steps - 0.5 * (motor.last + motor.before) * steps_per_mm[j]));
+      }
+      worst_following = std::max(worst_following, std::abs(m->get(joint + ".f-error")));
+      motor.before = motor.last;
+      motor.last = m->get(joint + ".motor-pos-cmd");
+    }
+  });
+  const auto reply = m->run_program(config("stepper", "demo.ngc"));
+  EXPECT_EQ(reply.state, task::CommandState::done) << reply.text << m->errors();
+  EXPECT_GT(cycles, 10000U);
+  std::printf("result: %.2f steps, %.3f mm\n", worst_steps, worst_following);
+  EXPECT_LT(worst_steps, 1.0);
+  // Half a period at 80 mm/s, and a step.
+  EXPECT_LT(worst_following, 0.5e-3 * 80 + 0.01);
+  for (int j = 0; j < 3; ++j)
+    EXPECT_EQ(m->get(std::string(letters[j]) + "-drive.count"),
+              m->get("stepgen." + std::to_string(j) + ".counts"));
 }
 
 TEST(SimDetails, TheTableTurnsUnderTheTool) {

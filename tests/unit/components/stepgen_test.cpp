@@ -36,6 +36,26 @@ TEST(Stepgen, FollowsAMovingCommandWithinAStepAndKeepsItsTimes) {
   }
 }
 
+// Late by the same time at any speed and scale: axes that move together stay on their path, and FERROR sees half a period of the speed.
+TEST(Stepgen, IsLateByTheSameTimeAtAnySpeedAndScale) {
+  for (const double scale : {100.0, 400.0})
+    for (const double vel_mm_s : {-1.0, 7.0, 20.0}) {
+      StepMachine m(module("stepgen"), {1, 1, 1, 1});
+      m.hal().set("stepgen.0.position-scale", scale);
+      double command = 0.0;
+      for (int i = 0; i < 2000; ++i) {
+        const double before = command;
+        m.servo(command += vel_mm_s * 1e-3);
+        if (i < 1000) continue;
+        EXPECT_LT(std::fabs(static_cast<double>(m.watch().count()) -
+                            (command - 0.5e-3 * vel_mm_s) * scale),
+                  1.0);
+        EXPECT_NEAR(m.hal().get<double>("stepgen.0.position-fb"), before - 0.5e-3 * vel_mm_s,
+                    1.0 / scale);
+      }
+    }
+}
+
 TEST(Stepgen, KeepsItsTimesWhenTheCommandJumps) {
   const Timing times{60'000, 50'000, 200'000, 100'000};
   StepMachine m(module("stepgen"), times);
