@@ -83,7 +83,9 @@ class EncoderChannel : public hal::Channel {
     const auto counts = static_cast<std::int32_t>(raw_ - zero_);
     const double position = counts / scale;
     const double since_s = static_cast<double>(time_ns_ - count_time_ns_) * 1e-9;
-    const double least = std::fabs(min_speed_estimate_.get() * scale);
+    // Counts per second; not velocity * scale: LinuxCNC divides, so that coarse scales time out.
+    const double estimate = min_speed_estimate_;
+    const double least = (estimate == 0.0 ? 1.0 : estimate) / std::fabs(scale);
     if (new_counts_) {
       new_counts_ = false;
       const double between_s = static_cast<double>(count_time_ns_ - captured_time_ns_) * 1e-9;
@@ -96,11 +98,12 @@ class EncoderChannel : public hal::Channel {
                      : static_cast<double>(static_cast<std::int32_t>(raw_ - captured_)) / between_s;
       captured_ = raw_;
       captured_time_ns_ = count_time_ns_;
-    } else if (speed_ != 0.0 && since_s > 0.0) {
-      // No count for so long: it cannot be faster than one count in that time.
+    } else if (since_s > 0.0) {
+      // No count for so long: it cannot be faster than one count in that time. A minimum below
+      // zero is none that any speed could reach.
       const double most = 1.0 / since_s;
       if (std::fabs(speed_) > most) speed_ = std::copysign(most, speed_);
-      if (std::fabs(speed_) < least) {
+      if (least < 0.0 || since_s * least >= 1.0) {
         speed_ = 0.0;
         counts_seen_ = 0;
       }
@@ -142,7 +145,10 @@ class EncoderChannel : public hal::Channel {
   hal::In<std::int32_t> missing_teeth_{pin<hal::In<std::int32_t>>(
       "missing-teeth", "Teeth that the gap has which serves as index, in counter-mode", 0)};
   hal::In<double> min_speed_estimate_{pin<hal::In<double>>(
-      "min-speed-estimate", "Speed below which velocity is zero [units per second]", 1.0)};
+      "min-speed-estimate",
+      "velocity falls to zero once no count has come for position-scale / min-speed-estimate "
+      "seconds; 0 is taken for 1",
+      1.0)};
   hal::In<bool> latch_input_{pin<hal::In<bool>>("latch-input", "Its edges latch the position")};
   hal::In<bool> latch_rising_{
       pin<hal::In<bool>>("latch-rising", "True: rising edges of latch-input latch", true)};
