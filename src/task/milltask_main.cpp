@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <future>
 #include <string>
 #include <thread>
@@ -87,7 +88,10 @@ class Ending {
   bool wait(int ms) const {
     pollfd fds[2]{{signal_fd_, POLLIN, 0}, {supervisor_, POLLIN | POLLHUP, 0}};
     if (::poll(fds, supervisor_ >= 0 ? 2 : 1, ms) <= 0) return false;
-    if ((fds[0].revents & POLLIN) != 0) return true;
+    if ((fds[0].revents & POLLIN) != 0) {
+      say_who_asked();
+      return true;
+    }
     if (fds[1].revents == 0) return false;
     char byte = 0;
     // Data on the line means nothing; only its end does.
@@ -95,6 +99,18 @@ class Ending {
   }
 
  private:
+  /// A machine that goes down in the middle of a program must not be a riddle: other programs look for processes named milltask, too.
+  void say_who_asked() const {
+    signalfd_siginfo info{};
+    if (::read(signal_fd_, &info, sizeof info) != sizeof info || info.ssi_code != SI_USER) return;
+    const auto sender = static_cast<pid_t>(info.ssi_pid);
+    if (sender == ::getppid() || sender == ::getpid()) return;
+    std::string name;
+    std::ifstream("/proc/" + std::to_string(sender) + "/comm") >> name;
+    std::fprintf(stderr, "milltask: process %d (%s) asked it to end (%s)\n", sender,
+                 name.empty() ? "gone already" : name.c_str(),
+                 ::strsignal(static_cast<int>(info.ssi_signo)));
+  }
   int signal_fd_{-1};
   int supervisor_{-1};
 };
