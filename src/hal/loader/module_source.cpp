@@ -23,10 +23,17 @@ std::string with(std::string_view name, char from, char to) {
   return out;
 }
 
-rtapi::Failure<rtapi::Error> unknown(std::string_view name, const std::vector<std::string>& known) {
+/// `or_else`: what to do when no known name is like it.
+rtapi::Failure<rtapi::Error> unknown(std::string_view name, const std::vector<std::string>& known,
+                                     const char* or_else = "") {
+  const std::string like = rtapi::did_you_mean(name, known);
   return fail(Errc::not_found,
-              "no component '" + std::string(name) + "'" + rtapi::did_you_mean(name, known));
+              "no component '" + std::string(name) + "'" + (like.empty() ? or_else : like));
 }
+
+constexpr const char* kInstall =
+    "; halcompile --install puts one of your own where loadrt looks, KERF_COMPONENTS=FOLDER names "
+    "more folders";
 
 }  // namespace
 
@@ -38,11 +45,13 @@ DlopenSource::DlopenSource() {
       if (end > 0) folders_.emplace_back(rest.substr(0, end));
       rest.remove_prefix(std::min(end + 1, rest.size()));
     }
-    return;
   }
+  // Kerf's own come last: a folder of one's own adds to them, and may have another version of one.
   std::error_code error;
   const auto exe = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (!error) folders_.push_back((exe.parent_path().parent_path() / "components").string());
+  if (error) return;
+  const auto own = (exe.parent_path().parent_path() / "components").string();
+  if (std::find(folders_.begin(), folders_.end(), own) == folders_.end()) folders_.push_back(own);
 }
 
 DlopenSource::~DlopenSource() {
@@ -50,7 +59,8 @@ DlopenSource::~DlopenSource() {
 }
 
 Result<const Module*> DlopenSource::open(std::string_view name) {
-  if (name.empty() || name.find('/') != std::string_view::npos) return unknown(name, names());
+  if (name.empty() || name.find('/') != std::string_view::npos)
+    return unknown(name, names(), kInstall);
   for (const auto& folder : folders_) {
     for (const auto& file : {std::string(name), with(name, '_', '-'), with(name, '-', '_')}) {
       const std::string path = std::string(folder).append("/").append(file).append(".so");
@@ -75,7 +85,7 @@ Result<const Module*> DlopenSource::open(std::string_view name) {
       return module;
     }
   }
-  return unknown(name, names());
+  return unknown(name, names(), kInstall);
 }
 
 Result<const Module*> DlopenSource::open_c(const std::string& name, const std::string& path,

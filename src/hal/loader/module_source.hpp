@@ -24,7 +24,7 @@ class ModuleSource {
   [[nodiscard]] virtual std::vector<std::string> names() const = 0;
 };
 
-/// NAME.so, a component of ours or a module of the C API, in the folders of KERF_COMPONENTS (':' between them), else in "../components" seen from the program's folder.
+/// NAME.so, a component of ours or a module of the C API, in the folders of KERF_COMPONENTS (':' between them), then in "../components" seen from the program's folder.
 class DlopenSource final : public ModuleSource {
  public:
   DlopenSource();
