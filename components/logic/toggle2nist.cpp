@@ -20,13 +20,15 @@ class Nist final : public hal::Component<Nist> {
           kMomentary
               ? "A change of in asks the device to follow, and keeps asking until is-on has done "
                 "so."
-              : "Each press asks for the opposite of what is-on says, and keeps asking until is-on "
-                "has changed."};
+              : "Each change of in, up or down, asks for the opposite of what is-on says, and "
+                "keeps "
+                "asking until is-on has changed. A button that springs back needs a toggle before "
+                "it: letting it go is a change too."};
   using Component::Component;
 
  private:
-  hal::In<bool> in_{
-      pin<hal::In<bool>>("in", kMomentary ? "Switch: true on, false off" : "Push button")};
+  hal::In<bool> in_{pin<hal::In<bool>>(
+      "in", kMomentary ? "Switch: true on, false off" : "Button, out of a toggle")};
   hal::In<bool> is_on_{pin<hal::In<bool>>("is-on", "True while the device is on")};
   hal::Out<bool> on_{pin<hal::Out<bool>>("on", "True asks the device to go on")};
   hal::Out<bool> off_{pin<hal::Out<bool>>("off", "True asks the device to go off")};
@@ -34,7 +36,7 @@ class Nist final : public hal::Component<Nist> {
 
   void update(const hal::Period&) noexcept {
     const bool in = in_, is_on = is_on_;
-    const bool asks = kMomentary ? in != before_ : in && !before_;
+    const bool asks = in != before_;
     const bool wanted = kMomentary ? in : !is_on;
     before_ = in;
     if (asks) {

@@ -12,8 +12,9 @@ class Comp final : public hal::Component<Comp> {
       .summary = "Two-input comparator with hysteresis",
       .notes =
           "out becomes true as in1 rises more than hyst/2 above in0 and false as it falls more "
-          "than hyst/2 below it; between the two it keeps its state. With hyst of zero out is in1 "
-          "> in0. equal needs a hyst above zero to be of use, as floats are seldom equal."};
+          "than hyst/2 below it; between the two it keeps its state. With hyst of zero that is "
+          "while the inputs are equal. equal needs a hyst above zero to be of use, as floats are "
+          "seldom equal."};
   using Component::Component;
 
  private:
@@ -28,7 +29,7 @@ class Comp final : public hal::Component<Comp> {
   void update(const hal::Period&) noexcept {
     const double above = in1_ - in0_, half = 0.5 * hyst_;
     if (above > half) out_ = true;
-    if (above < -half || (half == 0.0 && above == 0.0)) out_ = false;
+    if (above < -half) out_ = false;
     equal_ = std::fabs(above) <= half;
   }
   hal::Function update_{function<&Comp::update>("", "Compares the inputs")};

@@ -7,21 +7,27 @@ class Div2 final : public hal::Component<Div2> {
  public:
   static constexpr hal::Info kInfo{.name = "div2",
                                    .summary = "Quotient of two floats",
-                                   .notes = "A divisor within the deadband gives zero."};
+                                   .notes =
+                                       "A divisor nearer to zero than deadband "
+                                       "counts as deadband, with its own sign. A deadband "
+                                       "below 1e-12 is taken for 1e-12."};
   using Component::Component;
 
  private:
   hal::In<double> in0_{pin<hal::In<double>>("in0", "Dividend")};
   hal::In<double> in1_{pin<hal::In<double>>("in1", "Divisor")};
-  hal::Out<double> out_{pin<hal::Out<double>>("out", "in0 / in1, or zero near a divisor of zero")};
+  hal::Out<double> out_{
+      pin<hal::Out<double>>("out", "in0 / in1, or by the deadband near a divisor of zero")};
   hal::Param<double> deadband_{param<hal::Param<double>>(
-      "deadband", "Values of in1 not farther from zero than this give zero", 0.0)};
+      "deadband", "Values of in1 nearer to zero than this count as this", 0.0)};
 
   void update(const hal::Period&) noexcept {
     double deadband = deadband_;
-    if (deadband < 1e-8) deadband_ = deadband = 1e-8;
-    const double divisor = in1_;
-    out_ = divisor > deadband || divisor < -deadband ? in0_ / divisor : 0.0;
+    if (deadband < 1e-12) deadband_ = deadband = 1e-12;
+    double divisor = in1_;
+    if (divisor >= 0.0 && divisor < deadband) divisor = deadband;
+    if (divisor < 0.0 && divisor > -deadband) divisor = -deadband;
+    out_ = in0_ / divisor;
   }
   hal::Function update_{function<&Div2::update>("", "Computes the outputs from the inputs")};
 };

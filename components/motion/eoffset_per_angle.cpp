@@ -14,13 +14,15 @@ class EoffsetPerAngle final : public hal::Component<EoffsetPerAngle> {
       .notes =
           "Makes polygons, waves and squares of a turning part. k is the number of counts of one "
           "unit; kreciprocal is the scale for the axis. When enable-in goes, or the settings of a "
-          "function are wrong, the offset is taken back; then enable-in must come anew."};
+          "function are wrong, the offset is taken back. Behind wrong settings, and when the "
+          "machine "
+          "has been off, enable-in must become false before it acts again."};
   using Component::Component;
 
  private:
   hal::In<bool> active_{pin<hal::In<bool>>("active", "From motion.eoffset-active", false)};
   hal::In<bool> is_on_{pin<hal::In<bool>>("is-on", "From halui.machine.is-on", false)};
-  hal::In<bool> enable_in_{pin<hal::In<bool>>("enable-in", "A rising edge starts", false)};
+  hal::In<bool> enable_in_{pin<hal::In<bool>>("enable-in", "True follows the angle", false)};
   hal::In<double> radius_ref_{pin<hal::In<double>>("radius-ref", "Radius of the part", 1)};
   hal::In<double> angle_{pin<hal::In<double>>("angle", "Angle of the part [degrees]", 0)};
   hal::In<double> start_angle_{
@@ -43,70 +45,77 @@ class EoffsetPerAngle final : public hal::Component<EoffsetPerAngle> {
   hal::Out<double> eoffset_dbg_{pin<hal::Out<double>>("eoffset-dbg", "The offset")};
   hal::Out<std::uint32_t> state_dbg_{pin<hal::Out<std::uint32_t>>(
       "state-dbg",
-      "0 starts, 1 waits, 2 follows the angle, 3 waits for the offset to be taken back")};
+      "0 waits for enable-in to be false, 1 waits, 2 follows the angle, 3 waits for the offset to "
+      "be taken back, 4 it is")};
 
   bool compute(double& offset) const noexcept {
-    constexpr double kDegree = 3.14159265358979323846 / 180.0;
+    constexpr double kPi = 3.14159265358979323846;
     const double radius = radius_ref_, height = radius * rfraction_, waves = fmult_;
-    double turned = std::fmod(angle_ - start_angle_, 360.0);
-    if (turned < 0.0) turned += 360.0;
-    if (fnum_ == 2) {
-      const double half = 0.5 * height;
-      offset = half - half * std::cos(turned * waves * kDegree);
-      return true;
-    }
-    if (fnum_ == 3) {
-      const double phase = std::fabs(std::remainder(turned * waves, 360.0));
-      offset = phase >= 90.0 ? height : 0.0;
+    const double angle_from_start = angle_ - start_angle_;
+    if (fnum_ == 2 || fnum_ == 3) {
+      const double wave = std::sin((angle_from_start * waves - 90.0) * kPi / 180.0);
+      if (fnum_ == 2)
+        offset = height * (1.0 + wave) / 2.0;
+      else
+        offset = wave >= 0.0 ? height : 0.0;
       return true;
     }
     if (!(waves >= 3.0)) return false;
     // From the middle of the nearest side; a corner is half a side away.
-    const double side = 360.0 / waves, from_middle = std::remainder(turned, side);
-    double inner = radius + height;
-    if (fnum_ == 1) inner *= std::cos(0.5 * side * kDegree);
-    offset = inner / std::cos(from_middle * kDegree) - radius;
+    const double side = 360.0 / waves, from_middle = std::remainder(angle_from_start, side);
+    double inner = radius * (1.0 + rfraction_);
+    if (fnum_ == 1) inner *= std::cos(0.5 * side * kPi / 180.0);
+    offset = inner / std::cos(from_middle * kPi / 180.0) - radius;
     return true;
   }
-  std::uint32_t state_{0};
-  bool before_{false};
+  enum class State : std::uint32_t { disabled, waits, follows, returns, returned };
+  State state_{State::disabled};
+  bool wrong_{false};
 
+  void show(double offset, double k) noexcept {
+    const auto counts =
+        static_cast<std::int32_t>(rtapi::limited(offset * k, -2147483648.0, 2147483647.0));
+    kcounts_ = counts;
+    eoffset_dbg_ = counts / k;
+  }
   void update(const hal::Period&) noexcept {
     const bool enable = enable_in_, is_on = is_on_;
     const double k = k_ == 0 ? 10000.0 : static_cast<double>(k_.get());
     is_off_ = !is_on;
     kreciprocal_ = 1.0 / k;
-    state_dbg_ = state_;
-    const bool rose = enable && !before_;
-    before_ = enable;
+    state_dbg_ = static_cast<std::uint32_t>(state_);
+    if (!is_on) {
+      enable_out_ = false;
+      show(0.0, k);
+      state_ = State::disabled;
+      return;
+    }
     switch (state_) {
-      case 1:
-        enable_out_ = false;
-        clear_ = false;
-        if (rose && is_on) state_ = 2;
+      case State::disabled:
+        if (!enable) state_ = State::waits;
         break;
-      case 2: {
+      case State::waits:
+        if (enable) state_ = State::follows;
+        break;
+      case State::follows: {
         double offset = 0.0;
-        if (!enable || !is_on || !compute(offset)) {
-          offset = 0.0;
+        if (!enable)
           clear_ = true;
-          state_ = 3;
-        } else {
+        else
           enable_out_ = true;
-        }
-        const double counts = rtapi::limited(offset * k, -2147483648.0, 2147483647.0);
-        kcounts_ = static_cast<std::int32_t>(counts);
-        eoffset_dbg_ = static_cast<std::int32_t>(counts) / k;
+        wrong_ = enable && !compute(offset);
+        if (!enable || wrong_) state_ = State::returns;
+        show(enable && !wrong_ ? offset : 0.0, k);
         break;
       }
-      case 3:
-        if (!active_) {
-          clear_ = false;
-          enable_out_ = false;
-          state_ = 1;
-        }
+      case State::returns:
+        if (!active_) state_ = State::returned;
         break;
-      default: state_ = 1;
+      case State::returned:
+        clear_ = false;
+        enable_out_ = false;
+        state_ = wrong_ ? State::disabled : State::waits;
+        break;
     }
   }
   hal::Function update_{

@@ -46,7 +46,7 @@ class Joyhandle final : public hal::Component<Joyhandle> {
       if (inverse_) y = 1.0 - y;
       value = scale_ * y + offset_;
     }
-    out_ = in < 0.0 ? -value : value;
+    out_ = in < -deadband ? -value : value;
   }
   hal::Function update_{function<&Joyhandle::update>("", "Computes the outputs from the inputs")};
 };

@@ -9,9 +9,8 @@ class Ohmic final : public hal::Component<Ohmic> {
       .name = "ohmic",
       .summary = "Ohmic sensing with a THCAD card",
       .notes =
-          "The frequency from the card is made a voltage. On with ohmic-threshold or more, off at "
-          "ohmic-low or less; contact is sensed only while is-probing is true, and lost at any "
-          "time."};
+          "The frequency from the card is made a voltage. While is-probing is true, ohmic-on tells "
+          "whether it is above ohmic-threshold; else ohmic-on stays until it is below ohmic-low."};
   using Component::Component;
 
  private:
@@ -28,7 +27,7 @@ class Ohmic final : public hal::Component<Ohmic> {
   hal::In<double> volt_divider_{
       pin<hal::In<double>>("volt-divider", "Voltage at the torch for one volt at the card", 4.9)};
   hal::In<double> ohmic_threshold_{pin<hal::In<double>>(
-      "ohmic-threshold", "Voltage from which ohmic-on becomes true [V]", 22.0)};
+      "ohmic-threshold", "Voltage above which ohmic-on becomes true [V]", 22.0)};
   hal::In<double> ohmic_low_{
       pin<hal::In<double>>("ohmic-low", "Voltage below which ohmic-on becomes false [V]", 21.0)};
   hal::Out<bool> arc_on_{pin<hal::Out<bool>>("arc-on", "True while the card is at full scale")};
@@ -38,17 +37,17 @@ class Ohmic final : public hal::Component<Ohmic> {
   hal::In<bool> is_probing_{pin<hal::In<bool>>("is-probing", "True while the machine probes")};
 
   void update(const hal::Period&) noexcept {
-    const double divide = thcad_divide_ > 0.0 ? thcad_divide_ : 1.0;
-    const double zero = zero_freq_ / divide, range = (full_freq_ - zero_freq_) / divide;
+    const double zero = zero_freq_ / thcad_divide_, full = full_freq_ / thcad_divide_;
+    const double range = full - zero;
     const double volts = range != 0.0 ? (velocity_in_ - zero) * thcad_fullscale_ / range : 0.0;
     const double at_torch = volts * volt_divider_;
     thcad_volts_ = volts;
     ohmic_volts_ = at_torch;
     arc_on_ = volts >= thcad_fullscale_;
-    if (at_torch <= ohmic_low_)
+    if (is_probing_)
+      ohmic_on_ = at_torch > ohmic_threshold_;
+    else if (at_torch < ohmic_low_)
       ohmic_on_ = false;
-    else if (is_probing_ && at_torch >= ohmic_threshold_)
-      ohmic_on_ = true;
   }
   hal::Function update_{function<&Ohmic::update>("", "Computes the outputs from the inputs")};
 };

@@ -1,4 +1,6 @@
 // sim_axis_hardware: home and limit switches of simulated axes.
+#include <array>
+
 #include "hal/component.hpp"
 
 namespace kerf::components {
@@ -10,11 +12,12 @@ class SimAxisHardware final : public hal::Component<SimAxisHardware> {
       .summary = "Home and limit switches of simulated axes",
       .notes =
           "For each of X, X2, Y, Y2, Z, A, U and V: a home switch around homesw-pos and limit "
-          "switches between a lower and an upper position, from the position of the joint."};
+          "switches between a lower and an upper position, from the position of the joint. "
+          "maxsw-homesw-out, minsw-homesw-out and bothsw-homesw-out of A stay false, as in "
+          "LinuxCNC: take homesw-out and the limit switches of A."};
 
   explicit SimAxisHardware(hal::Builder& b) noexcept : Component(b) {
-    constexpr const char* kAxes[]{"X", "X2", "Y", "Y2", "Z", "A", "U", "V"};
-    for (std::size_t i = 0; i < 8; ++i) {
+    for (std::size_t i = 0; i < kAxes.size(); ++i) {
       Axis& a = axes_[i];
       const auto name = [&](const char* suffix) {
         hal::Name whole(kAxes[i]);
@@ -42,13 +45,15 @@ class SimAxisHardware final : public hal::Component<SimAxisHardware> {
   }
 
  private:
+  static constexpr std::array<const char*, 8> kAxes{"X", "X2", "Y", "Y2", "Z", "A", "U", "V"};
+  static constexpr std::size_t kOfA = 5;
   struct Axis {
     hal::In<double> pos, home_pos, max_upper, max_lower, min_upper, min_lower, home_hyst;
     hal::In<bool> homing;
     hal::Out<bool> home, max, min, both, max_home, min_home, both_home;
   };
 
-  Axis axes_[8]{};
+  std::array<Axis, kAxes.size()> axes_{};
   hal::Out<bool> homesw_all_{
       pin<hal::Out<bool>>("homesw-all", "True while a joint homes and any home switch is closed")};
   hal::Out<bool> limitsw_all_{pin<hal::Out<bool>>(
@@ -65,7 +70,8 @@ class SimAxisHardware final : public hal::Component<SimAxisHardware> {
     bool any_home = false, any_limit = false, any_homing = false;
     for (const Axis& a : axes_) any_homing = any_homing || a.homing;
     const double offset = limit_offset_;
-    for (Axis& a : axes_) {
+    for (std::size_t i = 0; i < kAxes.size(); ++i) {
+      Axis& a = axes_[i];
       const double at = a.pos, half = 0.5 * a.home_hyst;
       const bool home = at >= a.home_pos - half && at <= a.home_pos + half;
       const bool max = at > a.max_lower + offset && at < a.max_upper;
@@ -74,9 +80,11 @@ class SimAxisHardware final : public hal::Component<SimAxisHardware> {
       a.max = max;
       a.min = min;
       a.both = !any_homing && (max || min);
-      a.max_home = max || home;
-      a.min_home = min || home;
-      a.both_home = home || (!any_homing && (max || min));
+      if (i != kOfA) {
+        a.max_home = max || home;
+        a.min_home = min || home;
+        a.both_home = home || (!any_homing && (max || min));
+      }
       any_home = any_home || home;
       any_limit = any_limit || max || min;
     }

@@ -16,7 +16,9 @@ class SimHomeSwitch final : public hal::Component<SimHomeSwitch> {
           "negative direction. It opens again after a travel of hysteresis back from home-pos. "
           "index-enable is for joints that home to an index pulse: some time after it was set, it "
           "is "
-          "cleared as an encoder would do at the pulse."};
+          "cleared as an encoder would do at the pulse. It has to be false in some call before it "
+          "is "
+          "waited for again."};
   using Component::Component;
 
  private:
@@ -29,8 +31,9 @@ class SimHomeSwitch final : public hal::Component<SimHomeSwitch> {
   hal::Io<bool> index_enable_{
       pin<hal::Io<bool>>("index-enable", "Cleared index-delay-ms after it was set")};
   hal::In<double> index_delay_ms_{pin<hal::In<double>>(
-      "index-delay-ms", "Time from index-enable to the simulated index pulse [ms]", 10.0)};
-  std::int64_t waited_ns_{0};
+      "index-delay-ms", "Time from index-enable to the simulated index pulse, above 0 [ms]", 10.0)};
+  double left_ms_{0.0};
+  bool asked_before_{false};
 
   void update(const hal::Period& period) noexcept {
     update_switch();
@@ -46,13 +49,16 @@ class SimHomeSwitch final : public hal::Component<SimHomeSwitch> {
   }
 
   void update_index(std::int64_t period_ns) noexcept {
-    if (!index_enable_) {
-      waited_ns_ = 0;
-    } else if (static_cast<double>(waited_ns_) >= index_delay_ms_ * 1e6) {
-      index_enable_ = false;
-      waited_ns_ = 0;
-    } else {
-      waited_ns_ += period_ns;
+    const bool asked = index_enable_, rose = asked && !asked_before_;
+    asked_before_ = asked;
+    if (rose) {
+      left_ms_ = index_delay_ms_;
+    } else if (asked && left_ms_ > 0.0) {
+      left_ms_ -= static_cast<double>(period_ns) * 1e-6;
+      if (left_ms_ <= 1e-9) {
+        left_ms_ = 0.0;
+        index_enable_ = false;
+      }
     }
   }
   hal::Function update_{

@@ -40,7 +40,7 @@ class Latencybins final : public hal::Component<Latencybins> {
   hal::Out<std::int32_t> nextra_{
       pin<hal::Out<std::int32_t>>("nextra", "Count of calls earlier than the last bin")};
   hal::Out<std::int32_t> variance_{pin<hal::Out<std::int32_t>>(
-      "variance", "Variance of the latency, at most 2147483647 [ns^2]")};
+      "variance", "Variance of the latency [ns^2], of use while no latency is above 46340 ns")};
   hal::Out<std::int32_t> availablebins_{
       pin<hal::Out<std::int32_t>>("availablebins", "Bins that there are on each side", 1000)};
 
@@ -52,7 +52,7 @@ class Latencybins final : public hal::Component<Latencybins> {
     for (std::int64_t i = 0; i <= kBins; ++i) early_[i] = late_[i] = 0;
     above_ = below_ = 0;
     samples_ = 0;
-    mean_ = squares_ = 0.0;
+    sum_ = squares_ = 0;
     latency_ = 0;
     latency_max_ = INT32_MIN;
     latency_min_ = INT32_MAX;
@@ -60,7 +60,7 @@ class Latencybins final : public hal::Component<Latencybins> {
   std::int32_t early_[kBins + 1]{}, late_[kBins + 1]{};
   std::int32_t above_{0}, below_{0};
   std::int64_t samples_{0};
-  double mean_{0.0}, squares_{0.0};
+  std::uint64_t sum_{0}, squares_{0};
   bool first_{true};
 
   void update(const hal::Period& period) noexcept {
@@ -93,12 +93,15 @@ class Latencybins final : public hal::Component<Latencybins> {
     else
       ++(early ? early_ : late_)[bin];
     ++samples_;
-    const auto value = static_cast<double>(late), before = mean_;
-    mean_ += (value - before) / static_cast<double>(samples_);
-    squares_ += (value - before) * (value - mean_);
+    // A square is kept in 32 bits, as LinuxCNC does.
+    const auto value = static_cast<std::uint32_t>(bounded(late));
+    sum_ += static_cast<std::int64_t>(bounded(late));
+    squares_ += static_cast<std::uint64_t>(static_cast<std::int32_t>(value * value));
+    const std::int64_t square_of_mean = (sum_ * sum_) / samples_;
     if (samples_ > 1)
-      variance_ = bounded(
-          std::llround(std::min(squares_ / static_cast<double>(samples_ - 1), 2147483647.0)));
+      variance_ =
+          static_cast<std::int32_t>((squares_ - static_cast<std::uint64_t>(square_of_mean)) /
+                                    static_cast<std::uint64_t>(samples_ - 1));
   }
   hal::Function update_{function<&Latencybins::update>("", "Computes the outputs from the inputs")};
 };

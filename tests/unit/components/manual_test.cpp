@@ -10,53 +10,7 @@
 namespace kerf::components {
 namespace {
 
-TEST(ByTheManual, InvertAndDiv2GiveZeroWithinTheDeadband) {
-  hal::TestBuilder hal;
-  ASSERT_TRUE(hal.create(module("invert"), "i"));
-  ASSERT_TRUE(hal.create(module("div2"), "d"));
-  hal.set("d.in0", 3.0);
-  for (const double in : {0.0, 0.05, -0.05, 0.1}) {
-    for (const char* c : {"i", "d"}) {
-      const std::string name = c;
-      hal.set(name + ".deadband", 0.1);
-      hal.set(name + (name == "i" ? ".in" : ".in1"), in);
-      hal.run(name);
-      EXPECT_EQ(hal.get<double>(name + ".out"), 0.0) << in;
-    }
-  }
-  hal.set("i.in", -0.2);
-  hal.set("d.in1", -0.2);
-  hal.run("i");
-  hal.run("d");
-  EXPECT_DOUBLE_EQ(hal.get<double>("i.out"), -5.0);
-  EXPECT_DOUBLE_EQ(hal.get<double>("d.out"), -15.0);
-  // The smallest deadband is 1e-8.
-  hal.set("i.deadband", 0.0);
-  hal.set("i.in", 0.9e-8);
-  hal.run("i");
-  EXPECT_EQ(hal.get<double>("i.out"), 0.0);
-}
-
-TEST(ByTheManual, Toggle2nistActsOnRisingEdges) {
-  hal::TestBuilder hal;
-  ASSERT_TRUE(hal.create(module("toggle2nist"), "t"));
-  const auto step = [&](bool in, bool is_on) {
-    hal.set("t.in", in);
-    hal.set("t.is-on", is_on);
-    hal.run("t");
-    return (hal.get<bool>("t.on") ? 1 : 0) + (hal.get<bool>("t.off") ? 2 : 0);
-  };
-  EXPECT_EQ(step(false, false), 0);
-  EXPECT_EQ(step(true, false), 1);
-  EXPECT_EQ(step(true, false), 1);
-  EXPECT_EQ(step(true, true), 0);
-  EXPECT_EQ(step(false, true), 0) << "the release is no press";
-  EXPECT_EQ(step(true, true), 2);
-  EXPECT_EQ(step(false, true), 2);
-  EXPECT_EQ(step(false, false), 0);
-}
-
-TEST(ByTheManual, OhmicSensesAtItsThreshold) {
+TEST(ByTheManual, OhmicSensesAtItsThresholds) {
   hal::TestBuilder hal;
   ASSERT_TRUE(hal.create(module("ohmic"), "o"));
   hal.set("o.thcad-max-volt-freq", 3200.0);
@@ -71,10 +25,15 @@ TEST(ByTheManual, OhmicSensesAtItsThreshold) {
     return hal.get<bool>("o.ohmic-on");
   };
   EXPECT_FALSE(at(2.9));
-  EXPECT_TRUE(at(3.0));
-  EXPECT_TRUE(at(1.5));
-  EXPECT_FALSE(at(1.0));
+  EXPECT_FALSE(at(3.0));
+  EXPECT_TRUE(at(3.1));
   EXPECT_FALSE(at(2.9));
+  EXPECT_TRUE(at(4.0));
+  hal.set("o.is-probing", false);
+  EXPECT_TRUE(at(1.5));
+  EXPECT_TRUE(at(1.0));
+  EXPECT_FALSE(at(0.9));
+  EXPECT_FALSE(at(4.0));
 }
 
 TEST(ByTheManual, JoyhandleIsPointSymmetrical) {

@@ -163,7 +163,11 @@ TEST(Math, CompSwitchesWithHysteresis) {
     }
   };
   hal.set("c.in0", 10.0);
-  expect({{9.9, false, false}, {10.0, false, true}, {10.1, true, false}, {10.0, false, true}});
+  expect({{9.9, false, false},
+          {10.0, false, true},
+          {10.1, true, false},
+          {10.0, true, true},
+          {9.9, false, false}});
   hal.set("c.hyst", 1.0);
   expect({{10.5, false, true}, {10.6, true, false}, {9.5, true, true}, {9.4, false, false}});
 }

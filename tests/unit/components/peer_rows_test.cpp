@@ -142,10 +142,10 @@ TEST_P(PeerRows, AreOurs) {
     }
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       const double theirs = parse(words[inputs.size() + i]), ours = number(hal, outputs[i]);
-      const bool same =
-          hal.type(outputs[i]) == hal::Type::floating
-              ? ours == theirs || std::abs(ours - theirs) <= 2e-6 + 1e-6 * std::abs(theirs)
-              : ours == theirs;
+      const bool same = hal.type(outputs[i]) == hal::Type::floating
+                            ? ours == theirs || (std::isnan(ours) && std::isnan(theirs)) ||
+                                  std::abs(ours - theirs) <= 2e-6 + 1e-6 * std::abs(theirs)
+                            : ours == theirs;
       ASSERT_TRUE(same) << outputs[i] << " in cycle " << row << ": ours " << ours << ", LinuxCNC "
                         << theirs << "\n"
                         << line;

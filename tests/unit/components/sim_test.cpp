@@ -49,6 +49,7 @@ TEST_F(HomeSwitchTest, ClearsIndexEnableAfterTheDelay) {
   EXPECT_TRUE(hal.get<bool>("sw.index-enable"));
   hal.run("sw");
   EXPECT_FALSE(hal.get<bool>("sw.index-enable"));
+  hal.run("sw");  // it has to be seen false before it is waited for again
   hal.set("sw.index-delay-ms", 2.5);
   hal.set("sw.index-enable", true);
   hal.run("sw", kMs, 3);
