@@ -10,12 +10,17 @@ namespace {
 constexpr double kNoPace = 1e6;  ///< mm/s: nothing holds it back
 /// Directions this near to each other are one: the rounding of whoever computed the points.
 constexpr double kTangent = 1e-9;
+/// Nearly one: on an exact path a kink up to this one comes from points with three decimals, and is no corner to stop at.
+constexpr double kNearlyTangent = 0.02;
 /// With jerk limits curvature has to go on too (1/mm).
 constexpr double kSameBend = 1e-9;
 /// A move as short as this at the end of what is driven without a stop is driven by itself: no law is found over a blend within it (sigma).
 constexpr double kTinyEnd = 2e-3;
 /// Corners whose blends take less than this part of both lines are looked at alone.
 constexpr double kAloneInLine = 4;
+
+/// A corner is as wide as lets a right angle be passed at the feed, in feed^2 / acceleration; but no wider than this (sigma).
+constexpr double kWidthOfFeed = 0.8, kWidestEver = 20;
 
 /// The rate at which sigma is meant to advance: the feed, or what the axes of its metric can do.
 double pace(double feed, bool rapid, double measured, double own_time) noexcept {
@@ -69,11 +74,6 @@ void scale_arc(Piece& arc, double sweep, double length, double feed, bool rapid,
   arc.rate = sweep / arc.length;
 }
 
-bool ProgramPath::create(Memory& memory, std::size_t moves) noexcept {
-  return blend_.create(memory, kJunctionPieces) && chain_.create(memory, moves) &&
-         smoother_.create(memory, moves);
-}
-
 /// Two lines whose corner would make a blend of its own, which is so narrow that standing takes less time.
 bool ProgramPath::sharp(const Move& a, const Move& b) const noexcept {
   // A thread that stood in its middle would be out of step.
@@ -99,11 +99,13 @@ bool ProgramPath::sharp(const Move& a, const Move& b) const noexcept {
 ProgramPath::Joint ProgramPath::joint_between(const Move& a, const Move& b) const noexcept {
   if (a.stop_at_end || a.mode.corners == PathMode::Corners::exact_stop) return Joint::stop;
   const bool lines = a.piece.straight() && b.piece.straight();
-  const bool tangent = max_abs(b.piece.first(0) - a.piece.first(a.piece.length)) < kTangent &&
-                       (!settings_.limits.jerks ||
-                        max_abs(b.piece.second(0) - a.piece.second(a.piece.length)) < kSameBend);
-  if (a.mode.corners == PathMode::Corners::exact_path || !(a.mode.tolerance.mm > 0))
-    return tangent ? Joint::pass : Joint::stop;
+  const double kink = max_abs(b.piece.first(0) - a.piece.first(a.piece.length));
+  const bool tangent =
+      kink < kTangent && (!settings_.limits.jerks ||
+                          max_abs(b.piece.second(0) - a.piece.second(a.piece.length)) < kSameBend);
+  const bool exact = a.mode.corners == PathMode::Corners::exact_path &&
+                     (settings_.limits.jerks || kink > kNearlyTangent);
+  if (!tangent && (exact || !(a.mode.tolerance.mm > 0))) return Joint::stop;
   if (lines) return settings_.limits.jerks && sharp(a, b) ? Joint::stop : Joint::chain;
   return tangent ? Joint::pass : Joint::blend;
 }
@@ -125,9 +127,51 @@ void ProgramPath::make(const Move* moves, std::size_t count, Buffer<Piece>& out)
   for (std::size_t i = 0; i < count; ++i) {
     const bool last = i + 1 == count;
     if (!last && !stands_behind(moves, first, i, count)) continue;
-    make_run(moves + first, i + 1 - first, out);
+    const std::size_t run = i + 1 - first;
+    if (coarsen(moves + first, run))
+      make_run(work_.begin(), work_.size(), out);
+    else
+      make_run(moves + first, run, out);
     if (!last || moves[i].stop_at_end) out.back().stop_at_end = true;
     first = i + 1;
+  }
+}
+
+/// As wide as corners have to be for the feed.
+double ProgramPath::widest_of(const Move& move) const noexcept {
+  double fastest = 0, acc = kNoLimit;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!(settings_.limits.acc[i] > 0)) continue;
+    acc = std::min(acc, settings_.limits.acc[i]);
+    fastest = std::max(fastest, settings_.limits.vel[i]);
+  }
+  const double feed = std::min({move.piece.feed.speed, fastest, settings_.limits.path_vel});
+  return std::clamp(kWidthOfFeed * feed * feed / acc, settings_.widest, kWidestEver);
+}
+
+/// chain_ as pieces.
+void ProgramPath::smooth_chain(const SmoothingSettings& settings, Buffer<Piece>& out) noexcept {
+  const std::size_t before = out.size();
+  double share = smoother_.smooth(chain_, settings, out);
+  if (share <= 1.0 && smoother_.gave_way() && !settings_.limits.jerks) {
+    inside_.clear();
+    SmoothingSettings s = settings;
+    s.inside = true;
+    const double taken =
+        least_seconds(out.begin() + before, out.size() - before, settings_.limits, x_);
+    if (smoother_.smooth(chain_, s, inside_) <= 1.0 && !inside_.full() &&
+        least_seconds(inside_.begin(), inside_.size(), settings_.limits, x_) < taken) {
+      out.truncate(before);
+      for (const Piece& piece : inside_) out.push_back(piece);
+    }
+  }
+  if (share <= 1.0) return;
+  // Has never been seen; the programmed corners with stops are always right.
+  out.truncate(before);
+  for (std::size_t k = 0; k < chain_.lines(); ++k) {
+    out.push_back(straight_piece(chain_.at[k], chain_.direction(k),
+                                 chain_.sigma[k + 1] - chain_.sigma[k], chain_.feed[k]));
+    out.back().stop_at_end = k + 1 < chain_.lines();
   }
 }
 
@@ -179,6 +223,7 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
         chain_.at.push_back(p.point(from));
         chain_.sigma.push_back(sigma);
         chain_.feed.push_back(p.feed);
+        chain_.widest.push_back(moves[k].wide ? widest_of(moves[k]) : settings_.widest);
         sigma += to - from;
       }
       chain_.at.push_back(tail.piece.point(tail.piece.length - l));
@@ -187,16 +232,7 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
       s.peaked = settings_.limits.jerks;
       s.low = settings_.low;
       s.high = settings_.high;
-      const std::size_t before = out.size();
-      if (smoother_.smooth(chain_, s, out) > 1.0) {
-        // Has never been seen; the programmed corners with stops are always right.
-        out.truncate(before);
-        for (std::size_t k = 0; k < chain_.lines(); ++k) {
-          out.push_back(straight_piece(chain_.at[k], chain_.direction(k),
-                                       chain_.sigma[k + 1] - chain_.sigma[k], chain_.feed[k]));
-          out.back().stop_at_end = k + 1 < chain_.lines();
-        }
-      }
+      smooth_chain(s, out);
     }
     for (const Piece& p : blend_) out.push_back(p);
     if (blended && l <= 0) out.back().stop_at_end = true;

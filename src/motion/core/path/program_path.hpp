@@ -1,6 +1,7 @@
 // ProgramPath: programmed moves in, one smooth path out: pieces that join with continuous direction, but at exact stops.
 #pragma once
 
+#include "motion/core/path/coarse.hpp"
 #include "motion/core/path/junction.hpp"
 #include "motion/core/path/limits.hpp"
 #include "motion/core/path/piece.hpp"
@@ -12,18 +13,21 @@ namespace kerf::motion::path {
 struct PathMode {
   enum class Corners : std::int8_t { exact_path, exact_stop, blend };
   Corners corners{Corners::blend};
-  Tolerance tolerance;  ///< of blends; mm <= 0 is an exact path
+  Tolerance tolerance;  ///< of blends; mm <= 0 stops at every kink
 };
+/// What an exact path may be off where it passes a kink that comes from the rounding of whoever computed the points (mm, degrees).
+inline constexpr double kExact = 8e-7;
 
 /// One programmed move: a straight or an arc (Piece with the whole move), with sigma already scaled.
 struct Move {
   Piece piece;
   PathMode mode;            ///< counts for the corner at its end
   bool stop_at_end{false};  ///< something that needs a standing machine follows
+  bool wide{false};         ///< the corner at its end may be as wide as its feed needs
 };
 
 struct PathSettings {
-  double widest{2};  ///< see SmoothingSettings; a good value is 20 ms of feed
+  double widest{2};  ///< see SmoothingSettings; fast feeds have wider ones without jerk limits
   double widest_junction{4};
   Vec low, high;  ///< blends stay in this box
   /// With jerk limits the path needs continuous curvature: tangent joints are blended too, and sharp corners may be passed faster by stopping.
@@ -47,12 +51,27 @@ class ProgramPath {
   [[nodiscard]] bool sharp(const Move& a, const Move& b) const noexcept;
   [[nodiscard]] bool stands_behind(const Move* moves, std::size_t first, std::size_t i,
                                    std::size_t count) const noexcept;
+  void smooth_chain(const SmoothingSettings& settings, Buffer<Piece>& out) noexcept;
   void make_run(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept;
+  /// The run in work_, with coarser moves where these are faster. False: nowhere.
+  bool coarsen(const Move* moves, std::size_t count) noexcept;
+  [[nodiscard]] double widest_of(const Move& move) const noexcept;
+  [[nodiscard]] bool keeps_its_middle(const Move& move) const noexcept;
+  [[nodiscard]] double seconds(const Buffer<Move>& moves) noexcept;
+  [[nodiscard]] bool may_be_wide(const Move& a, const Move& b) const noexcept;
+  bool coarsen_part(const Move* moves, std::size_t count, bool small, bool wide) noexcept;
+  [[nodiscard]] bool lines_of_part(double& share) noexcept;
+  [[nodiscard]] bool join_part(double& share) noexcept;
 
   PathSettings settings_;
   Buffer<Piece> blend_;
   Chain chain_;
   Smoother smoother_;
+  Buffer<Move> work_;                  ///< the run with what has become coarser
+  Buffer<Move> part_, coarse_, best_;  ///< of a part of it: as it was, coarser, the fastest
+  Buffer<CoarseLine> lines_;
+  Buffer<Piece> trial_, inside_;
+  Buffer<double> x_;
 };
 
 /// A straight move: sigma is the length in the feed metric; where that is short against what slow axes need, it is stretched so that sigma

@@ -23,6 +23,8 @@ constexpr double kGuideAim = 0.9;
 constexpr int kOnlyMove = 4, kMoveBack = 9, kGuideRounds = 16;
 /// Where the feed changes so near to the end of a piece, or within this share of it, it changes at its end: no law can be found over slivers (sigma).
 constexpr double kSliver = 3e-4, kSliverShare = 0.1;
+/// A kink above this is a corner, not one of many in a dense stream.
+constexpr double kNoStream = 0.6;
 /// A kink below this turns nothing: rounding of the input.
 constexpr double kNoKink = 1e-12;
 
@@ -64,7 +66,9 @@ double Smoother::smooth(const Chain& chain, const SmoothingSettings& settings,
   first_piece_ = out.size();
   kinks_of(chain);
   first_widths(chain, settings.tolerance, settings);
-  if (room_outside(chain, settings) && use_both_sides(chain, settings, out)) return 1.0;
+  gave_way_ = false;
+  if (!settings.inside && room_outside(chain, settings) && use_both_sides(chain, settings, out))
+    return 1.0;
   return cut_corners(chain, settings, out);
 }
 
@@ -88,6 +92,7 @@ bool Smoother::use_both_sides(const Chain& chain, const SmoothingSettings& setti
     move_guide(chain, round);
     kinks_of(guide_);
   }
+  gave_way_ = false;
   kinks_of(chain);
   width_.assign(chain.lines() + 1, 0.0);
   for (std::size_t v = 0; v <= chain.lines(); ++v) width_[v] = narrow_[v];
@@ -168,8 +173,14 @@ void Smoother::move_guide(const Chain& chain, int round) noexcept {
     if (round >= kMoveBack && shrink_[v] < 1) {
       const bool moved = !(guide_.at[v] == chain.at[v]);
       guide_.at[v] = chain.at[v];
-      width_[v] = moved ? std::min(width_[v], narrow_[v]) : width_[v] * shrink_[v];
+      width_[v] = moved ? narrow_[v] : width_[v] * shrink_[v];
       continue;
+    }
+    if (round >= kOnlyMove && shrink_[v] < 1) {
+      const double before = chain.sigma[v] - chain.sigma[turn_[t - 1]],
+                   after = chain.sigma[turn_[t + 1]] - chain.sigma[v];
+      gave_way_ =
+          gave_way_ || narrow_[v] < std::min(before, after) / 2 || max_abs(kink_[v]) > kNoStream;
     }
     const double share = tolerance_.share(off_[v]);
     if (free_[t] && share > kGuideAim) guide_.at[v].add(kGuideAim / share - 1, off_[v]);
@@ -193,7 +204,8 @@ void Smoother::first_widths(const Chain& chain, const Tolerance& tolerance,
   for (std::size_t v = 1; v < lines; ++v) {
     if (kink_[v] == Vec{}) continue;
     const double at = chain.sigma[v];
-    const double room = std::min({at - begin, end - at, settings.widest});
+    const double widest = chain.widest.empty() ? settings.widest : chain.widest[v - 1];
+    const double room = std::min({at - begin, end - at, widest});
     const double near = std::min(at - chain.sigma[v - 1], chain.sigma[v + 1] - at);
     const double alone =
         tolerance.share(kink_[v]) *

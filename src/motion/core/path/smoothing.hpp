@@ -22,16 +22,19 @@ struct Chain {
   Buffer<Vec> at;
   Buffer<double> sigma;
   Buffer<Feed> feed;
+  Buffer<double>
+      widest;  ///< of the kink at the end of each line; empty: as SmoothingSettings has it
 
   [[nodiscard]] bool create(Memory& memory, std::size_t lines) noexcept {
     return at.create(memory, lines + 1) && sigma.create(memory, lines + 1) &&
-           feed.create(memory, lines);
+           feed.create(memory, lines) && widest.create(memory, lines);
   }
 
   void clear() noexcept {
     at.clear();
     sigma.clear();
     feed.clear();
+    widest.clear();
   }
   [[nodiscard]] std::size_t lines() const noexcept { return feed.size(); }
   [[nodiscard]] Vec direction(std::size_t line) const noexcept {
@@ -44,7 +47,8 @@ struct SmoothingSettings {
   double widest{2};  ///< no kink is spread further than this to each side (sigma)
   bool peaked{
       false};  ///< lone kinks become triangles of q'', which ask for the least jerk; else trapezoids
-  Vec low, high;  ///< the curve stays in this box, which the chain keeps to itself
+  bool inside{false};  ///< corners are cut on their inside only
+  Vec low, high;       ///< the curve stays in this box, which the chain keeps to itself
 };
 
 class Smoother {
@@ -53,6 +57,8 @@ class Smoother {
   [[nodiscard]] bool create(Memory& memory, std::size_t lines) noexcept;
   /// Appends the pieces of the smoothed chain to `out`. Gives the worst deviation as a share of the tolerance, at most 1.
   double smooth(const Chain& chain, const SmoothingSettings& settings, Buffer<Piece>& out) noexcept;
+  /// Of the last one: the guide had to give way at corners, which may have become narrow by that.
+  [[nodiscard]] bool gave_way() const noexcept { return gave_way_; }
 
  private:
   /// The curve of the chain itself: it cuts corners on their inside only.
@@ -78,6 +84,7 @@ class Smoother {
 
   Tolerance tolerance_;
   std::size_t first_piece_{0};
+  bool gave_way_{false};
   Buffer<Vec> kink_;       ///< per vertex; ends: zero
   Buffer<double> width_;   ///< half-width of each vertex
   Buffer<double> narrow_;  ///< the same for the curve that cuts corners

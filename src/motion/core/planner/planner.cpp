@@ -16,9 +16,8 @@ constexpr std::size_t kBodies = std::variant_size_v<PathItems::Variant>;
 constexpr std::size_t kMoves = 1024;                            ///< pending at most
 constexpr std::size_t kEvents = 1024;                           ///< between them
 constexpr std::size_t kPendingBlocks = PlanSlots::kBlocks / 2;  ///< that they are made of
-constexpr std::size_t kPieces =
-    (path::kJunctionPieces + 2) *
-    kMoves;  ///< an arc with its blend, or five knots a corner and what feeds divide
+/// An arc with its blend, or five knots a corner and what feeds divide, of at most two lines for each move (coarse.hpp).
+constexpr std::size_t kPieces = (path::kJunctionPieces + 4) * kMoves + 64;
 /// G64 without P keeps this; see docs/planner.md.
 constexpr double kFreeTolerance = 0.1;
 
@@ -327,6 +326,10 @@ path::PathMode Planner::mode_of(const PathControl& control) const noexcept {
     case PathControl::Mode::exact_path: out.corners = Corners::exact_path; break;
     case PathControl::Mode::exact_stop: out.corners = Corners::exact_stop; break;
     default: out.corners = Corners::blend;
+  }
+  if (out.corners == Corners::exact_path) {
+    out.tolerance = {path::kExact, path::kExact};
+    return out;
   }
   const double p = control.tolerance_mm > 0 ? control.tolerance_mm : kFreeTolerance;
   out.tolerance = {p, config_.rotary_tolerance_deg > 0 ? config_.rotary_tolerance_deg : p};

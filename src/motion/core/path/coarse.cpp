@@ -1,0 +1,183 @@
+#include "motion/core/path/coarse.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "motion/core/path/reach.hpp"
+
+namespace kerf::motion::path {
+namespace {
+
+/// Of an arc, for each of its tangents (rad).
+constexpr double kMostTurn = 1.8;
+constexpr int kSamples = 12;
+constexpr double kBetween = 1.05;  ///< between samples it may be off by this much more
+/// Only corners are joined: the directions before and behind differ at least so much; they lead on by this many of the short line at most.
+constexpr double kLeastTurn = 0.3, kMostAhead = 4;
+constexpr double kParallel = 1e-6;
+/// Of the tolerance: lines that are off each other by less are in one direction.
+constexpr double kStraight = 1e-3;
+
+double dot(const Vec& a, const Vec& b) noexcept {
+  double sum = 0;
+  for (std::size_t i = 0; i < kAxes; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+double size(const Vec& v) noexcept { return std::sqrt(dot(v, v)); }
+
+double join_straight(const Tolerance& tolerance, Buffer<CoarseLine>& lines) noexcept {
+  double worst = 0;
+  std::size_t done = 0;
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    CoarseLine& a = lines[done];
+    const CoarseLine& b = lines[k];
+    const Vec way = a.way + b.way;
+    const double la = size(a.way), square = dot(way, way), along = dot(a.way, way) / square;
+    const double off = tolerance.share(a.way - way * along);
+    // Each of them once: what is off would add up.
+    if (off > kStraight || !(along > 0 && along < 1) || !(la > 0) || !(a.feed == b.feed)) {
+      lines[++done] = b;
+      continue;
+    }
+    worst = std::max(worst, off);
+    a.way = way;
+    a.sigma += b.sigma;
+  }
+  if (!lines.empty()) lines.truncate(done + 1);
+  return worst;
+}
+
+}  // namespace
+
+double tangents_of(const Piece& arc, const Tolerance& tolerance, double most,
+                   Buffer<CoarseLine>& out) noexcept {
+  const std::size_t before = out.size();
+  for (int n = 1; n <= kMostTangents; ++n) {
+    const double turn = arc.rate * arc.length / n, part = arc.length / n;
+    if (turn > kMostTurn) continue;
+    out.truncate(before);
+    const double ahead = std::tan(turn / 2) / arc.rate;
+    Vec at = arc.point(0);
+    for (int k = 0; k <= n; ++k) {
+      Vec to;
+      if (k == n) {
+        to = arc.point(arc.length);
+      } else {
+        to = arc.point(part * k);
+        to.add(ahead, arc.first(part * k));
+        // What goes along straight is not ahead of where it would be.
+        to.add(turn / 2 - std::tan(turn / 2), arc.b);
+      }
+      if (!out.push_back({at, to - at, k == 0 || k == n ? part / 2 : part, arc.feed})) return -1;
+      at = to;
+    }
+    double worst = 0, begin = 0;
+    for (std::size_t i = before; i < out.size(); ++i) {
+      const CoarseLine& line = out[i];
+      for (int k = 0; k <= kSamples; ++k) {
+        Vec q = line.from;
+        q.add(static_cast<double>(k) / kSamples, line.way);
+        worst = std::max(
+            worst, kBetween * tolerance.share(q - arc.point(begin + line.sigma * k / kSamples)));
+      }
+      begin += line.sigma;
+    }
+    if (worst <= most) return worst;
+  }
+  out.truncate(before);
+  return -1;
+}
+
+double join_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& lines) noexcept {
+  const double straight = join_straight(tolerance, lines);
+  double worst = 0;
+  for (std::size_t k = 1; k + 1 < lines.size(); ++k) {
+    CoarseLine &a = lines[k - 1], &b = lines[k + 1];
+    const CoarseLine s = lines[k];
+    const double la = size(a.way), lb = size(b.way), ls = size(s.way);
+    if (!(la > ls && lb > ls && ls > 0)) continue;
+    if (!(a.feed == s.feed && b.feed == s.feed)) continue;
+    const Vec da = a.way * (1 / la), db = b.way * (1 / lb);
+    // Where a leads on and b comes from: s = x da + y db, nearly.
+    const double c = dot(da, db), sa = dot(s.way, da), sb = dot(s.way, db), det = 1 - c * c;
+    if (c > std::cos(kLeastTurn) || det < kParallel) continue;
+    const double x = (sa - c * sb) / det, y = (sb - c * sa) / det;
+    if (!(x > 0 && y > 0) || std::max(x, y) > kMostAhead * ls) continue;
+    // They pass each other by `left`.
+    Vec left = s.way;
+    left.add(-x, da);
+    left.add(-y, db);
+    Vec corner = da * x;
+    corner.add(0.5, left);
+    const double along = std::clamp(dot(corner, s.way) / (ls * ls), 0.0, 1.0);
+    const double off = tolerance.share(corner - s.way * along) + tolerance.share(left);
+    if (straight + off > most) continue;
+    worst = std::max(worst, off);
+    a.way += corner;
+    a.sigma += s.sigma / 2;
+    b.from = a.from + a.way;
+    b.way += s.way - corner;
+    b.sigma += s.sigma / 2;
+    // What is line k now is not joined again: what is off would add up.
+    for (std::size_t i = k; i + 1 < lines.size(); ++i) lines[i] = lines[i + 1];
+    lines.truncate(lines.size() - 1);
+  }
+  return straight + worst;
+}
+
+double least_seconds(const Piece* pieces, std::size_t count, const AxisLimits& limits,
+                     Buffer<double>& x) noexcept {
+  x.assign(1, kNoLimit);
+  Rows rows;
+  const auto cap_of = [&](const Piece& p, double from, double to) {
+    return std::min(axis_cap(p, from, to, limits), feed_cap(p, from, to));
+  };
+  // From the end, x is in the order of the ends of stretches from there.
+  for (std::size_t i = count; i-- > 0;) {
+    const Piece& p = pieces[i];
+    const int n = divisions(p);
+    for (int k = n; k-- > 0;) {
+      const double from = p.length * k / n, to = p.length * (k + 1) / n;
+      const double cap = cap_of(p, from, to);
+      x.back() = std::min(x.back(), cap);
+      double x0 = 0;
+      if (p.straight()) {
+        x0 = x.back() + 2 * straight_acc(p, limits) * (to - from);
+      } else {
+        rows_of(p, from, to, limits, rows);
+        x0 = largest_x0(rows.all(), x.back());
+      }
+      if (!x.push_back(std::min(x0, cap))) return kNoLimit;
+    }
+  }
+  double seconds = 0, here = x.back();
+  std::size_t node = x.size() - 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Piece& p = pieces[i];
+    const int n = divisions(p);
+    for (int k = 0; k < n; ++k) {
+      const double from = p.length * k / n, to = p.length * (k + 1) / n, way = to - from;
+      const double most = x[--node];
+      double next = 0;
+      if (p.straight()) {
+        const double acc = straight_acc(p, limits);
+        next = std::min(most, here + 2 * acc * way);
+        const double cap = cap_of(p, from, to);
+        const double peak = std::min(cap, acc * way + (here + next) / 2);
+        const double ramps = (2 * peak - here - next) / (2 * acc);
+        const double fastest = std::sqrt(peak);
+        seconds += (2 * fastest - std::sqrt(here) - std::sqrt(next)) / acc;
+        if (way > ramps) seconds += (way - ramps) / std::max(fastest, 1e-9);
+      } else {
+        rows_of(p, from, to, limits, rows);
+        next = std::clamp(range_of_x1(rows.all(), here).high, 0.0, most);
+        seconds += 2 * way / (std::sqrt(here) + std::sqrt(next) + 1e-9);
+      }
+      here = next;
+    }
+  }
+  return seconds;
+}
+
+}  // namespace kerf::motion::path

@@ -1,0 +1,217 @@
+// Where coarser moves (coarse.hpp) are faster: tried part by part, between moves whose middles have nothing to do with what is beside them.
+#include <algorithm>
+
+#include "motion/core/path/program_path.hpp"
+
+namespace kerf::motion::path {
+namespace {
+
+/// So many moves are tried at once, and taken where that saves this share of the time: what is coarse may be outside of programmed corners.
+constexpr std::size_t kTogether = 48;
+constexpr double kWorthIt = 0.02, kAnything = 0.001;
+/// Of the tolerance: what arcs may be off as lines, and lines as corners that meet.
+constexpr double kMostOff = 0.3;
+/// Lines longer than this many of the widest blends keep their middle; and what they are as wide as that by, in tolerances.
+constexpr double kLongLine = 4, kWide = 12;
+/// Kinks of dense lines are smaller.
+constexpr double kCorner = 0.1;
+/// A short line that can be joined is no longer than this many tolerances.
+constexpr double kShortLine = 4;
+constexpr std::size_t kLines = (kMostTangents + 1) * kTogether;
+constexpr std::size_t kTrialPieces = 6 * kLines + 64;
+/// Whole chains are looked at too; longer ones are not.
+constexpr std::size_t kInsidePieces = 2 * kTrialPieces, kTrialStretches = 4 * kInsidePieces;
+
+/// A bound that costs nothing: the sagitta of its tangents.
+bool may_be_lines(const Move& move) noexcept {
+  const Piece& p = move.piece;
+  if (p.shape != Piece::Shape::arc || p.feed.sync) return false;
+  const double turn = p.rate * p.length / kMostTangents;
+  return std::abs(p.radius) * turn * turn / 8 <= kMostOff * move.mode.tolerance.mm;
+}
+
+bool may_be_joined(const Move& before, const Move& move, const Move& behind) noexcept {
+  return move.piece.straight() && before.piece.straight() && behind.piece.straight() &&
+         !move.piece.feed.sync && move.piece.length <= kShortLine * move.mode.tolerance.mm &&
+         move.piece.length < before.piece.length && move.piece.length < behind.piece.length;
+}
+
+Move line_of(const CoarseLine& line, const PathMode& mode) noexcept {
+  Move move;
+  move.piece = straight_piece(line.from, line.way * (1 / line.sigma), line.sigma, line.feed);
+  move.mode = mode;
+  return move;
+}
+
+}  // namespace
+
+bool ProgramPath::create(Memory& memory, std::size_t moves) noexcept {
+  const std::size_t lines = 2 * moves;
+  return blend_.create(memory, kJunctionPieces) && chain_.create(memory, lines) &&
+         smoother_.create(memory, lines) && work_.create(memory, lines) &&
+         part_.create(memory, kLines) && coarse_.create(memory, kLines) &&
+         best_.create(memory, kLines) && lines_.create(memory, kLines) &&
+         trial_.create(memory, kTrialPieces) && inside_.create(memory, kInsidePieces) &&
+         x_.create(memory, kTrialStretches);
+}
+
+/// What is before it and what is behind it do not meet.
+bool ProgramPath::keeps_its_middle(const Move& move) const noexcept {
+  if (move.mode.corners != PathMode::Corners::blend || !(move.mode.tolerance.mm > 0)) return true;
+  if (move.piece.straight())
+    return move.piece.length >
+           kLongLine * std::min(widest_of(move), kWide * move.mode.tolerance.mm);
+  return !may_be_lines(move);
+}
+
+bool ProgramPath::may_be_wide(const Move& a, const Move& b) const noexcept {
+  if (!a.piece.straight() || !b.piece.straight() || a.piece.feed.sync ||
+      a.mode.corners != PathMode::Corners::blend ||
+      kWide * a.mode.tolerance.mm <= settings_.widest || widest_of(a) <= settings_.widest)
+    return false;
+  return max_abs(b.piece.b - a.piece.b) > kCorner;
+}
+
+bool ProgramPath::coarsen(const Move* moves, std::size_t count) noexcept {
+  if (settings_.limits.jerks || count < 2) return false;
+  const auto small = [&](std::size_t k) {
+    return !keeps_its_middle(moves[k]) &&
+           (may_be_lines(moves[k]) || may_be_joined(moves[k - 1], moves[k], moves[k + 1]));
+  };
+  bool any = false;
+  work_.clear();
+  work_.push_back(moves[0]);
+  for (std::size_t begin = 0; begin + 1 < count;) {
+    std::size_t end = begin + 1;
+    bool smalls = false, wide = may_be_wide(moves[begin], moves[end]);
+    while (end + 1 < count && end - begin < kTogether && !keeps_its_middle(moves[end])) {
+      smalls = smalls || small(end);
+      wide = wide || may_be_wide(moves[end], moves[end + 1]);
+      ++end;
+    }
+    const std::size_t behind = end - begin;
+    if (work_.room() < kLines + (count - end)) return false;
+    if ((smalls || wide) && coarsen_part(moves + begin, behind + 1, smalls, wide)) {
+      any = true;
+    } else {
+      for (std::size_t k = begin + 1; k <= end; ++k) work_.push_back(moves[k]);
+    }
+    begin = end;
+  }
+  return any;
+}
+
+/// Moves [0, count), the first of which is the last in work_; some are small, or corners between them may be wide. True: work_ goes on with what
+/// is faster.
+bool ProgramPath::coarsen_part(const Move* moves, std::size_t count, bool small,
+                               bool wide) noexcept {
+  part_.clear();
+  part_.push_back(work_.back());
+  for (std::size_t k = 1; k < count; ++k) part_.push_back(moves[k]);
+  const auto outside = [&](const Vec& q) {
+    for (std::size_t i = 0; i < kAxes; ++i)
+      if (q[i] > settings_.high[i] || q[i] < settings_.low[i]) return true;
+    return false;
+  };
+  double least = seconds(part_);
+  bool found = false;
+  const auto compare = [&](double share, double worth) {
+    for (const Move& move : coarse_)
+      if (outside(move.piece.point(0))) return;
+    for (std::size_t k = 0; k + 1 < coarse_.size(); ++k) {
+      coarse_[k].mode.tolerance.mm *= 1 - share;
+      coarse_[k].mode.tolerance.deg *= 1 - share;
+    }
+    const double taken = seconds(coarse_);
+    if (!(taken < (1 - worth) * least)) return;
+    least = taken;
+    found = true;
+    best_.clear();
+    for (const Move& move : coarse_) best_.push_back(move);
+  };
+  const auto widen = [&] {
+    for (std::size_t k = 0; k + 1 < coarse_.size(); ++k) coarse_[k].wide = true;
+  };
+  if (wide) {
+    coarse_.clear();
+    for (const Move& move : part_) coarse_.push_back(move);
+    widen();
+    compare(0, kAnything);
+  }
+  double share = 0;
+  if (small && join_part(share)) compare(share, kWorthIt);
+  if (small && wide && join_part(share)) {
+    widen();
+    compare(share, kWorthIt);
+  }
+  if (!found) return false;
+  work_.back() = best_.front();
+  for (std::size_t k = 1; k < best_.size(); ++k) work_.push_back(best_[k]);
+  return true;
+}
+
+double ProgramPath::seconds(const Buffer<Move>& moves) noexcept {
+  trial_.clear();
+  make_run(moves.begin(), moves.size(), trial_);
+  return trial_.full() ? kNoLimit
+                       : least_seconds(trial_.begin(), trial_.size(), settings_.limits, x_);
+}
+
+/// part_ with its arcs as lines, in coarse_; `share`: how far off they are, 0 where no arc is small enough. False: there are too many.
+bool ProgramPath::lines_of_part(double& share) noexcept {
+  share = 0;
+  coarse_.clear();
+  for (std::size_t k = 0; k < part_.size(); ++k) {
+    const Move& move = part_[k];
+    lines_.clear();
+    double off = -1;
+    if (k > 0 && k + 1 < part_.size() && may_be_lines(move))
+      off = tangents_of(move.piece, move.mode.tolerance, kMostOff, lines_);
+    if (off < 0) {
+      if (!coarse_.push_back(move)) return false;
+      continue;
+    }
+    share = std::max(share, off);
+    for (const CoarseLine& line : lines_)
+      if (!coarse_.push_back(line_of(line, move.mode))) return false;
+  }
+  return true;
+}
+
+/// The same with short lines joined. False: there is none.
+bool ProgramPath::join_part(double& share) noexcept {
+  double arcs = 0, joined = 0;
+  if (!lines_of_part(arcs)) return false;
+  std::size_t done = 0;
+  for (std::size_t i = 0; i < coarse_.size();) {
+    // A row of lines.
+    std::size_t j = i;
+    PathMode mode = coarse_[i].mode;
+    lines_.clear();
+    for (; j < coarse_.size() && coarse_[j].piece.straight() && !coarse_[j].piece.feed.sync; ++j) {
+      const Piece& p = coarse_[j].piece;
+      lines_.push_back({p.a, p.b * p.length, p.length, p.feed});
+      // The last one's counts behind the row.
+      if (j + 1 == coarse_.size() || !coarse_[j + 1].piece.straight()) continue;
+      mode.tolerance.mm = std::min(mode.tolerance.mm, coarse_[j].mode.tolerance.mm);
+      mode.tolerance.deg = std::min(mode.tolerance.deg, coarse_[j].mode.tolerance.deg);
+    }
+    const std::size_t were = lines_.size();
+    const double off = were > 1 ? join_lines(mode.tolerance, kMostOff, lines_) : 0.0;
+    if (lines_.size() < were) {
+      joined = std::max(joined, off);
+      const Move last = coarse_[j - 1];
+      for (const CoarseLine& line : lines_) coarse_[done++] = line_of(line, mode);
+      coarse_[done - 1].mode = last.mode;
+      coarse_[done - 1].stop_at_end = last.stop_at_end;
+    } else {
+      for (const std::size_t end = std::max(j, i + 1); i < end; ++i) coarse_[done++] = coarse_[i];
+    }
+    i = std::max(j, i);
+  }
+  coarse_.truncate(done);
+  share = arcs + joined;
+  return share > 0 || done < part_.size();
+}
+
+}  // namespace kerf::motion::path

@@ -1,0 +1,289 @@
+// Moves that are small against the tolerance: as lines, and as parts of a path.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "motion/core/path/coarse.hpp"
+#include "motion/core/path/program_path.hpp"
+#include "unit/motion/rig.hpp"
+
+namespace kerf::motion::path {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kFar = 1e9, kFeed = 150;
+constexpr int kSteps = 24;        ///< in which curves are looked at
+constexpr double kChords = 1e-3;  ///< of the tolerance: what chords of these are off
+
+Vec xyz(double x, double y, double z = 0) {
+  Vec v;
+  v[0] = x;
+  v[1] = y;
+  v[2] = z;
+  return v;
+}
+
+Vec everywhere(double value) {
+  Vec v;
+  for (double& x : v.at) x = value;
+  return v;
+}
+
+AxisLimits mill() {
+  AxisLimits limits;
+  limits.vel = everywhere(200);
+  limits.acc = everywhere(1750);
+  limits.jerk = everywhere(kNoLimit);
+  return limits;
+}
+
+/// Writes lines and arcs in XY one after another.
+struct Track {
+  Vec at;
+  double heading{0};
+  PathMode mode;
+  std::vector<Move> moves;
+
+  explicit Track(double p_mm, PathMode::Corners corners = PathMode::Corners::blend) {
+    mode.corners = corners;
+    mode.tolerance = {p_mm, p_mm};
+  }
+  void line(double length) {
+    const Vec to = at + xyz(std::cos(heading), std::sin(heading)) * length;
+    Move move;
+    move.piece = line_move(at, to, kFeed, false, mill().vel);
+    move.mode = mode;
+    moves.push_back(move);
+    at = to;
+  }
+  void arc(double radius, double sweep, double rise = 0) {
+    const double left = std::copysign(1.0, sweep);
+    Piece p;
+    p.shape = Piece::Shape::arc;
+    p.a = at + xyz(-std::sin(heading), std::cos(heading)) * (left * radius);
+    p.c = (at - p.a) * (1 / radius);
+    p.d = xyz(std::cos(heading), std::sin(heading));
+    p.b[2] = rise / std::abs(sweep);
+    p.radius = radius;
+    scale_arc(p, std::abs(sweep), std::hypot(radius * sweep, rise), kFeed, false, mill().vel);
+    Move move;
+    move.piece = p;
+    move.mode = mode;
+    moves.push_back(move);
+    at = p.point(p.length);
+    heading += sweep;
+  }
+};
+
+struct Driven {
+  double seconds{0}, sigma{0};
+  double off{0};  ///< of the path from the programmed one, and of programmed ends from the path
+  double high{-1e99};
+  int stops{0};
+};
+
+double product(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// From the polyline.
+double distance(const Vec& q, const std::vector<Vec>& points) {
+  double least = 1e99;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const Vec way = points[i + 1] - points[i], here = q - points[i];
+    const double square = product(way, way);
+    const double along = square > 0 ? std::clamp(product(here, way) / square, 0.0, 1.0) : 0.0;
+    least = std::min(least, norm3(here - way * along, 0));
+  }
+  return least;
+}
+
+Driven drive(const Track& track, double high = kFar) {
+  test::HeapMemory memory;
+  constexpr std::size_t kMoves = 200;
+  ProgramPath path;
+  Buffer<Piece> out;
+  Buffer<double> x;
+  EXPECT_TRUE(path.create(memory, kMoves) && out.create(memory, 14 * kMoves) &&
+              x.create(memory, 100 * kMoves));
+  PathSettings settings;
+  settings.low = everywhere(-kFar);
+  settings.high = everywhere(high);
+  settings.limits = mill();
+  path.configure(settings);
+  path.make(track.moves.data(), track.moves.size(), out);
+  Driven found;
+  std::vector<Vec> programmed, driven;
+  for (const Move& m : track.moves) {
+    const int steps = m.piece.straight() ? 1 : kSteps;
+    for (int k = 0; k <= steps; ++k)
+      programmed.push_back(m.piece.point(m.piece.length * k / steps));
+  }
+  for (const Piece& p : out) {
+    found.sigma += p.length;
+    found.stops += p.stop_at_end ? 1 : 0;
+    const int steps = p.straight() ? 1 : kSteps;
+    for (int k = 0; k <= steps; ++k) driven.push_back(p.point(p.length * k / steps));
+  }
+  for (const Vec& q : driven) {
+    found.off = std::max(found.off, distance(q, programmed));
+    found.high = std::max(found.high, max_abs(q));
+  }
+  for (const Move& m : track.moves)
+    found.off = std::max(found.off, distance(m.piece.point(m.piece.length), driven));
+  for (std::size_t i = 0; i + 1 < out.size(); ++i)
+    EXPECT_LE(max_abs(out[i].point(out[i].length) - out[i + 1].point(0)), 1e-9);
+  found.seconds = least_seconds(out.begin(), out.size(), settings.limits, x);
+  return found;
+}
+
+double sigma_of(const Track& track) {
+  double sum = 0;
+  for (const Move& m : track.moves) sum += m.piece.length;
+  return sum;
+}
+
+Track with_fillets(double p_mm, double radius) {
+  Track t(p_mm);
+  t.line(12);
+  for (int i = 0; i < 8; ++i) {
+    if (radius > 0)
+      t.arc(radius, i % 2 != 0 ? kPi / 2 : -kPi / 2);
+    else
+      t.heading += i % 2 != 0 ? kPi / 2 : -kPi / 2;
+    t.line(12 - 2 * radius);
+  }
+  return t;
+}
+
+Track with_chamfers(double p_mm, double size) {
+  Track t(p_mm);
+  t.line(12);
+  for (int i = 0; i < 8; ++i) {
+    const double turn = i % 2 != 0 ? kPi / 2 : -kPi / 2;
+    t.heading += turn / 2;
+    t.line(size);
+    t.heading += turn / 2;
+    t.line(12);
+  }
+  return t;
+}
+
+TEST(Coarse, TangentsTakeTheSigmaOfTheirArcAndStayNearIt) {
+  test::HeapMemory memory;
+  Buffer<CoarseLine> lines;
+  ASSERT_TRUE(lines.create(memory, 20));
+  const Tolerance tolerance{0.2, 0.2};
+  for (const double sweep : {0.3, -1.2, 2.0, -3.0}) {
+    Track t(0.2);
+    t.arc(0.6, sweep, 0.3);
+    const Piece& arc = t.moves[0].piece;
+    lines.clear();
+    const double share = tangents_of(arc, tolerance, 0.3, lines);
+    ASSERT_GT(share, 0) << sweep;
+    EXPECT_LE(share, 0.3);
+    double sigma = 0;
+    Vec at = arc.point(0);
+    for (const CoarseLine& line : lines) {
+      EXPECT_LE(max_abs(line.from - at), 1e-12);
+      at += line.way;
+      sigma += line.sigma;
+    }
+    EXPECT_NEAR(sigma, arc.length, 1e-12);
+    EXPECT_LE(max_abs(at - arc.point(arc.length)), 1e-12);
+    EXPECT_LE(max_abs(lines[0].from - arc.point(0)), 1e-12);
+  }
+}
+
+TEST(Coarse, LargeArcsStayArcs) {
+  test::HeapMemory memory;
+  Buffer<CoarseLine> lines;
+  ASSERT_TRUE(lines.create(memory, 20));
+  Track t(0.01);
+  t.arc(20, 2);
+  EXPECT_LT(tangents_of(t.moves[0].piece, t.mode.tolerance, 0.3, lines), 0);
+  EXPECT_TRUE(lines.empty());
+}
+
+TEST(Coarse, FilletsWithinTheToleranceCostNoTime) {
+  const Driven sharp = drive(with_fillets(0.2, 0)), round = drive(with_fillets(0.2, 0.1));
+  EXPECT_LE(round.seconds, 1.02 * sharp.seconds);
+  EXPECT_LE(round.off, 0.2 * (1 + kChords));
+  EXPECT_NEAR(round.sigma, sigma_of(with_fillets(0.2, 0.1)), 1e-9);
+}
+
+TEST(Coarse, ChamfersWithinTheToleranceCostNoTime) {
+  const Driven sharp = drive(with_chamfers(0.2, 1e-6)), chamfered = drive(with_chamfers(0.2, 0.1));
+  EXPECT_LE(chamfered.seconds, 1.02 * sharp.seconds);
+  EXPECT_LE(chamfered.off, 0.2 * (1 + kChords));
+  EXPECT_NEAR(chamfered.sigma, sigma_of(with_chamfers(0.2, 0.1)), 1e-9);
+}
+
+/// Lines of about `leg` that turn to the left and to the right by `degrees`, in no order.
+Track polyline(double p_mm, double leg, double degrees) {
+  Track t(p_mm);
+  const int side[] = {1, 1, -1, 1, -1, -1, -1, 1, -1, 1, 1, -1, -1, 1};
+  const double share[] = {0.9, 1.2, 0.8, 1.1, 1, 0.85, 1.15};
+  t.heading = 0.4;
+  for (int i = 0; i < 14; ++i) {
+    t.line(leg * share[i % 7]);
+    t.heading += side[i] * degrees * kPi / 180;
+  }
+  return t;
+}
+
+TEST(Corners, MoreToleranceIsNeverSlower) {
+  for (const double leg : {1.0, 3.0, 8.0, 20.0})
+    for (const double degrees : {10.0, 20.0, 45.0, 90.0, 135.0, 165.0}) {
+      double before = 1e99;
+      for (const double p : {0.01, 0.02, 0.05, 0.1, 0.2, 0.5}) {
+        const Driven found = drive(polyline(p, leg, degrees));
+        EXPECT_LE(found.seconds, 1.01 * before) << leg << " mm, " << degrees << " degrees, P" << p;
+        EXPECT_LE(found.off, p * (1 + kChords)) << leg << " mm, " << degrees << " degrees, P" << p;
+        before = found.seconds;
+      }
+    }
+}
+
+TEST(Corners, ThoseThatAreWideEnoughForTheFeedAreDrivenAtIt) {
+  const Track t = polyline(0.5, 20, 20);
+  EXPECT_LE(drive(t).seconds, 1.01 * sigma_of(t) / kFeed);
+}
+
+TEST(Coarse, WhatHasNoRoomToTheSoftLimitStaysAsProgrammed) {
+  Track t(0.2);
+  t.line(12);
+  t.arc(0.1, kPi / 2);
+  t.line(5);
+  const double high = 12.1;
+  EXPECT_LE(drive(t, high).high, high + 1e-9);
+}
+
+Track lines_and_arcs(double kink) {
+  Track t(kExact, PathMode::Corners::exact_path);
+  for (int i = 0; i < 10; ++i) {
+    t.line(5);
+    t.heading += i % 2 != 0 ? kink : -kink;
+    t.arc(4, 1);
+    t.heading += kink;
+  }
+  return t;
+}
+
+TEST(ExactPath, KinksFromRoundedPointsAreNoCorners) {
+  const Driven rounded = drive(lines_and_arcs(0.0007)), smooth = drive(lines_and_arcs(0));
+  EXPECT_EQ(rounded.stops, 0);
+  EXPECT_LE(rounded.seconds, 1.05 * smooth.seconds);
+}
+
+TEST(ExactPath, CornersAreStops) {
+  Track t(kExact, PathMode::Corners::exact_path);
+  for (int i = 0; i < 4; ++i) {
+    t.line(5);
+    t.heading += 0.05;
+  }
+  EXPECT_EQ(drive(t).stops, 3);
+}
+
+}  // namespace
+}  // namespace kerf::motion::path
