@@ -18,12 +18,42 @@ class Move:
     turns: int = 1
 
 
+def distance(move, place):
+    """Of a place in XYZ from the move."""
+    if move.centre is None:
+        way = [b - a for a, b in zip(move.start[:3], move.end[:3])]
+        square = sum(x * x for x in way)
+        t = 0 if square == 0 else min(1.0, max(0.0, sum((q - a) * x for q, a, x in zip(place, move.start, way)) / square))
+        return math.dist(place, [a + t * x for a, x in zip(move.start, way)])
+    u, v, w = move.plane
+    first = math.atan2(move.start[v] - move.centre[1], move.start[u] - move.centre[0])
+
+    def turn(q):
+        angle = math.atan2(q[v] - move.centre[1], q[u] - move.centre[0]) - first
+        return (angle if move.left else -angle) % (2 * math.pi)
+
+    def radius(q):
+        return math.hypot(q[u] - move.centre[0], q[v] - move.centre[1])
+    whole = turn(move.end)
+    if whole < 1e-9:
+        whole += 2 * math.pi
+    whole += 2 * math.pi * (move.turns - 1)
+    least, here = min(math.dist(place, move.start[:3]), math.dist(place, move.end[:3])), turn(place)
+    while here <= whole + 1e-9:  # each turn of a helix
+        share = here / whole
+        level = move.start[w] + (move.end[w] - move.start[w]) * share
+        there = radius(move.start) + (radius(move.end) - radius(move.start)) * share
+        least = min(least, math.hypot(radius(place) - there, place[w] - level))
+        here += 2 * math.pi
+    return least
+
+
 @dataclass
 class Writer:
     """Writes blocks with as many digits as given and remembers the moves with these digits."""
     name: str
     mode: str  # G64 ..., G61
-    p: float  # mm; 0: exact path or stop; None: no tolerance is known
+    p: float  # mm; 0: exact path
     feed: float = 3000  # mm/min
     digits: int = 4
     inch: bool = False
@@ -31,6 +61,7 @@ class Writer:
     lines: list = field(default_factory=list)
     moves: list = field(default_factory=list)
     plane: int = 17
+    floor: float = 0  # seconds at the programmed feeds
 
     def __post_init__(self):
         self.unit = 25.4 if self.inch else 1.0
@@ -64,6 +95,8 @@ class Writer:
             return
         self.lines.append(("G0" if rapid else "G1") + words)
         self.moves.append(Move(self.at, to))
+        if not rapid:
+            self.floor += math.dist(self.at[:3], to[:3]) / self.feed * 60
         self.at = to
 
     def rapid(self, x=None, y=None, z=None, a=None):
@@ -95,6 +128,7 @@ class Writer:
             word += f" P{turns}"
         self.lines.append(word)
         self.moves.append(Move(self.at, end, (self.at[u] + offset[0], self.at[v] + offset[1]), sweep > 0, (u, v, w), turns))
+        self.floor += math.hypot(sweep * math.hypot(du, dv), rise) / self.feed * 60
         self.at = end
 
     def turn_by(self, heading, radius, sweep, rise=0.0):
@@ -127,6 +161,7 @@ class Writer:
             to = self.target(x, y, None, None)
             head = f"G98 G{code} " if n == 0 else ""
             self.lines.append(f"{head}X{to[0] / self.unit:.{self.digits}f} Y{to[1] / self.unit:.{self.digits}f}" + (f" {words}" if n == 0 else ""))
+            self.floor += abs(depth - retract) / self.feed * 60
             down, up = [to[0], to[1], depth, to[3]], [to[0], to[1], retract, to[3]]
             self.moves += [Move(self.at, to), Move(to, up), Move(up, down), Move(down, to)]
             self.at = [to[0], to[1], high, to[3]]
@@ -509,11 +544,11 @@ def slots(w, r):
 KINDS = (pocket, adaptive, trochoid, trochoid_d, text, script, carve, drilling, bore, finishing, contour, joints, spiral, other_planes, long_short,
          rapids, rapid_path, facing, chamfers, rounded_polygon, chords, star, stairs, gear, raster, ramping, waves, walk, feeds, wrapped, wrapped_curve,
          lathe_like, arcs_small, fillet_arcs, slots)
-TOLERANCES = (0.0, 0.002, 0.01, 0.01, 0.02, 0.05, 0.05, 0.1, 0.2, 1.0)
+TOLERANCES = (0.002, 0.01, 0.01, 0.02, 0.05, 0.05, 0.1, 0.2, 1.0)
 FEEDS = (2400, 4800, 6000, 6000, 9000, 12000)
 
 
-def programs(seed, variants=2):
+def programs(seed, variants=1):
     """Each kind some times, with tolerances, feeds, units and merging at random."""
     out = []
     for kind in KINDS:
@@ -521,14 +556,11 @@ def programs(seed, variants=2):
             r = random.Random(f"{seed} {kind.__name__} {n}")
             p, feed, inch = r.choice(TOLERANCES), r.choice(FEEDS), r.random() < 0.15
             mode, unit = "G64", 25.4 if inch else 1.0
-            if kind is drilling and n == 0:
-                mode, p = "G61", 0.0
-            elif r.random() < 0.05:
+            if r.random() < 0.1:
                 mode, p = "G61", 0.0
             else:
                 mode = f"G64 P{p / unit:.6f}" + r.choice(("", "", " Q0", f" Q{p / unit / 2:.6f}"))
             w = Writer(f"{kind.__name__} {n} P{p:g}", mode, p, feed, 5 if inch else r.choice((3, 4)), inch)
-            w.kind = kind.__name__
             kind(w, r)
             out.append(w)
     return out

@@ -252,11 +252,12 @@ TEST(Corners, ThoseThatAreWideEnoughForTheFeedAreDrivenAtIt) {
 
 TEST(Coarse, WhatHasNoRoomToTheSoftLimitStaysAsProgrammed) {
   Track t(0.2);
-  t.line(12);
-  t.arc(0.1, kPi / 2);
-  t.line(5);
-  const double high = 12.1;
+  t.line(3);
+  t.arc(0.1, 2 * kPi / 3);
+  t.line(3);
+  const double high = 3.1;  // of the arc
   EXPECT_LE(drive(t, high).high, high + 1e-9);
+  EXPECT_LT(drive(t).seconds, 0.98 * drive(t, high).seconds);
 }
 
 Track lines_and_arcs(double kink) {
