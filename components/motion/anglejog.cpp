@@ -13,10 +13,9 @@ class Anglejog final : public hal::Component<Anglejog> {
       .name = "anglejog",
       .summary = "Jogs two axes along a line at an angle",
       .notes =
-          "scale-in, angle-degrees-in and iscale-factor are read while enable-in is false and the "
-          "last jog "
-          "has come to rest. The "
-          "counts for the two axes are iscale-factor times as fine as those of the wheel, and "
+          "scale-in, angle-degrees-in and iscale-factor are read while enable-in is false; what is "
+          "no iscale-factor is left alone once it has run. The counts for the two axes are "
+          "iscale-factor times as fine as those of the wheel, and "
           "current-scale-out is their scale."};
   using Component::Component;
 
@@ -25,8 +24,8 @@ class Anglejog final : public hal::Component<Anglejog> {
   hal::In<std::int32_t> counts_in_{pin<hal::In<std::int32_t>>("counts-in", "Counts of the wheel")};
   hal::In<double> angle_degrees_in_{
       pin<hal::In<double>>("angle-degrees-in", "Angle of the line from the first axis [degrees]")};
-  hal::In<std::int32_t> iscale_factor_{
-      pin<hal::In<std::int32_t>>("iscale-factor", "Fine counts of one count of the wheel", 10000)};
+  hal::In<std::int32_t> iscale_factor_{pin<hal::In<std::int32_t>>(
+      "iscale-factor", "Fine counts of one count of the wheel, 10 to 100000", 10000)};
   hal::In<double> scale_in_{pin<hal::In<double>>("scale-in", "Length of one count of the wheel")};
   hal::In<double> max_vel_{
       pin<hal::In<double>>("max-vel", "Highest speed along the line [units per second]")};
@@ -59,23 +58,22 @@ class Anglejog final : public hal::Component<Anglejog> {
   }
   double scale_{0.0}, cosine_{1.0}, sine_{0.0}, target_{0.0}, way_{0.0}, speed_{0.0},
       counts_before_{0.0};
-  std::int32_t fine_{1};
-  bool enabled_before_{false}, awaits_{false};
+  static constexpr std::int32_t kLeastFine = 10, kMostFine = 100000;
+  std::int32_t fine_{10000};
+  bool enabled_before_{false}, awaits_{false}, first_{true};
 
   void update(const hal::Period& period) noexcept {
     const double dt = period.seconds();
     const bool enable = enable_in_;
     const std::int32_t counts = counts_in_;
-    // The last jog is slowed down first.
-    const bool stands = !enable && speed_ == 0.0;
-    if (stands) {
+    if (!enable) {
       scale_ = scale_in_;
-      fine_ = iscale_factor_ > 1 ? iscale_factor_.get() : 1;
+      const std::int32_t fine = iscale_factor_;
+      if ((fine >= kLeastFine && fine <= kMostFine) || (first_ && fine != 0)) fine_ = fine;
+      first_ = false;
       current_scale_ = scale_;
       current_scale_out_ = scale_ / fine_;
-      target_ = way_;
-    }
-    if (!enable) {
+      if (speed_ == 0.0) target_ = way_;
       const double radians = angle_degrees_in_ * (3.14159265358979323846 / 180.0);
       cosine_ = std::cos(radians);
       sine_ = std::sin(radians);
@@ -108,9 +106,10 @@ class Anglejog final : public hal::Component<Anglejog> {
       current_vel_ = speed_;
     }
     active_ = !awaits_ && (wanted != 0.0 || speed_ != 0.0);
+    const bool gives_up = !enable && enabled_before_ && awaits_;
     enabled_before_ = enable;
     current_mag_ = way_;
-    if (scale_ != 0.0) {
+    if (scale_ != 0.0 && !gives_up) {
       const double fine_scale = scale_ / fine_;
       coscounts_ = whole(way_ * cosine_ / fine_scale);
       sincounts_ = whole(way_ * sine_ / fine_scale);

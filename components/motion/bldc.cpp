@@ -16,6 +16,10 @@ struct Wiring {
   [[nodiscard]] bool counts() const noexcept { return absolute || quadrature; }
   [[nodiscard]] bool free() const noexcept { return !hall && !absolute && !quadrature && !index; }
   [[nodiscard]] bool aligns() const noexcept { return quadrature && !hall; }
+  /// Where LinuxCNC never sets hall-error.
+  [[nodiscard]] bool silent() const noexcept {
+    return trapezoidal || (quadrature && !index && (hall_out || fanuc_out));
+  }
 };
 
 /// Hall signals, the first one worth 4, in the sectors B-A C-A C-B A-B A-C B-C of each pattern.
@@ -117,7 +121,8 @@ class BldcChannel : public hal::Channel {
     if (w.hall) {
       for (std::size_t i = 0; i < 3; ++i) make(b, hall_[i], kHalls[i], "Hall sensor");
       make(b, hall_error_, "hall-error",
-           "The Hall signals came in an order that pattern does not have");
+           "The Hall signals came in an order that pattern does not have; never with T, nor with q "
+           "without i and H or F");
       make(b, pattern_, "pattern", "Order of the Hall signals, 0 to 47", 25);
     }
     if (w.fanuc)
@@ -174,7 +179,7 @@ class BldcChannel : public hal::Channel {
       pin<hal::Out<double>>("rotor-angle", "Angle of the rotor [electrical turns]")};
   hal::Out<double> out_{pin<hal::Out<double>>("out", "Amplitude with its sign")};
   hal::Out<bool> out_dir_{
-      pin<hal::Out<bool>>("out-dir", "True while value is negative, or rev and not negative")};
+      pin<hal::Out<bool>>("out-dir", "True while the amplitude with its sign is negative")};
   hal::Out<double> out_abs_{pin<hal::Out<double>>("out-abs", "Amplitude without its sign")};
   hal::RoParam<std::int32_t> in_type_{
       param<hal::RoParam<std::int32_t>>("in-type", "Kind of input in use", -1)};
@@ -213,14 +218,17 @@ class BldcChannel : public hal::Channel {
     const std::int64_t middle = counts - offset_ + moved / 2;
     return within_turn(static_cast<double>(middle) / counts_of_turn());
   }
+  void report_halls() noexcept {
+    if (!wiring_.silent()) hall_error_ = true;
+  }
   void read_halls() noexcept {
     const unsigned code = (hall_[0] ? 4U : 0U) + (hall_[1] ? 2U : 0U) + (hall_[2] ? 1U : 0U);
     const int before = sector_;
     const bool changed = code_seen_ && code != code_;
     sector_ = sector_of(pattern_, code);
     const int step = (sector_ - before + 6) % 6;
-    if (code_seen_ && sector_ < 0) hall_error_ = true;
-    if (changed && (before < 0 || (step != 1 && step != 5))) hall_error_ = true;
+    if (code_seen_ && sector_ < 0) report_halls();
+    if (changed && (before < 0 || (step != 1 && step != 5))) report_halls();
     if (changed && wiring_.quadrature && !homed_ && !wiring_.index && sector_ >= 0 && before >= 0) {
       // The edge between the two sectors.
       rotor_ = within_turn((step == 1 ? before + 0.5 : sector_ + 0.5) / 6.0);
@@ -252,7 +260,7 @@ class BldcChannel : public hal::Channel {
     }
     if (wiring_.index) {
       current_ = std::fabs(initvalue_);
-      field_ = within_turn(field_ + ((initvalue_ < 0.0) != rev_.get() ? -dt : dt));
+      field_ = within_turn(field_ + (initvalue_ < 0.0 ? -dt : dt));
       if (!index_enable_) return found(counts + encoder_offset_);
       apply_alignment(field_);
       return false;
@@ -293,7 +301,8 @@ class BldcChannel : public hal::Channel {
       trapezoid(sector, current_);
     else
       sinusoidal(field_, std::fabs(current_));
-    commutate(sector, current_, rotor);
+    // The bits follow value and rev, which are 0 and false while an axis is off.
+    commutate(sector, out_dir_.last() ? -1.0 : 1.0, rotor);
   }
 
   void update(const hal::Period& period) noexcept {
@@ -301,7 +310,7 @@ class BldcChannel : public hal::Channel {
     const double value = value_;
     double out = rev_ ? -value : value;
     out_abs_ = std::fabs(value);
-    out_dir_ = (value < 0.0) != rev_.get();
+    out_dir_ = out < 0.0;
     const std::int64_t counts = w.counts() ? rawcounts_.get() : 0;
     const std::int64_t moved = counts - counts_before_;
     counts_before_ = counts;
@@ -347,7 +356,8 @@ class BldcChannel : public hal::Channel {
       rotor_ = within_turn(rotor_ + frequency_ * period.seconds());
       lead = 0.0;
     }
-    const double field = within_turn(out < 0.0 && !by_sector ? rotor_ - lead : rotor_ + lead);
+    const bool turned = out < 0.0 && !(by_sector && w.counts());
+    const double field = within_turn(turned ? rotor_ - lead : rotor_ + lead);
     out_ = out;
     rotor_angle_ = rotor_;
     phase_angle_ = field;
@@ -366,7 +376,7 @@ class BldcChannel : public hal::Channel {
     sector_ = sector_of(pattern_, code);
     code_ = code;
     const int step = (sector_ - before + 6) % 6;
-    if (sector_ < 0 || before < 0 || (step != 1 && step != 5)) hall_error_ = true;
+    if (sector_ < 0 || before < 0 || (step != 1 && step != 5)) report_halls();
   }
   void amplitude(std::size_t i, double v) noexcept {
     if (wiring_.plain()) phase_[i].value = v;
@@ -392,7 +402,7 @@ class BldcChannel : public hal::Channel {
         if (w.six) {
           phase_[i].high_on = driven > 0;
           phase_[i].low_on = driven < 0;
-        } else if (driven != 0) {
+        } else if (sector < 0 || driven != 0) {
           // A phase without current stays at the side where it was.
           phase_[i].on = driven > 0;
         }

@@ -59,8 +59,7 @@ class Latencybins final : public hal::Component<Latencybins> {
   }
   std::int32_t early_[kBins + 1]{}, late_[kBins + 1]{};
   std::int32_t above_{0}, below_{0};
-  std::int64_t samples_{0};
-  std::uint64_t sum_{0}, squares_{0};
+  std::int64_t samples_{0}, sum_{0}, squares_{0};
   bool first_{true};
 
   void update(const hal::Period& period) noexcept {
@@ -93,14 +92,13 @@ class Latencybins final : public hal::Component<Latencybins> {
     else
       ++(early ? early_ : late_)[bin];
     ++samples_;
-    // A square is kept in 32 bits, as LinuxCNC does.
-    const auto value = static_cast<std::uint32_t>(bounded(late));
-    sum_ += static_cast<std::int64_t>(bounded(late));
-    squares_ += static_cast<std::uint64_t>(static_cast<std::int32_t>(value * value));
-    const std::int64_t square_of_mean = (sum_ * sum_) / samples_;
+    // As in LinuxCNC each square is kept in 32 bits, and what may have become negative by that is divided unsigned.
+    const std::int64_t value = bounded(late);
+    sum_ += value;
+    squares_ += static_cast<std::int32_t>(value * value);
     if (samples_ > 1)
       variance_ =
-          static_cast<std::int32_t>((squares_ - static_cast<std::uint64_t>(square_of_mean)) /
+          static_cast<std::int32_t>(static_cast<std::uint64_t>(squares_ - sum_ * sum_ / samples_) /
                                     static_cast<std::uint64_t>(samples_ - 1));
   }
   hal::Function update_{function<&Latencybins::update>("", "Computes the outputs from the inputs")};
