@@ -1,5 +1,6 @@
 // carousel: turns a tool changer's carousel to a pocket (manual: carousel(9)).
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 
@@ -50,7 +51,10 @@ class CarouselChannel : public hal::Channel {
   }
 
   void update(const hal::Period& period) noexcept {
-    if (strobe_) read_position();
+    if (strobe_)
+      read_position();
+    else if (homes() && encoding_ != Encoding::counts)
+      remember(sensor(1));
     const bool enable = enable_, started = enable && !was_enabled_;
     watch_requests(started);
     step(period.seconds(), enable);
@@ -118,8 +122,9 @@ class CarouselChannel : public hal::Channel {
 
   void read_position() noexcept {
     const bool mark = sensor(homes() && encoding_ != Encoding::counts ? 1 : 0);
-    const bool rises = mark && !mark_, falls = !mark && mark_;
+    const bool rises = mark && !mark_before_, falls = !mark && mark_before_;
     mark_ = mark;
+    remember(mark);
     if (encoding_ == Encoding::counts) {
       read_counts();
     } else if (homes()) {
@@ -130,29 +135,27 @@ class CarouselChannel : public hal::Channel {
     }
   }
 
+  /// For the edges to come. At rest an index mode does not look: the mark that comes then is the one that it stands at.
+  void remember(bool mark) noexcept {
+    if (direction_ != 0 || encoding_ == Encoding::edge) mark_before_ = mark;
+  }
+
   void read_code() noexcept {
     std::uint32_t code = 0;
     bool odd = parity_;
     for (std::size_t i = 0; i < sense_.size(); ++i) {
       if (!sensor(i)) continue;
       code |= 1U << i;
-      odd = !odd;
+      // One sensor of many is no code.
+      if (encoding_ != Encoding::single) odd = !odd;
     }
-    // One sensor of many is no code.
-    if (encoding_ != Encoding::single) parity_error_ = odd != odd_parity_;
+    parity_error_ = odd != odd_parity_;
     switch (encoding_) {
       case Encoding::gray:
         for (std::uint32_t shifted = code >> 1U; shifted != 0; shifted >>= 1U) code ^= shifted;
         break;
       case Encoding::bcd: code = (code >> 4U) * 10 + (code & 15U); break;
-      case Encoding::single: {
-        // One sensor a pocket. Between two, or with two at once, it is where it was.
-        if (code == 0 || (code & (code - 1)) != 0) return;
-        std::uint32_t place = 1;
-        while ((code >>= 1U) != 0) ++place;
-        code = place;
-        break;
-      }
+      case Encoding::single: code = static_cast<std::uint32_t>(std::bit_width(code)); break;
       default: break;
     }
     current_ = static_cast<std::int32_t>(code);
@@ -161,38 +164,46 @@ class CarouselChannel : public hal::Channel {
   void read_counts() noexcept {
     if (!homed_.last()) return;
     const std::int64_t scale = scale_ == 0 ? 1 : std::int64_t{scale_};
-    const std::int64_t at = std::int64_t{counts_} - origin_ - home_offset_;
+    const std::int64_t at = std::int64_t{counts_} - origin_ + home_offset_;
     const std::int64_t nearest = std::llround(static_cast<double>(at) / static_cast<double>(scale));
-    // Without a width the middle between two pockets parts them.
-    if (width_ > 0 && std::abs(at - nearest * scale) > width_) return;
+    // Half of the width on each side; without one only the very count is the pocket.
+    if (std::abs(at - nearest * scale) > width_ / 2) return;
     current_ = around(nearest + 1);
   }
 
   void watch_requests(bool started) noexcept {
-    if (unhome_) homed_ = false;
-    const bool forward = jog_fwd_, reverse = jog_rev_ && both_ways_;
-    const int jog = forward && !was_fwd_ ? 1 : reverse && !was_rev_ ? -1 : 0;
-    was_fwd_ = forward;
-    was_rev_ = reverse;
+    if (unhome_ && !was_unhomed_) homed_ = false;
+    was_unhomed_ = unhome_;
+    // One jog at a time: the other pin counts once both were false.
+    const bool forward = jog_fwd_, asked = forward || jog_rev_;
+    const int jog = !asked || was_jogged_ ? 0 : forward ? 1 : both_ways_ ? -1 : 0;
+    was_jogged_ = asked;
     if (step_ != Step::idle) return;
     if (started) {
       ready_ = false;
       jogging_ = false;
       aim();
       step_ = homes() && !homed_.last() ? Step::begin_homing : Step::search;
-    } else if (jog != 0 && !enable_ && (!homes() || homed_.last())) {
-      jogging_ = true;
+    } else if (jog != 0 && !enable_) {
       ready_ = false;
-      from_ = here();
-      direction_ = jog;
-      step_ = Step::search;
+      // Where it is must be known first.
+      jogging_ = !homes() || homed_.last();
+      if (jogging_) {
+        target_ = here() + jog < 1 ? pockets_ : around(std::int64_t{here()} + jog);
+        direction_ = jog;
+      }
+      step_ = jogging_ ? Step::search : Step::begin_homing;
     }
   }
+  /// Numbers beyond the last pocket begin again at the first; below there is nothing but the first.
+  [[nodiscard]] std::int32_t wanted() const noexcept {
+    return pocket_number_ < 1 ? 1 : around(pocket_number_);
+  }
   void aim() noexcept {
-    target_ = around(pocket_number_);
-    const std::int32_t ahead = around(std::int64_t{target_} - here() + 1) - 1;
+    target_ = wanted();
     // Of two ways of one length it is the one without the step from the last pocket to the first.
-    const bool back = 2 * ahead > pockets_ || (2 * ahead == pockets_ && target_ < here());
+    const std::int32_t way = target_ - here();
+    const bool back = 2 * way > pockets_ || (way < 0 && -2 * way <= pockets_);
     direction_ = both_ways_ && back ? -1 : 1;
   }
 
@@ -258,9 +269,10 @@ class CarouselChannel : public hal::Channel {
 
   void search(bool enable) noexcept {
     if (jogging_) {
-      if (here() != from_) return finish(false);
+      if (here() == target_) return finish(false);
     } else {
       if (!enable) return finish(false);
+      target_ = wanted();
       if (here() == target_) return arrive();
     }
     active_ = true;
@@ -269,6 +281,8 @@ class CarouselChannel : public hal::Channel {
 
   void arrive() noexcept {
     if (rev_pulse_ > 0.0) {
+      if (encoding_ == Encoding::index)
+        direction_ = 0;  // a mark seen against the stop is the same one
       // Also where the pocket is there already: it may not be locked.
       active_ = true;
       timer_ = rev_pulse_;
@@ -322,8 +336,10 @@ class CarouselChannel : public hal::Channel {
       pin<FloatIn>("decel-time", "Time for the carousel to stop, before the slow move [s]")};
   IntIn counts_{pin<IntIn>("counts", "Counts of an encoder or stepgen")};
   IntIn scale_{pin<IntIn>("scale", "Counts from a pocket to the next", 100)};
-  IntIn width_{pin<IntIn>("width", "How far from its middle a pocket is seen [counts]")};
-  IntIn home_offset_{pin<IntIn>("home-offset", "Counts from the index to pocket 1")};
+  IntIn width_{pin<IntIn>(
+      "width",
+      "Width of the place in which a pocket is seen [counts]; 0: at its very count alone")};
+  IntIn home_offset_{pin<IntIn>("home-offset", "Counts of which the index lies behind pocket 1")};
   hal::Io<bool> index_enable_{
       pin<hal::Io<bool>>("index-enable", "Set while homing; an encoder clears it at its index")};
   BitIn jog_fwd_{pin<BitIn>("jog-fwd", "Rising: one pocket forwards")};
@@ -336,7 +352,7 @@ class CarouselChannel : public hal::Channel {
   hal::Out<double> motor_vel_{
       pin<hal::Out<double>>("motor-vel", "Speed or duty cycle of the motor")};
   BitOut homed_{pin<BitOut>("homed", "The mark has been found")};
-  BitIn unhome_{pin<BitIn>("unhome", "True: the next search begins with the mark")};
+  BitIn unhome_{pin<BitIn>("unhome", "Rising: the next search begins with the mark")};
   hal::RoParam<std::int32_t> state_{param<hal::RoParam<std::int32_t>>("state", "Step at work")};
   hal::RoParam<bool> homing_{param<hal::RoParam<bool>>("homing", "The mark is being looked for")};
   hal::RoParam<double> timer_{param<hal::RoParam<double>>("timer", "Time left of a pulse [s]")};
@@ -353,7 +369,8 @@ class CarouselChannel : public hal::Channel {
   std::int32_t pockets_{1}, target_{1}, from_{0}, direction_{0};
   std::int64_t origin_{0};  // counts at the index
   bool both_ways_{true}, odd_parity_{false};
-  bool was_enabled_{false}, was_fwd_{false}, was_rev_{false}, mark_{false}, jogging_{false};
+  bool was_enabled_{false}, was_jogged_{false}, mark_{false}, mark_before_{false}, jogging_{false},
+      was_unhomed_{false};
 };
 
 class Carousel final : public hal::Component<Carousel> {

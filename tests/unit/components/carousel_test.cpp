@@ -34,7 +34,7 @@ class CarouselTest : public testing::Test {
   hal::TestBuilder hal;
 };
 
-TEST_F(CarouselTest, OneSensorAPocketKeepsThePlaceBetweenTwo) {
+TEST_F(CarouselTest, OneSensorAPocketShowsNoneBetweenTwo) {
   load("5", "single", "5");
   hal.set("carousel.0.sense-1", true);
   hal.run("carousel.0");
@@ -43,18 +43,50 @@ TEST_F(CarouselTest, OneSensorAPocketKeepsThePlaceBetweenTwo) {
   hal.set("carousel.0.enable", true);
   hal.set("carousel.0.sense-1", false);
   hal.run("carousel.0");
-  EXPECT_EQ(here(), 2);
-  EXPECT_TRUE(bit("motor-rev")) << "2 to 5 is two back, around";
+  EXPECT_EQ(here(), 0);
+  EXPECT_TRUE(bit("motor-rev"));
   hal.set("carousel.0.sense-4", true);
   hal.run("carousel.0");
   EXPECT_TRUE(bit("ready"));
   EXPECT_EQ(velocity(), 0.0);
 }
 
+TEST_F(CarouselTest, FollowsAnotherPocketNumberUnderWay) {
+  load("8", "single", "8");
+  hal.set("carousel.0.sense-1", true);
+  hal.set("carousel.0.pocket-number", 4);
+  hal.set("carousel.0.enable", true);
+  hal.run("carousel.0");
+  EXPECT_TRUE(bit("motor-fwd"));
+  hal.set("carousel.0.pocket-number", 0);
+  hal.set("carousel.0.sense-1", false);
+  hal.set("carousel.0.sense-3", true);
+  hal.run("carousel.0");
+  EXPECT_TRUE(bit("motor-fwd"));
+  hal.set("carousel.0.sense-3", false);
+  hal.set("carousel.0.sense-0", true);
+  hal.run("carousel.0");
+  EXPECT_TRUE(bit("ready")) << "below the first pocket there is none but it";
+}
+
+TEST_F(CarouselTest, JogsToTheNextPocketAndNotIntoTheGap) {
+  load("8", "single", "8");
+  hal.set("carousel.0.sense-1", true);
+  hal.set("carousel.0.jog-fwd", true);
+  hal.run("carousel.0");
+  EXPECT_TRUE(bit("motor-fwd"));
+  hal.set("carousel.0.sense-1", false);
+  hal.run("carousel.0", 1'000'000, 5);
+  EXPECT_TRUE(bit("motor-fwd"));
+  hal.set("carousel.0.sense-2", true);
+  hal.run("carousel.0");
+  EXPECT_FALSE(bit("motor-fwd"));
+}
+
 TEST_F(CarouselTest, CountsHomeToTheIndexAndSeePocketsByTheirWidth) {
   load("6", "counts", "1");
   hal.set("carousel.0.scale", 50);
-  hal.set("carousel.0.width", 5);
+  hal.set("carousel.0.width", 10);
   hal.set("carousel.0.pocket-number", 3);
   hal.set("carousel.0.enable", true);
   hal.run("carousel.0", 1'000'000, 3);
