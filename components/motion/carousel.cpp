@@ -366,7 +366,7 @@ class CarouselChannel : public hal::Channel {
 
   Encoding encoding_{Encoding::gray};
   Step step_{Step::idle};
-  std::int32_t pockets_{1}, target_{1}, from_{0}, direction_{0};
+  std::int32_t pockets_{1}, target_{1}, direction_{0};
   std::int64_t origin_{0};  // counts at the index
   bool both_ways_{true}, odd_parity_{false};
   bool was_enabled_{false}, was_jogged_{false}, mark_{false}, mark_before_{false}, jogging_{false},
