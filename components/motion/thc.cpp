@@ -63,6 +63,7 @@ class Thc final : public hal::Component<Thc> {
     if (!enable_) {
       // The offset waits; z is passed on without it.
     } else if (torch_on_) {
+      offset_.burns();
       if (arc_ok_ && at_speed) {
         if (volts_requested_ - volts > voltage_tol_) offset_.add(correction_vel_);
         if (volts - volts_requested_ > voltage_tol_) offset_.add(-correction_vel_);

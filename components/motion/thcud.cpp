@@ -50,6 +50,7 @@ class Thcud final : public hal::Component<Thcud> {
     if (!enable_) {
       // The offset waits; z is passed on without it.
     } else if (torch_on_) {
+      offset_.burns();
       if (arc_ok_ && at_speed) {
         if (torch_up_) offset_.add(correction_vel_);
         if (torch_down_) offset_.add(-correction_vel_);

@@ -20,8 +20,15 @@ class TorchOffset {
     climbed_ = z - before_;
     before_ = z;
   }
-  /// Takes the offset back no faster than z moves up. True while there is something to take.
+  /// In a call with the torch on.
+  void burns() noexcept { burnt_ = true; }
+  /// Takes the offset back no faster than z moves up, from the second call with the torch off on. True while there is
+  /// something to take.
   bool take_back() noexcept {
+    if (burnt_) {
+      burnt_ = false;
+      return false;
+    }
     if (value_ == 0.0 || climbed_ <= 0.0) return false;
     value_ = value_ > 0.0 ? std::max(0.0, value_ - climbed_) : std::min(0.0, value_ + climbed_);
     return true;
@@ -29,6 +36,7 @@ class TorchOffset {
 
  private:
   double value_{0.0}, before_{0.0}, climbed_{0.0};
+  bool burnt_{false};
 };
 
 }  // namespace kerf::components
