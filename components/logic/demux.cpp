@@ -1,4 +1,6 @@
 // demux: sets one of many bits by number.
+#include <algorithm>
+
 #include "hal/component.hpp"
 
 namespace kerf::components {
@@ -28,12 +30,15 @@ class Demux final : public hal::Component<Demux> {
       "bargraph", "True: all outputs below the number are true, like the bars of a gauge", false)};
 
   void update(const hal::Period&) noexcept {
-    std::uint32_t selected = sel_u32_;
+    // 2^31 and more are below zero, as in LinuxCNC: no output at all.
+    std::uint32_t number = sel_u32_;
     for (std::size_t i = 0; i < sel_bit_.size(); ++i)
-      selected += std::uint32_t{sel_bit_[i].get()} << i;
+      number += std::uint32_t{sel_bit_[i].get()} << i;
     const bool bargraph = bargraph_;
-    if (selected >= out_.size()) selected = static_cast<std::uint32_t>(out_.size()) - 1;
-    for (std::size_t i = 0; i < out_.size(); ++i) out_[i] = bargraph ? i < selected : i == selected;
+    const auto count = static_cast<std::int32_t>(out_.size());
+    const std::int32_t selected = std::min(static_cast<std::int32_t>(number), count - 1);
+    for (std::int32_t i = 0; i < count; ++i)
+      out_[static_cast<std::size_t>(i)] = bargraph ? i < selected : i == selected;
   }
   hal::Function update_{function<&Demux::update>("", "Computes the outputs from the inputs")};
 };
