@@ -25,17 +25,17 @@ class Spindle final : public hal::Component<Spindle> {
       b.fail("gears= must be from 1 to 16");
       return;
     }
-    gears_ = hal::make_array<Gear>(b, static_cast<std::size_t>(gears));
+    gears_ = hal::make_array<Gear>(b, static_cast<std::size_t>(gears), gears == 1);
   }
 
  private:
   struct Gear {
-    Gear(hal::Builder& b, std::size_t index) noexcept {
+    Gear(hal::Builder& b, std::size_t index, bool the_only_one) noexcept {
       const auto name = [&](const char* pattern) {
         return b.full_name(hal::numbered(pattern, index));
       };
       select.declare(b, name("select.#"), "True selects this gear; of several the highest",
-                     index == 0);
+                     the_only_one);
       scale.declare(b, name("scale.#"), "Output for one rpm, negative to turn the other way", 1.0);
       min.declare(b, name("min.#"), "Lowest speed of this gear [rpm]");
       max.declare(b, name("max.#"), "Highest speed of this gear [rpm], 0 none");

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
 
 #include "hal/core/test_builder.hpp"
@@ -162,6 +163,20 @@ TEST(Tp, APulseLastsItsTimeWhateverTheInputDoes) {
     for (int i = 0; i < 3; ++i) EXPECT_FALSE(step(false));
     EXPECT_EQ(hal.get<double>("tp.et"), 0.0);
   }
+}
+
+TEST(Demux, ANumberPastTheLastIsTheLastAndOneBelowZeroIsNone) {
+  hal::TestBuilder hal;
+  ASSERT_TRUE(hal.create(module("demux"), "d"));
+  hal.set("d.sel-u32", std::uint32_t{100});
+  hal.run("d");
+  EXPECT_TRUE(hal.get<bool>("d.out-15"));
+  hal.set("d.sel-u32", std::uint32_t{1} << 31U);
+  hal.run("d");
+  EXPECT_FALSE(hal.get<bool>("d.out-15"));
+  hal.set("d.bargraph", true);
+  hal.run("d");
+  EXPECT_FALSE(hal.get<bool>("d.out-00"));
 }
 
 }  // namespace
