@@ -13,8 +13,8 @@ using path::Vec;
 
 /// Noted moves before and behind the one that the machine was near to; dense lines are merged and smoothed over many.
 constexpr std::uint64_t kWindow = 160;
-/// Of these the exact share is sought before the others are looked at, ...
-constexpr std::uint64_t kCareful = 2;
+/// Of these the exact share is sought before the others are looked at, and of these at last, ...
+constexpr std::uint64_t kCareful = 2, kCarefulAtLast = 12;
 /// ... and beyond this share nothing is to be won by it.
 constexpr double kHopeless = 3;
 /// Moves that one cycle catches up.
@@ -22,6 +22,8 @@ constexpr int kCatchUp = 256;
 constexpr double kSomething = 1e-9;  ///< mm or degrees in a radian
 constexpr double kUnknown = 1e99;    ///< share: no move was looked at
 constexpr int kRounds = 12, kCarefulRounds = 40;
+/// Places on a curve that are looked at to find the valley in which the nearest one is.
+constexpr double kLeastScan = 24, kMostScan = 240, kScanTurn = 0.25;
 
 Tolerance rounded(const Tolerance& t) noexcept {
   return {t.mm + PathOracle::kRounding, t.deg + PathOracle::kRounding};
@@ -95,10 +97,28 @@ double share_of(const ProgrammedMove& move, const Vec& place, bool carefully, Ve
   const double s = foot(p, place, t);
   off = place - p.point(s);
   double share = t.share(off);
-  if (!carefully || share <= 1 || share > kHopeless) return share;
+  const bool straight = p.straight();
+  // On a curve the place that was found may be the wrong one.
+  const double hopeless = straight ? kHopeless : kHopeless + p.length / t.mm;
+  if (!carefully || share <= 1 || share > hopeless) return share;
   // Convex on a line, and nearly so on a short part of a curve.
-  const double reach = p.straight() ? p.length : std::min(p.length, 4 * share * (t.mm + t.deg));
-  double low = std::max(0.0, s - reach), high = std::min(p.length, s + reach);
+  double low = 0, high = p.length;
+  if (!straight) {
+    // Not where the place is about as far from the curve as the middle of its bend is, next to the middle of a fillet that is small against P;
+    // and the turn of a helix may be another one.
+    const double turns = p.shape == Piece::Shape::arc ? p.rate * p.length : 0;
+    const int parts = static_cast<int>(std::clamp(turns / kScanTurn, kLeastScan, kMostScan));
+    const double step = p.length / parts;
+    double best = 0, least = kUnknown;
+    for (int k = 0; k <= parts; ++k) {
+      const double here = t.share(place - p.point(step * k));
+      if (here >= least) continue;
+      least = here;
+      best = step * k;
+    }
+    low = std::max(0.0, best - step);
+    high = std::min(p.length, best + step);
+  }
   for (int k = 0; k < kCarefulRounds; ++k) {
     const double a = low + (high - low) / 3, b = high - (high - low) / 3;
     (t.share(place - p.point(a)) < t.share(place - p.point(b)) ? high : low) =
@@ -157,7 +177,9 @@ void PathOracle::check(const ProgrammedMoves& moves, const Pose& pose, std::uint
     }
     return false;
   };
-  if (look(kCareful, false) || look(kCareful, true) || look(kWindow, false)) return;
+  if (look(kCareful, false) || look(kCareful, true) || look(kWindow, false) ||
+      look(kCarefulAtLast, true))
+    return;
   if (!(least_ < kUnknown)) return;
   broken_ = true;
   const Tolerance& t = least_allowed_;

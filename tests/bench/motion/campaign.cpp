@@ -21,7 +21,9 @@ Program random_program(std::uint64_t seed) {
     case 2: return fractal(4, 0.5, 0.05, 100);
     case 3: return four_axis(60, 0.02, 100, seed % 16 < 8, seed);
     case 4: return helical_arcs(0.01, 80);
-    case 5: return zigzag(seed % 16 < 8 ? 0.05 : 0.0, 150);
+    case 5:
+      return seed % 16 < 8 ? contour(60, seed % 32 < 16 ? 0.05 : 0.5, 150, seed)
+                           : zigzag(seed % 32 < 16 ? 0.05 : 0.0, 150);
     case 6: return swarf(300, seed % 16 < 8 ? 0.02 : 0.1, seed % 32 < 16 ? 50 : 150, seed);
     default: return mixture(100, seed);
   }

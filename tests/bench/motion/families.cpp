@@ -245,6 +245,32 @@ Program zigzag(double p_mm, double feed, double leg) {
   return w.done();
 }
 
+Program contour(int corners, double p_mm, double feed, std::uint64_t seed) {
+  ProgramWriter w(titled("contour", p_mm), p_mm, feed);
+  Random r(seed);
+  double heading = 0;
+  const auto along = [&](double length) {
+    const Pose at = w.at();
+    w.line(xyz(at.x + length * std::cos(heading), at.y + length * std::sin(heading), at.z));
+  };
+  for (int i = 0; i < corners; ++i) {
+    along(r.between(0.5, 12));
+    const double size = std::exp(r.between(std::log(0.02), 0.0)),
+                 turn = r.between(0.3, 2.4) * (r.below(3) != 0 ? 1 : -1);
+    if (r.below(2) == 0) {
+      heading += turn / 2;
+      along(size);
+      heading += turn / 2;
+      continue;
+    }
+    const Pose at = w.at();
+    const double side = heading + std::copysign(kPi / 2, turn);
+    w.arc(at.x + size * std::cos(side), at.y + size * std::sin(side), turn);
+    heading += turn;
+  }
+  return w.done();
+}
+
 Program corner(double degrees, double leg, double p_mm, double feed) {
   ProgramWriter w("corner " + std::to_string(static_cast<int>(degrees)), p_mm, feed);
   const double turn = degrees * kPi / 180;

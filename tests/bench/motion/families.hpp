@@ -65,6 +65,8 @@ void reference_machine(motion::MachineConfig& config);
 /// Upwards in quarter turns that meet nearly in one direction.
 [[nodiscard]] Program helix(double p_mm, double feed);
 [[nodiscard]] Program zigzag(double p_mm, double feed, double leg = 13);
+/// A contour of lines with fillets and chamfers of 0.02 to 1 mm.
+[[nodiscard]] Program contour(int corners, double p_mm, double feed, std::uint64_t seed);
 [[nodiscard]] Program corner(double degrees, double leg, double p_mm, double feed);
 [[nodiscard]] Program fractal(int order, double step, double p_mm, double feed);
 [[nodiscard]] Program four_axis(int moves, double p_mm, double feed, bool reversing,

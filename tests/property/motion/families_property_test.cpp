@@ -61,6 +61,7 @@ TEST(Families, KeepTheLimitsUnderChangingOverrides) {
     run(bench::fractal(4, 0.5, 0.05, 100), seed);
     run(bench::arc_wave(0.01, 80, 0.3), seed);
     run(bench::inverse_time(60, 0.02, seed), seed);
+    run(bench::contour(60, i % 2 == 0 ? 0.05 : 0.5, 150, seed), seed);
   }
 }
 
