@@ -75,7 +75,8 @@ class Run:
             columns["enable"] = [int(i > 10) for i in range(LENGTH)]
         if rng.random() < 0.3:
             columns["strobe"] = self.some([1, 1, 0], [7, 30])
-        if rng.random() < 0.3:
+        # A jog that must look for the index first: active is true then, in LinuxCNC it is not.
+        if rng.random() < 0.3 and kind != "jogs":
             columns["unhome"] = self.some([0, 0, 0, 0, 1], [3, 40])
         lines += [f"seq carousel.0.{pin} " + " ".join(map(str, column)) for pin, column in columns.items()]
         # What is asked for is not there while it turns to the index or is jogged; LinuxCNC leaves both pins as they were.
