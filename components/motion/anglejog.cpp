@@ -66,7 +66,7 @@ class Anglejog final : public hal::Component<Anglejog> {
     const double dt = period.seconds();
     const bool enable = enable_in_;
     const std::int32_t counts = counts_in_;
-    if (!enable) {
+    if (!enable || first_) {
       scale_ = scale_in_;
       const std::int32_t fine = iscale_factor_;
       if ((fine >= kLeastFine && fine <= kMostFine) || (first_ && fine != 0)) fine_ = fine;

@@ -47,7 +47,7 @@ class Thc final : public hal::Component<Thc> {
   hal::Param<double> velocity_tol_{param<hal::Param<double>>(
       "velocity-tol", "Missing part of the requested speed that does not count [percent]", 0.0)};
   hal::Param<double> voltage_tol_{param<hal::Param<double>>(
-      "voltage-tol", "Difference from volts-requested that is left alone [V]", 0.0)};
+      "voltage-tol", "Difference from volts-requested below which z is left alone [V]", 0.0)};
   hal::Param<double> correction_vel_{
       param<hal::Param<double>>("correction-vel", "Change of the offset in a call", 0.0)};
   TorchOffset offset_;
@@ -65,8 +65,8 @@ class Thc final : public hal::Component<Thc> {
     } else if (torch_on_) {
       offset_.burns();
       if (arc_ok_ && at_speed) {
-        if (volts_requested_ - volts > voltage_tol_) offset_.add(correction_vel_);
-        if (volts - volts_requested_ > voltage_tol_) offset_.add(-correction_vel_);
+        if (volts_requested_ - volts >= voltage_tol_) offset_.add(correction_vel_);
+        if (volts - volts_requested_ >= voltage_tol_) offset_.add(-correction_vel_);
       }
     } else {
       (void)offset_.take_back();
