@@ -1,8 +1,8 @@
-// planner_bench [--seed N] [--quick] [--optima] [--cost | --stops [--only NAME]] [--count CYCLES] [--gcode FOLDER] [--pictures FOLDER]
+// planner_bench [--seed N] [--quick] [--optima] [--stack] [--cost | --stops [--only NAME]] [--count CYCLES] [--gcode FOLDER] [--pictures FOLDER]
 //
 // Runs generated programs through planner and servo cycle without HAL, one millisecond a cycle, limited in acceleration and in jerk, and
 // prints beside the goals: time, offline optimum and feed floor; the largest share of a joint limit in any cycle (by differences of the
-// commanded positions) and the distance from the programmed path; corner speeds; exact stops; what planning and the servo cycle cost; whether
+// commanded positions) and the distance from the programmed path; corner speeds; exact stops; what planning, the servo cycle and the whole stack cost; whether
 // runs repeat bit by bit. Then the same programs under an override that changes at random all along. --count drives random programs with
 // overrides, holds, aborts and resumes for that many cycles instead. --gcode writes the quick programs
 // there and prints name, time and length of each (compare_with_peer reads that). --pictures draws those of docs/planner.md. Exit 1 when a limit was passed.
@@ -19,6 +19,7 @@
 #include "bench/motion/pictures.hpp"
 #include "bench/motion/runs.hpp"
 #include "bench/motion/stops.hpp"
+#include "bench/motion/whole_stack.hpp"
 
 namespace kerf {
 namespace {
@@ -306,6 +307,44 @@ void throughput(bool quick, const char* only, std::uint64_t seed) {
     }
 }
 
+/// Programs as files: all that runs on one core, in virtual time.
+int whole_stack(bool quick, std::uint64_t seed) {
+  int bad = 0;
+  const int lines = quick ? 5000 : 20000;
+  std::printf(
+      "\nThe whole stack, from %d freeform lines in a file to the last servo cycle. Goal: at least "
+      "20 000 lines a second of one core.\n"
+      "%-26s %12s %16s %20s\n",
+      lines, "limited in", "in one thread", "with processes", "of it for the clock");
+  for (const double jerk : {0.0, kJerk})
+    for (const bool merges : {true, false}) {
+      const bench::StackProgram program = bench::freeform_lines(lines, merges, seed);
+      const bench::StackResult one = bench::run_in_harness(program, jerk),
+                               all = bench::run_in_processes(program, jerk);
+      const auto rate = [&](double s) { return static_cast<double>(program.lines) / s; };
+      std::printf("%-12s %-13s %12.0f %16.0f %19.2f s %s%s\n", jerk > 0 ? "jerk" : "acceleration",
+                  merges ? "" : "Q0", rate(one.processor_s), rate(all.processor_s),
+                  all.processor_s - one.processor_s, one.error.c_str(), all.error.c_str());
+      std::fflush(stdout);
+      bad += one.error.empty() && all.error.empty() ? 0 : 1;
+    }
+  std::printf(
+      "5000 lines a second of motion (0.02 mm at 100 mm/s): share of the feed in the slowest cycle "
+      "between the first and the last at the feed; time over that at the feed; share of a core\n");
+  for (const double jerk : {0.0, kJerk})
+    for (const bool merges : {true, false}) {
+      const bench::StackProgram program = bench::dense_lines(lines * 2, merges);
+      const bench::StackResult r = bench::run_in_harness(program, jerk);
+      std::printf("%-12s %-13s %12.4f %16.3f %20.3f %s\n", jerk > 0 ? "jerk" : "acceleration",
+                  merges ? "" : "Q0", r.slowest,
+                  r.seconds * 5000 / static_cast<double>(program.lines), r.processor_s / r.seconds,
+                  r.error.c_str());
+      std::fflush(stdout);
+      bad += r.error.empty() ? 0 : 1;
+    }
+  return bad;
+}
+
 int write_programs(const char* folder, std::uint64_t seed) {
   for (const Entry& e : families(true, seed)) {
     if (e.program.machine == bench::Machine::table) continue;
@@ -325,7 +364,7 @@ int write_programs(const char* folder, std::uint64_t seed) {
 
 int main_of(int argc, char** argv) {
   std::uint64_t seed = 1, count = 0;
-  bool quick = false, optima = false, cost = false, stops = false;
+  bool quick = false, optima = false, cost = false, stops = false, stack = false;
   const char *gcode = nullptr, *pictures = nullptr, *only = nullptr;
   for (int i = 1; i < argc; ++i) {
     const bool value = i + 1 < argc;
@@ -339,6 +378,8 @@ int main_of(int argc, char** argv) {
       optima = true;
     } else if (std::strcmp(argv[i], "--cost") == 0) {
       cost = true;
+    } else if (std::strcmp(argv[i], "--stack") == 0) {
+      stack = true;
     } else if (std::strcmp(argv[i], "--stops") == 0) {
       stops = true;
     } else if (std::strcmp(argv[i], "--pictures") == 0 && value) {
@@ -349,15 +390,18 @@ int main_of(int argc, char** argv) {
       quick = true;
     } else {
       std::puts(
-          "Usage: planner_bench [--seed N] [--quick] [--optima] [--cost | --stops [--only NAME]] "
-          "[--count "
+          "Usage: planner_bench [--seed N] [--quick] [--optima] [--stack] [--cost | --stops "
+          "[--only "
+          "NAME]] [--count "
           "CYCLES] [--gcode "
           "FOLDER] "
           "[--pictures FOLDER]\n"
           "Times of generated programs beside their optima, the shares of the joint limits they "
           "use, and what planning costs.\n"
           "--optima: only the jerk-limited times beside their optima. --cost: only what planning "
-          "costs. --stops: only stops limited in jerk beside the soonest known. --only: of "
+          "costs. --stack: only that of the whole machine from the file on (its programs have to "
+          "be "
+          "built). --stops: only stops limited in jerk beside the soonest known. --only: of "
           "programs "
           "with NAME in their names.\n"
           "--count: random programs with overrides, holds, aborts and resumes for that many servo "
@@ -381,6 +425,7 @@ int main_of(int argc, char** argv) {
     throughput(quick, only, seed);
     return 0;
   }
+  if (stack) return whole_stack(quick, seed) == 0 ? 0 : 1;
   if (stops) {
     stop_times(families(true, seed), only, quick ? 400 : 2000);
     return 0;
@@ -396,6 +441,7 @@ int main_of(int argc, char** argv) {
   corners();
   exact_stops();
   throughput(quick, only, seed);
+  bad += whole_stack(quick, seed);
   bad += repeats(seed);
   bad += retraces(seed);
   bad += overridden(entries, seed);
