@@ -31,7 +31,11 @@ rtapi::Status TaskLink::perform(const std::vector<std::string>& words,
   KERF_TRY(const std::uint64_t id, client_->send(words));
   for (;;) {
     rtapi::WaitSpec spec;
-    client_->add_to(spec);
+    // What is looked at now and then need not be looked at with every line of a program.
+    if (every == rtapi::kForever)
+      client_->add_to(spec);
+    else
+      client_->add_replies_to(spec);
     const auto polled = client_->poll();
     show_messages();
     if (while_waiting) while_waiting();

@@ -71,6 +71,8 @@ class Controller {
   [[nodiscard]] ServoView view() const noexcept;
   /// True when this cycle changed something that task waits for.
   [[nodiscard]] bool changed() const noexcept { return changed_; }
+  /// True when it ended items, and changed nothing else.
+  [[nodiscard]] bool only_went_on() const noexcept { return only_went_on_; }
 
   /// All of it while may_switch(), for the flight record: rest_state.hpp. A controller that takes it over goes on as this one.
   struct Rest;
@@ -218,7 +220,7 @@ class Controller {
     Pose shift;
     friend bool operator==(const Digest&, const Digest&) = default;
   } digest_;
-  bool changed_{false};
+  bool changed_{false}, only_went_on_{false};
 };
 
 }  // namespace kerf::motion

@@ -101,6 +101,8 @@ void Controller::note_changes() noexcept {
   for (std::size_t n = 0; n < spindle_count_; ++n)
     now.homed ^= static_cast<std::uint32_t>(s.spindle[n].orient_state) << (16 + 2 * n);
   changed_ = !(now == digest_);
+  digest_.executed = now.executed;
+  only_went_on_ = changed_ && now == digest_;
   digest_ = now;
 }
 

@@ -332,9 +332,22 @@ void Motmod::publish() noexcept {
   view.config_version = limits_version_;
   view.config_wish = config_wish_;
   tell_planner(*link_, view, last_view_);
-  const bool pending = controller_->status().kinematics_pending;
-  if (controller_->changed() || pending != pending_before_) shared_->status_cell.notify();
+  if (task_should_look()) shared_->status_cell.notify();
+}
+
+/// While plenty of items wait before the planner, task waits for none of them: that some more are done is told now and then.
+bool Motmod::task_should_look() noexcept {
+  const MotionStatus& status = controller_->status();
+  const bool pending = status.kinematics_pending;
+  const bool news = (controller_->changed() && !controller_->only_went_on()) ||
+                    pending != pending_before_;
   pending_before_ = pending;
+  untold_ = untold_ || news || controller_->changed();
+  const bool soon = news || shared_->path.size() < PathRing::capacity() / 2;
+  if (!untold_ || (!soon && status.time_ns - told_ns_ < kTellEvery)) return false;
+  untold_ = false;
+  told_ns_ = status.time_ns;
+  return true;
 }
 
 }  // namespace kerf::motion

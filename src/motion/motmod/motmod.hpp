@@ -65,6 +65,7 @@ class Motmod final : public hal::Component<Motmod> {
   [[nodiscard]] double path_scale(const PathSpan* move) const noexcept;
   void write_move(const MotionStatus& s) noexcept;
   void publish() noexcept;
+  [[nodiscard]] bool task_should_look() noexcept;
   void answer_planner() noexcept;
   void take_config() noexcept;
   void take_screws() noexcept;
@@ -110,6 +111,9 @@ class Motmod final : public hal::Component<Motmod> {
   static constexpr std::int32_t kNoKind = std::numeric_limits<std::int32_t>::min();
   std::int32_t refused_kind_{kNoKind};  ///< not asked for again until the pin changes
   bool pending_before_{false};
+  static constexpr std::int64_t kTellEvery = 10'000'000;  ///< ns
+  std::int64_t told_ns_{0};
+  bool untold_{false};  ///< something has changed since task was told to look
   double scale_{1};  ///< machine units in 1 mm
   double joint_scale_[kMaxJoints];
   bool coord_error_{false};

@@ -97,8 +97,12 @@ rtapi::Result<Reply> Client::wait(std::uint64_t id, rtapi::WaitClock& clock, rta
 }
 
 void Client::add_to(rtapi::WaitSpec& spec) const {
-  spec.watch(shared_->reply_cell);
+  add_replies_to(spec);
   spec.watch(shared_->status_cell);
+}
+
+void Client::add_replies_to(rtapi::WaitSpec& spec) const {
+  spec.watch(shared_->reply_cell);
   if (fd_ >= 0) spec.watch_fd(fd_);
 }
 

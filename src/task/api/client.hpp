@@ -51,6 +51,8 @@ class Client {
 
   /// What to wait for so as to be woken by replies and by status changes. Call it before poll().
   void add_to(rtapi::WaitSpec& spec) const;
+  /// By replies only.
+  void add_replies_to(rtapi::WaitSpec& spec) const;
 
   /// False when task died in the middle of a write.
   [[nodiscard]] bool status(TaskStatus& out) const { return shared_->status.read(out); }

@@ -113,6 +113,8 @@ void InterpreterParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
     search(next);
   else if (!aborting_)
     work(next);
+  // Their place is told late while much is queued behind it.
+  if (!asides_.empty()) next.wake_at(now + std::max(status_.servo_period_ns, rtapi::kMillisecond));
   check_limits(next);
   user_.drain();
   user_.add_to(next, p_.segment);
