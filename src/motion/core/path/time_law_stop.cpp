@@ -29,8 +29,8 @@ constexpr double kBack = 1e-9;
 constexpr double kLost = 1.5;
 /// Even jerk as a share of what a straight could do, above which it is not looked at.
 constexpr double kEven = 1.02;
-/// Times the range between what does not lead on and what does is halved.
-constexpr int kHalvings = 4;
+/// Shares of the range of b2: how far from the last one it is looked, at first, for what leads on; and how near to what does not it has to be.
+constexpr double kBeside = 0.125, kNarrow = 0.07, kFirstShare = 0.5;
 /// Intervals that are taken at once before it is tried what leads on from there: at first, and most.
 constexpr std::size_t kFirstFall = 4, kMostFall = 8;
 /// Braking ends where a try comes to no end that is sooner by this share, when the soonest is nearer than so many times a stop on a straight.
@@ -102,9 +102,11 @@ void LawStop::look_along(std::size_t i) noexcept {
       law_at_ < law_.count ? at_place(law_.step[law_at_], at - law_begins_) : LawPoint{0, kNoLimit};
 }
 
-/// u / x of the law at node i. Where it gains speed an even one leads on as well.
+/// u / x of the law at node i. Where it gains speed an even one leads on as well, mostly.
 double LawStop::slope(std::size_t i) const noexcept {
-  return along_[i].x > 0 ? std::min(along_[i].u / along_[i].x, 0.0) : kNoLimit;
+  if (!(along_[i].x > 0)) return kNoLimit;
+  const double slope = along_[i].u / along_[i].x;
+  return follows_ ? slope : std::min(slope, 0.0);
 }
 
 /// Whether the rows of interval i, which ask for more than the path does, the more the longer it is, leave room for the law.
@@ -184,12 +186,13 @@ bool LawStop::reach(std::size_t i, double wanted, double share, double& w) noexc
 
 /// Even jerk leads to rest from node i: the motion that has come there is a stop. False: it does not keep the limits.
 bool LawStop::end_at(std::size_t i) noexcept {
-  for (std::size_t k = settled_; k < i; ++k)
-    if (!kept(k)) return false;
   double t = t_;
   for (std::size_t k = settled_; k < i; ++k)
     t += 2 * (*rows_)[k].length / (std::sqrt(x_[k]) + std::sqrt(x_[k + 1]));
   t += 3 * rest_way(i) / std::sqrt(x_[i]);
+  if (t < best_)
+    for (std::size_t k = settled_; k < i; ++k)
+      if (!kept(k)) return false;
   soonest_ = std::min(soonest_, t);
   if (t >= best_) return true;
   best_ = t;
@@ -234,16 +237,29 @@ bool LawStop::fall(std::size_t i, std::size_t count, double& w) noexcept {
 bool LawStop::hold(std::size_t i, double& w) noexcept {
   double now = w;
   (void)reach(i, -kNoLimit, 1, now);
-  double low = x_[i + 1];
+  const double lowest = x_[i + 1];
   now = w;
-  if (!reach(i, back_at_law(i), 1, now) || !leads_on(i + 1, now)) return false;
-  double high = x_[i + 1];
-  for (int k = 0; k < kHalvings; ++k) {
-    const double middle = (low + high) / 2;
+  if (!reach(i, back_at_law(i), 1, now)) return false;
+  const double range = x_[i + 1] - lowest;
+  const auto tried = [&](double share) {
     now = w;
-    (reach(i, middle, 1, now) && leads_on(i + 1, now) ? high : low) = middle;
-  }
-  (void)reach(i, high, 1, w);
+    return reach(i, lowest + share * range, 1, now) && leads_on(i + 1, now);
+  };
+  // Between what does not lead on and what does, beside the share of the interval before first.
+  double low = 0, high = 1;
+  bool sure = false;
+  const auto look = [&](double share) {
+    const bool leads = tried(share);
+    (leads ? high : low) = share;
+    sure = sure || leads;
+    return leads;
+  };
+  const double beside = look(share_) ? share_ - kBeside : share_ + kBeside;
+  if (beside > 0 && beside < 1) (void)look(beside);
+  while (high - low > kNarrow) (void)look((low + high) / 2);
+  if (!sure && !tried(1)) return false;
+  share_ = std::clamp(high, kBeside, 1 - kBeside);
+  (void)reach(i, lowest + high * range, 1, w);
   return true;
 }
 
@@ -265,13 +281,17 @@ bool LawStop::run(LawRows& rows, double way, double x0, double u0, const LawAlon
   for (const double widest : aim.widest) {
     if (best_ <= aim.enough_s) break;
     widest_ = widest;
-    rows.make_stepwise(way);
-    for (Buffer<double>* b : {&at_, &x_, &u_, &jerk_}) b->assign(rows.most() + 1, 0);
-    along_.assign(rows.most() + 1, LawPoint{});
-    x_[0] = x0;
-    u_[0] = u0;
-    along_[0] = {x0, u0};
-    brake();
+    for (const bool follows : {false, true}) {
+      if (follows && best_ < kNoLimit) break;
+      follows_ = follows;
+      rows.make_stepwise(way);
+      for (Buffer<double>* b : {&at_, &x_, &u_, &jerk_}) b->assign(rows.most() + 1, 0);
+      along_.assign(rows.most() + 1, LawPoint{});
+      x_[0] = x0;
+      u_[0] = u0;
+      along_[0] = {x0, u0};
+      brake();
+    }
   }
   return best_ < kNoLimit;
 }
@@ -280,21 +300,25 @@ bool LawStop::run(LawRows& rows, double way, double x0, double u0, const LawAlon
 void LawStop::brake() noexcept {
   const LawRows& rows = *rows_;
   law_at_ = settled_ = kept_ = 0;
+  share_ = kFirstShare;
   law_begins_ = t_ = 0;
   soonest_ = kNoLimit;
   if (!add_step(0, widest_)) return;
   double w = 0, before = kNoLimit;
   std::size_t count = kFirstFall;
+  std::size_t lost = 0;  // falling from here to there has been tried and does not lead on
   while (settled_ + kMostFall + 1 < x_.size()) {
     const std::size_t i = settled_;
     std::size_t taken = count;
-    if (fall(i, count, w)) {
-      count = std::min(2 * count, kMostFall);
-    } else if (count > 1) {
+    if (i + 1 != lost && fall(i, count, w)) {
+      count = lost > i + count ? (lost - i - count + 1) / 2 : std::min(2 * count, kMostFall);
+    } else if (i + 1 != lost && count > 1) {
+      lost = i + count;
       count /= 2;
       continue;
     } else if (hold(i, w)) {
-      taken = 1;
+      taken = count = 1;
+      lost = 0;
     } else {
       return;
     }

@@ -10,9 +10,10 @@ constexpr std::size_t kNone = Laws::kSlots;
 /// A child begins so long after where the servo is: a law takes milliseconds to make. Longer after one that came too late.
 constexpr double kLead = 0.010, kMostLead = 0.080, kMoreLead = 1.5, kLessLead = 0.9;
 /// Moments from which a stop is ready.
-constexpr double kStopLead = 0.006, kStopEvery = 0.014;
-/// After one that was not found.
-constexpr double kStopAgain = 0.003;
+constexpr double kStopLead = 0.006, kStopEvery = 0.016;
+/// After one that was not found; and how much before, so often at most, it is looked for another.
+constexpr double kStopAgain = 0.003, kStopBefore = 0.003;
+constexpr int kStopsBefore = 2;
 /// Time and intervals of a window that may go on beyond what it has to reach; the time when it is wanted soon; intervals at most.
 constexpr double kWindowTime = 0.6, kSoonTime = 0.3;
 constexpr std::size_t kWindow = 400;
@@ -343,34 +344,43 @@ double LawMaker::even_stop(const Place& place) const noexcept {
 
 void LawMaker::make_stop(std::size_t running, double now, double before) noexcept {
   Info& info = info_[running];
-  const double begins = std::max({info.next_stop, now + kStopLead, kStopLead / 2});
+  const double soonest = std::max(now + kStopLead, kStopLead / 2),
+               begins = std::max(info.next_stop, soonest);
   // One is ready for a while.
   if (begins >= before || begins > std::max(now, 0.0) + kStopLead + kStopEvery) return;
   const std::size_t slot = free_slot();
+  if (slot == kNone) return;
+  // Where braking finds nothing it is asked for a little before. Else the solver is, at every second one of the moments that follow soon.
+  const bool searches = !info.stop_failed;
+  double at = begins;
+  StopFound found = make_stop_at(running, slot, at, false);
+  for (int i = 0; found == StopFound::no && i < kStopsBefore && at - kStopBefore >= soonest; ++i)
+    found = make_stop_at(running, slot, at -= kStopBefore, false);
+  if (found == StopFound::no && searches) found = make_stop_at(running, slot, at = begins, true);
+  info.stop_failed = found == StopFound::no && searches;
+  info.next_stop = found == StopFound::no ? begins + kStopAgain : at + kStopEvery;
+}
+
+/// By the solver, or by braking.
+LawMaker::StopFound LawMaker::make_stop_at(std::size_t running, std::size_t slot, double begins,
+                                           bool search) noexcept {
   LawKey key;
   Place place;
-  if (slot == kNone || !locate(running, begins, key, place)) return;
-  info.next_stop = begins + kStopEvery;
+  if (!locate(running, begins, key, place)) return StopFound::not_needed;
   // About to end in rest anyway.
-  if (info.total - begins < kSoonAtRest * even_stop(place)) return;
+  if (info_[running].total - begins < kSoonAtRest * even_stop(place)) return StopFound::not_needed;
   key.kind = LawKey::Kind::stop;
   Window window;
   const Law& law = laws_.law[running];
   const path::LawStep& step = law.step[key.index];
   const path::LawAlong along{&step, law.count - key.index, path::at(step, key.seconds).s};
-  // Where nothing is found the next moment soon follows; the solver is asked at every second one of these.
-  const bool searches = !info.stop_failed;
   const bool filled = fill(place, place.span, For::stop, window);
-  const auto result = !filled    ? path::TimeLaw::Result::failed
-                      : searches ? solver_.solve_stop(place.start, along)
-                                 : solver_.brake_stop(place.start, along);
-  info.stop_failed = searches;
-  if (!solved(result, place, counts_.stops)) {
-    info.next_stop = begins + kStopAgain;
-    return;
-  }
-  info.stop_failed = false;
+  const auto result = !filled  ? path::TimeLaw::Result::failed
+                      : search ? solver_.search_stop(place.start)
+                               : solver_.brake_stop(place.start, along);
+  if (!solved(result, place, counts_.stops)) return StopFound::no;
   publish(slot, key, window).begins = begins;
+  return StopFound::yes;
 }
 
 void LawMaker::run(const ServoView& view, const FeedScale& scale, bool single_step,

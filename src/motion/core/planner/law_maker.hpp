@@ -88,6 +88,9 @@ class LawMaker {
   void make_child(std::size_t running, double now, bool changed) noexcept;
   [[nodiscard]] double even_stop(const Place& place) const noexcept;
   void make_stop(std::size_t running, double now, double before) noexcept;
+  enum class StopFound { no, yes, not_needed };
+  [[nodiscard]] StopFound make_stop_at(std::size_t running, std::size_t slot, double begins,
+                                       bool search) noexcept;
   [[nodiscard]] bool locate(std::size_t running, double t, LawKey& key,
                             Place& place) const noexcept;
   /// Where the law is `place.seconds` into interval `place.index`, from its start.
