@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
+#include <vector>
 
 #include "harness/machine.hpp"
 
@@ -47,6 +49,39 @@ TEST(SmoothPath, CornersArePassedAtSpeedWithinTheTolerance) {
   EXPECT_LE(nearest[0], 0.05 + 1e-6) << "from the programmed corner";
   EXPECT_LT(nearest[1], 1e-9);
   EXPECT_LT(seconds[0], seconds[1]);
+}
+
+// Task is not woken for each of thousands of short lines a second; what it shows is 10 ms old at most, and exact at the end.
+TEST(SmoothPath, TheLineShownIsAtMostTenMillisecondsOldWhileMuchIsQueued) {
+  auto m = homed_machine();
+  std::string text = "G21 G90 G64 P0.01 Q0\nF3000\n";
+  constexpr int kLines = 12000;
+  for (int i = 1; i <= kLines; ++i) {
+    char line[40];
+    std::snprintf(line, sizeof line, "G1 X%.3f Y%.4f\n", 0.02 * i, 10 + 5 * std::sin(0.002 * i));
+    text += line;
+  }
+  const auto run = m->start_program(m->write_program(text + "M2\n"));
+  std::vector<int> executed;  // of the last cycles
+  int oldest_cycles = 0;
+  bool ended = false;
+  m->on_cycle([&](const motion::MotionStatus& s) {
+    executed.push_back(s.current.line);
+    const int shown = m->task().current_line;
+    if (ended || shown == 0 || s.current.line == 0) return;
+    int age = 0;
+    while (age + 1 < static_cast<int>(executed.size()) &&
+           executed[executed.size() - 1 - static_cast<std::size_t>(age)] > shown)
+      ++age;
+    oldest_cycles = std::max(oldest_cycles, age);
+    ended = s.current.line >= kLines;
+  });
+  EXPECT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }));
+  m->on_cycle({});
+  EXPECT_EQ(m->outcome(run).state, task::CommandState::done) << m->outcome(run).text;
+  EXPECT_GT(executed.size(), 1000U);
+  std::printf("result: %d cycles\n", oldest_cycles);
+  EXPECT_LE(oldest_cycles, 12);
 }
 
 TEST(Probe, WhatIsSoAlreadyIsAnErrorOrAResultWithoutAMove) {
