@@ -339,8 +339,8 @@ void Motmod::publish() noexcept {
 bool Motmod::task_should_look() noexcept {
   const MotionStatus& status = controller_->status();
   const bool pending = status.kinematics_pending;
-  const bool news = (controller_->changed() && !controller_->only_went_on()) ||
-                    pending != pending_before_;
+  const bool news =
+      (controller_->changed() && !controller_->only_went_on()) || pending != pending_before_;
   pending_before_ = pending;
   untold_ = untold_ || news || controller_->changed();
   const bool soon = news || shared_->path.size() < PathRing::capacity() / 2;

@@ -114,7 +114,7 @@ class Motmod final : public hal::Component<Motmod> {
   static constexpr std::int64_t kTellEvery = 10'000'000;  ///< ns
   std::int64_t told_ns_{0};
   bool untold_{false};  ///< something has changed since task was told to look
-  double scale_{1};  ///< machine units in 1 mm
+  double scale_{1};     ///< machine units in 1 mm
   double joint_scale_[kMaxJoints];
   bool coord_error_{false};
   FlightRecorder* recorder_{nullptr};

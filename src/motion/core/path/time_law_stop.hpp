@@ -74,11 +74,11 @@ class LawStop {
   double best_{kNoLimit};  ///< its time
   double soonest_{0};      ///< of this grid
   double widest_{0};
-  bool follows_{false};  ///< what leads on gains speed where the law does
+  bool follows_{false};     ///< what leads on gains speed where the law does
   std::size_t settled_{0};  ///< intervals that are taken, in `t_` seconds
   std::size_t kept_{0};     ///< of them are in the stop
   double t_{0};
-  double share_{0};        ///< of the range of b2 that led on last
+  double share_{0};            ///< of the range of b2 that led on last
   Buffer<double> at_, x_, u_;  ///< of nodes: sigma from the start, and the state
   Buffer<LawPoint> along_;     ///< of the law there
   Buffer<double> jerk_;        ///< what a straight could do
