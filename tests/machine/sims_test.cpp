@@ -268,7 +268,8 @@ TEST(SimDetails, TheSteppersLoseNoStepAndStayWithinOneOfThePath) {
   const auto reply = m->run_program(config("stepper", "demo.ngc"));
   EXPECT_EQ(reply.state, task::CommandState::done) << reply.text << m->errors();
   EXPECT_GT(cycles, 10000U);
-  std::printf("result: %.2f steps, %.3f mm\n", worst_steps, worst_following);
+  std::printf("result: stepper: motors within %.2f steps of the path, following error %.3f mm\n",
+              worst_steps, worst_following);
   EXPECT_LT(worst_steps, 1.0);
   // Half a period at 80 mm/s, and a step.
   EXPECT_LT(worst_following, 0.5e-3 * 80 + 0.01);
