@@ -1,4 +1,5 @@
 // div2: quotient of two floats.
+#include "divisor.hpp"
 #include "hal/component.hpp"
 
 namespace kerf::components {
@@ -21,14 +22,7 @@ class Div2 final : public hal::Component<Div2> {
   hal::Param<double> deadband_{param<hal::Param<double>>(
       "deadband", "Values of in1 nearer to zero than this count as this", 0.0)};
 
-  void update(const hal::Period&) noexcept {
-    double deadband = deadband_;
-    if (deadband < 1e-12) deadband_ = deadband = 1e-12;
-    double divisor = in1_;
-    if (divisor >= 0.0 && divisor < deadband) divisor = deadband;
-    if (divisor < 0.0 && divisor > -deadband) divisor = -deadband;
-    out_ = in0_ / divisor;
-  }
+  void update(const hal::Period&) noexcept { out_ = in0_ / divisor(in1_, deadband_); }
   hal::Function update_{function<&Div2::update>("", "Computes the outputs from the inputs")};
 };
 

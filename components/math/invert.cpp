@@ -1,4 +1,5 @@
 // invert: one divided by a number.
+#include "divisor.hpp"
 #include "hal/component.hpp"
 
 namespace kerf::components {
@@ -18,14 +19,7 @@ class Invert final : public hal::Component<Invert> {
   hal::Param<double> deadband_{param<hal::Param<double>>(
       "deadband", "Values of in nearer to zero than this count as this", 0.0)};
 
-  void update(const hal::Period&) noexcept {
-    double deadband = deadband_;
-    if (deadband < 1e-12) deadband_ = deadband = 1e-12;
-    double in = in_;
-    if (in >= 0.0 && in < deadband) in = deadband;
-    if (in < 0.0 && in > -deadband) in = -deadband;
-    out_ = 1.0 / in;
-  }
+  void update(const hal::Period&) noexcept { out_ = 1.0 / divisor(in_, deadband_); }
   hal::Function update_{function<&Invert::update>("", "Computes the outputs from the inputs")};
 };
 

@@ -36,12 +36,6 @@ double product(const Vec& a, const Vec& b, const Tolerance& t) noexcept {
   return linear / (t.mm * t.mm) + rotary / (t.deg * t.deg);
 }
 
-double dot(const Vec& a, const Vec& b) noexcept {
-  double sum = 0;
-  for (std::size_t i = 0; i < path::kAxes; ++i) sum += a[i] * b[i];
-  return sum;
-}
-
 /// Which turn of an arc, and where in it.
 double guess_on_arc(const Piece& p, const Vec& place, const Tolerance& t) noexcept {
   constexpr double kTurn = 2 * std::numbers::pi;

@@ -8,25 +8,13 @@
 #include "motion/core/path/junction.hpp"
 #include "motion/core/path/smoothing.hpp"
 #include "unit/motion/rig.hpp"
+#include "unit/motion/vecs.hpp"
 
 namespace kerf::motion::path {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kP = 0.05;
-
-Vec xy(double x, double y) {
-  Vec v;
-  v[0] = x;
-  v[1] = y;
-  return v;
-}
-
-Vec everywhere(double value) {
-  Vec v;
-  for (double& x : v.at) x = value;
-  return v;
-}
 
 struct Smoothed {
   double bend{0};      ///< largest |q''| of an axis in the middle of the chain
@@ -103,9 +91,9 @@ TEST(Blends, LongLegsStayWhereTheyAreProgrammed) {
 Piece circle(double x, double y, double radius, double from, double sweep) {
   Piece p;
   p.shape = Piece::Shape::arc;
-  p.a = xy(x, y);
-  p.c = xy(1, 0);
-  p.d = xy(0, 1);
+  p.a = xyz(x, y);
+  p.c = xyz(1, 0);
+  p.d = xyz(0, 1);
   p.phi0 = from;
   p.radius = radius;
   p.length = std::abs(sweep) * radius;

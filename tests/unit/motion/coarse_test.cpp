@@ -8,6 +8,7 @@
 #include "motion/core/path/coarse.hpp"
 #include "motion/core/path/program_path.hpp"
 #include "unit/motion/rig.hpp"
+#include "unit/motion/vecs.hpp"
 
 namespace kerf::motion::path {
 namespace {
@@ -16,20 +17,6 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kFar = 1e9, kFeed = 150;
 constexpr int kSteps = 24;        ///< in which curves are looked at
 constexpr double kChords = 1e-3;  ///< of the tolerance: what chords of these are off
-
-Vec xyz(double x, double y, double z = 0) {
-  Vec v;
-  v[0] = x;
-  v[1] = y;
-  v[2] = z;
-  return v;
-}
-
-Vec everywhere(double value) {
-  Vec v;
-  for (double& x : v.at) x = value;
-  return v;
-}
 
 AxisLimits mill() {
   AxisLimits limits;

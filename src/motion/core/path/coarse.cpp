@@ -18,12 +18,6 @@ constexpr double kParallel = 1e-6;
 /// Of the tolerance: lines that are off each other by less are in one direction.
 constexpr double kStraight = 1e-3;
 
-double dot(const Vec& a, const Vec& b) noexcept {
-  double sum = 0;
-  for (std::size_t i = 0; i < kAxes; ++i) sum += a[i] * b[i];
-  return sum;
-}
-
 double size(const Vec& v) noexcept { return std::sqrt(dot(v, v)); }
 
 double join_straight(const Tolerance& tolerance, Buffer<CoarseLine>& lines) noexcept {

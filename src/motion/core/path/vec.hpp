@@ -42,6 +42,12 @@ struct Vec {
   }
 };
 
+[[nodiscard]] constexpr double dot(const Vec& a, const Vec& b) noexcept {
+  double sum = 0;
+  for (std::size_t i = 0; i < kAxes; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
 /// Length in three neighbouring axes: 0 XYZ, 3 ABC, 6 UVW.
 [[nodiscard]] inline double norm3(const Vec& v, std::size_t first) noexcept {
   return std::sqrt(v[first] * v[first] + v[first + 1] * v[first + 1] + v[first + 2] * v[first + 2]);

@@ -5,13 +5,8 @@
 namespace kerf::motion {
 namespace {
 
+using path::dot;
 using path::Vec;
-
-double along(const Vec& a, const Vec& b) noexcept {
-  double sum = 0;
-  for (std::size_t i = 0; i < path::kAxes; ++i) sum += a[i] * b[i];
-  return sum;
-}
 
 /// Only XYZ and UVW: angles have another measure.
 bool turns(const Vec& way) noexcept { return way[3] != 0 || way[4] != 0 || way[5] != 0; }
@@ -28,13 +23,13 @@ void Merge::begin(const Vec& from, const Vec& to) noexcept {
 bool Merge::add(const Vec& to, double within_mm) noexcept {
   if (count_ == 0 || count_ == kMost || !(within_mm > 0)) return false;
   const Vec way = to - point_[0];
-  const double length2 = along(way, way);
+  const double length2 = dot(way, way);
   if (turns(way) || !(length2 > 0)) return false;
   // With places along the line that only grow, each point of it has a programmed one beside it that is no farther than the farthest vertex.
   double last = 0, off = 0, shares[kMost];
   for (std::size_t k = 1; k <= count_; ++k) {
     const Vec from_start = point_[k] - point_[0];
-    const double share = along(from_start, way) / length2;
+    const double share = dot(from_start, way) / length2;
     if (share <= last || share >= 1) return false;
     last = shares[k - 1] = share;
     const Vec beside = from_start - way * share;
