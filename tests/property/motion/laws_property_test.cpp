@@ -54,6 +54,11 @@ std::vector<bench::Program> curves() {
           bench::mixture(60, 4)};
 }
 
+TEST(TimeLaws, ArcsThatAreSmallAgainstPDoNotHoldThemBack) {
+  const bench::Program program = bench::short_arcs(1, 80);
+  EXPECT_LE(bench::run(program, {50000}).seconds, 1.15 * bench::run(program, {}).seconds);
+}
+
 TEST(TimeLaws, KeepTheLimitsAndAreFasterThanBoxes) {
   int by_law = 0, cycles = 0;
   for (const auto& program : curves()) {

@@ -303,6 +303,38 @@ TEST(TimeLaw, StopsSoon) {
   EXPECT_LE(all_later.worst, 1.3);
 }
 
+TEST(TimeLaw, BrakesWithoutTheSolverFromAllStatesOfALaw) {
+  motion::test::HeapMemory heap;
+  TimeLaw law;
+  ASSERT_TRUE(law.create(heap, kRoom));
+  const int most = motion::test::property_count(400);
+  for (const bench::Program& program : programs(2)) {
+    path::AxisLimits limits;
+    const std::vector<motion::PathSpan> curve = bench::curve_of(program, 50'000, limits);
+    limits.jerks = true;
+    int states = 0, brakes = 0;
+    for (std::size_t k = 0, begin = 0; k < curve.size() && states < most; ++k) {
+      if (!curve[k].stop_at_end && k + 1 < curve.size() && k - begin < 250) continue;
+      const std::vector<motion::PathSpan> spans(curve.begin() + long(begin),
+                                                curve.begin() + long(k) + 1);
+      begin = k + 1;
+      ASSERT_TRUE(add(law, spans, limits, 0, 0, 1, 4));
+      ASSERT_EQ(law.solve({}), TimeLaw::Result::ok);
+      const std::vector<LawStep> old(law.law().begin(), law.law().end());
+      for (std::size_t i = 5; i + 5 < old.size() && states < most; i += 3) {
+        const LawStep& at = old[i];
+        const motion::PathSpan& span = spans[at.span];
+        ASSERT_TRUE(add(law, spans, limits, at.span, span.length - at.left - at.length, 1, 4));
+        ++states;
+        brakes +=
+            law.brake_stop({at.x, at.u}, {&at, old.size() - i, 0}) == TimeLaw::Result::ok ? 1 : 0;
+      }
+    }
+    // On the relief one of twenty needs the second braking, along the law's own slope.
+    EXPECT_GE(brakes, 0.98 * states) << program.name;
+  }
+}
+
 TEST(TimeLaw, TakesShortWindowsAndAxesWithoutLimits) {
   motion::test::HeapMemory heap;
   TimeLaw law;

@@ -7,6 +7,7 @@
 
 #include "motion/core/path/coarse.hpp"
 #include "motion/core/path/program_path.hpp"
+#include "motion/core/path/smoothing.hpp"
 #include "unit/motion/rig.hpp"
 #include "unit/motion/vecs.hpp"
 
@@ -85,7 +86,14 @@ double distance(const Vec& q, const std::vector<Vec>& points) {
   return least;
 }
 
-Driven drive(const Track& track, double high = kFar) {
+AxisLimits with_jerk() {
+  AxisLimits limits = mill();
+  limits.jerk = everywhere(50'000);
+  limits.jerks = true;
+  return limits;
+}
+
+Driven drive(const Track& track, double high = kFar, const AxisLimits& limits = mill()) {
   test::HeapMemory memory;
   constexpr std::size_t kMoves = 200;
   ProgramPath path;
@@ -96,7 +104,7 @@ Driven drive(const Track& track, double high = kFar) {
   PathSettings settings;
   settings.low = everywhere(-kFar);
   settings.high = everywhere(high);
-  settings.limits = mill();
+  settings.limits = limits;
   path.configure(settings);
   path.make(track.moves.data(), track.moves.size(), out);
   Driven found;
@@ -118,8 +126,13 @@ Driven drive(const Track& track, double high = kFar) {
   }
   for (const Move& m : track.moves)
     found.off = std::max(found.off, distance(m.piece.point(m.piece.length), driven));
-  for (std::size_t i = 0; i + 1 < out.size(); ++i)
+  for (std::size_t i = 0; i + 1 < out.size(); ++i) {
     EXPECT_LE(max_abs(out[i].point(out[i].length) - out[i + 1].point(0)), 1e-9);
+    if (out[i].stop_at_end) continue;
+    EXPECT_LE(max_abs(out[i].first(out[i].length) - out[i + 1].first(0)), 1e-9);
+    if (!limits.jerks) continue;
+    EXPECT_LE(max_abs(out[i].second(out[i].length) - out[i + 1].second(0)), 1e-6);
+  }
   found.seconds = least_seconds(out.begin(), out.size(), settings.limits, x);
   return found;
 }
@@ -192,6 +205,53 @@ TEST(Coarse, LargeArcsStayArcs) {
   EXPECT_TRUE(lines.empty());
 }
 
+TEST(Coarse, ChordsTakeTheSigmaOfTheirArcAndLeadToItsEnd) {
+  test::HeapMemory memory;
+  Buffer<CoarseLine> lines;
+  ASSERT_TRUE(lines.create(memory, 20));
+  Track t(0.2);
+  t.arc(0.6, 1.0, 0.3);
+  const Piece& arc = t.moves[0].piece;
+  const double share = chord_of(arc, t.mode.tolerance, 0.6, lines);
+  ASSERT_EQ(lines.size(), 1U);
+  // The sagitta.
+  EXPECT_NEAR(share, 0.6 * (1 - std::cos(0.5)) / 0.2, 0.1 * share);
+  EXPECT_EQ(lines[0].sigma, arc.length);
+  EXPECT_LE(max_abs(lines[0].from + lines[0].way - arc.point(arc.length)), 1e-12);
+  EXPECT_LT(chord_of(arc, t.mode.tolerance, 0.9 * share, lines), 0);
+  EXPECT_EQ(lines.size(), 1U);
+}
+
+/// Arcs to both sides that bend a little where they meet; with lines of `between` there.
+Track fitted_arcs(double p_mm, double between) {
+  Track t(p_mm);
+  for (int i = 0; i < 12; ++i) {
+    t.arc(3, i % 2 != 0 ? 0.7 : -0.7);
+    t.heading += i % 3 != 0 ? 0.03 : -0.045;
+    if (between > 0 && i < 11) t.line(between);
+  }
+  return t;
+}
+
+TEST(Blends, GoOverMovesThatWouldKeepThemNarrow) {
+  for (const AxisLimits& limits : {mill(), with_jerk()})
+    for (const double between : {0.005, 0.05}) {
+      const Driven none = drive(fitted_arcs(0.01, 0), kFar, limits),
+                   some = drive(fitted_arcs(0.01, between), kFar, limits);
+      EXPECT_LE(some.seconds, 1.06 * none.seconds) << between << " mm, jerk " << limits.jerks;
+      EXPECT_LE(some.off, 0.01 * (1 + kChords)) << between << " mm, jerk " << limits.jerks;
+      EXPECT_NEAR(some.sigma, sigma_of(fitted_arcs(0.01, between)), 1e-9);
+      EXPECT_EQ(some.stops, 0);
+    }
+}
+
+TEST(Coarse, FilletsWithinTheToleranceCostNoTimeWithJerkLimits) {
+  const Driven sharp = drive(with_fillets(0.2, 0), kFar, with_jerk()),
+               round = drive(with_fillets(0.2, 0.1), kFar, with_jerk());
+  EXPECT_LE(round.seconds, 1.1 * sharp.seconds);
+  EXPECT_LE(round.off, 0.2 * (1 + kChords));
+}
+
 TEST(Coarse, FilletsWithinTheToleranceCostNoTime) {
   const Driven sharp = drive(with_fillets(0.2, 0)), round = drive(with_fillets(0.2, 0.1));
   EXPECT_LE(round.seconds, 1.02 * sharp.seconds);
@@ -232,6 +292,51 @@ TEST(Corners, MoreToleranceIsNeverSlower) {
     }
 }
 
+/// The polyline's curve by the smoother alone.
+double smoothed(const Track& t, bool inside, const AxisLimits& limits) {
+  test::HeapMemory memory;
+  Smoother smoother;
+  Chain chain;
+  Buffer<Piece> out;
+  Buffer<double> x;
+  EXPECT_TRUE(smoother.create(memory, 50) && chain.create(memory, 50) && out.create(memory, 900) &&
+              x.create(memory, 9000));
+  SmoothingSettings settings;
+  settings.tolerance = t.mode.tolerance;
+  settings.peaked = limits.jerks;
+  settings.inside = inside;
+  settings.low = everywhere(-kFar);
+  settings.high = everywhere(kFar);
+  double sigma = 0;
+  for (const Move& m : t.moves) {
+    chain.at.push_back(m.piece.point(0));
+    chain.sigma.push_back(sigma);
+    chain.feed.push_back(m.piece.feed);
+    sigma += m.piece.length;
+  }
+  chain.at.push_back(t.at);
+  chain.sigma.push_back(sigma);
+  EXPECT_LE(smoother.smooth(chain, settings, out), 1.0);
+  return least_seconds(out.begin(), out.size(), limits, x);
+}
+
+TEST(Corners, TheFasterOfBothCurvesIsDriven) {
+  // About the chain, or inside of it: each is the faster one somewhere.
+  int inside_wins = 0, about_wins = 0;
+  for (const AxisLimits& limits : {mill(), with_jerk()})
+    for (const double leg : {0.2, 0.5, 1.0, 3.0})
+      for (const double degrees : {10.0, 45.0, 90.0, 135.0}) {
+        const Track t = polyline(0.1, leg, degrees);
+        const double about = smoothed(t, false, limits), inside = smoothed(t, true, limits);
+        inside_wins += inside < 0.98 * about ? 1 : 0;
+        about_wins += about < 0.98 * inside ? 1 : 0;
+        EXPECT_LE(drive(t, kFar, limits).seconds, 1.0001 * std::min(about, inside))
+            << leg << " mm, " << degrees << " degrees, jerk " << limits.jerks;
+      }
+  EXPECT_GE(inside_wins, 3);
+  EXPECT_GE(about_wins, 3);
+}
+
 TEST(Corners, ThoseThatAreWideEnoughForTheFeedAreDrivenAtIt) {
   const Track t = polyline(0.5, 20, 20);
   EXPECT_LE(drive(t).seconds, 1.01 * sigma_of(t) / kFeed);
@@ -240,9 +345,9 @@ TEST(Corners, ThoseThatAreWideEnoughForTheFeedAreDrivenAtIt) {
 TEST(Coarse, WhatHasNoRoomToTheSoftLimitStaysAsProgrammed) {
   Track t(0.2);
   t.line(3);
-  t.arc(0.1, 2 * kPi / 3);
+  t.arc(0.3, 2 * kPi / 3);  // too large for its chord
   t.line(3);
-  const double high = 3.1;  // of the arc
+  const double high = 3.3;  // of the arc
   EXPECT_LE(drive(t, high).high, high + 1e-9);
   EXPECT_LT(drive(t).seconds, 0.98 * drive(t, high).seconds);
 }

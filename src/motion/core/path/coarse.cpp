@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/core/path/boxes.hpp"
 #include "motion/core/path/reach.hpp"
+#include "motion/core/ramp.hpp"
 
 namespace kerf::motion::path {
 namespace {
@@ -42,7 +44,32 @@ double join_straight(const Tolerance& tolerance, Buffer<CoarseLine>& lines) noex
   return worst;
 }
 
+/// How far the lines are off the arc, as a share of the tolerance.
+double off_arc(const Piece& arc, const Tolerance& tolerance, const CoarseLine* lines,
+               std::size_t count) noexcept {
+  double worst = 0, begin = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const CoarseLine& line = lines[i];
+    for (int k = 0; k <= kSamples; ++k) {
+      Vec q = line.from;
+      q.add(static_cast<double>(k) / kSamples, line.way);
+      worst = std::max(
+          worst, kBetween * tolerance.share(q - arc.point(begin + line.sigma * k / kSamples)));
+    }
+    begin += line.sigma;
+  }
+  return worst;
+}
+
 }  // namespace
+
+double chord_of(const Piece& arc, const Tolerance& tolerance, double most,
+                Buffer<CoarseLine>& out) noexcept {
+  const Vec from = arc.point(0);
+  const CoarseLine chord{from, arc.point(arc.length) - from, arc.length, arc.feed};
+  const double off = off_arc(arc, tolerance, &chord, 1);
+  return off <= most && out.push_back(chord) ? off : -1;
+}
 
 double tangents_of(const Piece& arc, const Tolerance& tolerance, double most,
                    Buffer<CoarseLine>& out) noexcept {
@@ -66,17 +93,7 @@ double tangents_of(const Piece& arc, const Tolerance& tolerance, double most,
       if (!out.push_back({at, to - at, k == 0 || k == n ? part / 2 : part, arc.feed})) return -1;
       at = to;
     }
-    double worst = 0, begin = 0;
-    for (std::size_t i = before; i < out.size(); ++i) {
-      const CoarseLine& line = out[i];
-      for (int k = 0; k <= kSamples; ++k) {
-        Vec q = line.from;
-        q.add(static_cast<double>(k) / kSamples, line.way);
-        worst = std::max(
-            worst, kBetween * tolerance.share(q - arc.point(begin + line.sigma * k / kSamples)));
-      }
-      begin += line.sigma;
-    }
+    const double worst = off_arc(arc, tolerance, out.begin() + before, out.size() - before);
     if (worst <= most) return worst;
   }
   out.truncate(before);
@@ -125,12 +142,14 @@ double least_seconds(const Piece* pieces, std::size_t count, const AxisLimits& l
   x.assign(1, kNoLimit);
   Rows rows;
   const auto cap_of = [&](const Piece& p, double from, double to) {
-    return std::min(axis_cap(p, from, to, limits), feed_cap(p, from, to));
+    const double cap = std::min(axis_cap(p, from, to, limits), feed_cap(p, from, to));
+    return limits.jerks ? std::min(cap, box_cap(p, from, to, Box{}, limits)) : cap;
   };
   // From the end, x is in the order of the ends of stretches from there.
   for (std::size_t i = count; i-- > 0;) {
     const Piece& p = pieces[i];
     const int n = divisions(p);
+    if (p.stop_at_end) x.back() = 0;
     for (int k = n; k-- > 0;) {
       const double from = p.length * k / n, to = p.length * (k + 1) / n;
       const double cap = cap_of(p, from, to);
@@ -158,6 +177,13 @@ double least_seconds(const Piece* pieces, std::size_t count, const AxisLimits& l
         const double acc = straight_acc(p, limits);
         next = std::min(most, here + 2 * acc * way);
         const double cap = cap_of(p, from, to);
+        if (limits.jerks) {
+          const Box box = straight_box(p, limits);
+          seconds += level_time(way, std::sqrt(here), std::sqrt(next), std::sqrt(cap),
+                                {box.acc, box.jerk});
+          here = next;
+          continue;
+        }
         const double peak = std::min(cap, acc * way + (here + next) / 2);
         const double ramps = (2 * peak - here - next) / (2 * acc);
         const double fastest = std::sqrt(peak);

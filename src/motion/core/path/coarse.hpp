@@ -25,6 +25,10 @@ inline constexpr int kMostTangents = 4;
 double tangents_of(const Piece& arc, const Tolerance& tolerance, double most,
                    Buffer<CoarseLine>& out) noexcept;
 
+/// The chord of an arc, likewise: shorter than the arc, and where arcs meet at angles less bent.
+double chord_of(const Piece& arc, const Tolerance& tolerance, double most,
+                Buffer<CoarseLine>& out) noexcept;
+
 /// Lines that go on in one direction become one; short lines between two longer ones whose directions differ go: the longer ones lead on to where
 /// they meet. Off by `most` of the tolerance at most; gives that share. The first and the last line begin and end where they did.
 double join_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& lines) noexcept;

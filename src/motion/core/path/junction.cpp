@@ -35,7 +35,8 @@ constexpr int kSamples =
     12;  ///< of the deviation, in each of the pieces; at first only at their ends
 /// Between samples the deviation may be larger by this share (a cubic against an arc).
 constexpr double kAim = 0.98;
-constexpr double kOutside = 1.5;  ///< a share that only makes the blend smaller
+constexpr double kLeastOver = 0.5;  ///< of half of the move that a blend goes over
+constexpr double kOutside = 1.5;    ///< a share that only makes the blend smaller
 
 /// What is looked at of arcs beside a blend, and how finely blends and they are divided.
 constexpr std::size_t kPerPiece = 2, kPerSide = 4;
@@ -55,6 +56,10 @@ struct Profile {
   std::size_t last{0};
 };
 
+double half_over(const JunctionSettings& settings) noexcept {
+  return settings.over != nullptr ? settings.over->length / 2 : 0.0;
+}
+
 Profile profile_of(const Shape& shape) noexcept {
   if (!(shape.core > 0))
     return {{0, shape.plateau, 1}, {shape.swing / shape.plateau, -shape.swing, 0}, 2};
@@ -66,11 +71,13 @@ Profile profile_of(const Shape& shape) noexcept {
   return {{0, kCorePlateau * r, r, back, 1}, {high, high, 0, -2 * taken / (1 - r), 0}, 4};
 }
 
-/// For half-width l.
-void make_blend(const Piece& a, const Piece& b, double l, const Shape& shape, Blend& out) noexcept {
-  const double sa = a.length - l;
+/// Takes `reach` of both.
+void make_blend(const Piece& a, const Piece& b, double reach, const Shape& shape,
+                const JunctionSettings& settings, Blend& out) noexcept {
+  const double l = reach + half_over(settings);  // its half-width
+  const double sa = a.length - reach;
   const Vec q0 = a.point(sa), t0 = a.first(sa), c0 = a.second(sa);
-  const Vec q1 = b.point(l), t1 = b.first(l), c1 = b.second(l);
+  const Vec q1 = b.point(reach), t1 = b.first(reach), c1 = b.second(reach);
   const Vec kink = b.first(0) - a.first(a.length);
   const double s1 = (1.0 - shape.plateau) * l, s2 = 2.0 * shape.plateau * l;
   // q'' is c0, m1, m2, c1 at the knots of three spans and linear between them. Unknown m1, m2 from
@@ -134,15 +141,23 @@ bool outside(const Vec& q, const JunctionSettings& settings) noexcept {
 
 double worst_share(const Blend& blend, const Piece& a, const Piece& b, double l, int samples,
                    const JunctionSettings& settings) noexcept {
-  double worst = 0, u = -l;
+  const double middle = half_over(settings);
+  double worst = 0, u = -l - middle;
+  const auto look = [&](const Piece& p, double s) {
+    const double at = u + s;
+    const Vec programmed = at < -middle  ? a.point(a.length + at + middle)
+                           : at < middle ? settings.over->point(at + middle)
+                                         : b.point(at - middle);
+    const Vec q = p.point(s);
+    worst = std::max(worst, settings.tolerance.share(q - programmed));
+    return !outside(q, settings);
+  };
   for (const Piece& p : blend) {
-    for (int i = 1; i <= samples; ++i) {
-      const double s = p.length * i / samples, at = u + s;
-      const Vec programmed = at < 0 ? a.point(a.length + at) : b.point(at);
-      const Vec q = p.point(s);
-      worst = std::max(worst, settings.tolerance.share(q - programmed));
-      if (outside(q, settings)) return kOutside;
-    }
+    for (int i = 1; i <= samples; ++i)
+      if (!look(p, p.length * i / samples)) return kOutside;
+    // Where the move begins and ends that it goes over, the deviation has a corner.
+    for (const double vertex : {-middle, middle})
+      if (vertex > u && vertex < u + p.length && !look(p, vertex - u)) return kOutside;
     u += p.length;
   }
   return worst;
@@ -198,8 +213,10 @@ double passing_time(const Piece& a, const Piece& b, const Blend& blend, double l
 double widest_blend(const Piece& a, const Piece& b, const Shape& shape,
                     const JunctionSettings& settings, Blend& out) noexcept {
   double l = std::min(settings.reach_a, settings.reach_b);
-  for (int round = 0; round < kMaxRounds && l > 1e-9; ++round, l *= kShrinkStep) {
-    make_blend(a, b, l, shape, out);
+  // With nothing of its neighbours it could not go over a move.
+  const double least = std::max(1e-9, kLeastOver * half_over(settings));
+  for (int round = 0; round < kMaxRounds && l > least; ++round, l *= kShrinkStep) {
+    make_blend(a, b, l, shape, settings, out);
     double share = worst_share(out, a, b, l, 1, settings);
     if (share <= kAim) share = worst_share(out, a, b, l, kSamples, settings);
     if (share <= kAim) {

@@ -19,13 +19,15 @@ struct JunctionSettings {
   double reach_a{0},
       reach_b{
           0};  ///< the most that may be taken from the end of the one and the start of the other (sigma)
+  /// A whole short move between the two that the blend takes the place of too; nullptr: they meet.
+  const Piece* over{nullptr};
   Vec low, high;  ///< no blend leaves this box, which the two pieces keep to themselves
   AxisLimits limits;
   bool by_law{true};  ///< as in PathSettings
 };
 
-/// Appends up to kJunctionPieces pieces (one ends at the vertex) that replace the last `l` of `a` and the first `l` of `b`, and
-/// gives l; 0 when no blend fits.
+/// Appends up to kJunctionPieces pieces (one ends at the vertex, or in the middle of `over`) that replace the last `l` of `a` and the first `l` of
+/// `b`, and gives l; 0 when no blend fits.
 double blend_junction(const Piece& a, const Piece& b, const JunctionSettings& settings,
                       Buffer<Piece>& out) noexcept;
 

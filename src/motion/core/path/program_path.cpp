@@ -19,6 +19,12 @@ constexpr double kTinyEnd = 2e-3;
 /// Corners whose blends take less than this part of both lines are looked at alone.
 constexpr double kAloneInLine = 4;
 
+/// Of so few lines the curve inside is always tried too: that costs little.
+constexpr std::size_t kFewLines = 64;
+
+/// A blend that takes this part of half of a move is kept narrow by it.
+constexpr double kFills = 0.9;
+
 /// A corner is as wide as lets a right angle be passed at the feed, in feed^2 / acceleration; but no wider than this (sigma).
 constexpr double kWidthOfFeed = 0.8, kWidestEver = 20;
 
@@ -137,8 +143,9 @@ void ProgramPath::make(const Move* moves, std::size_t count, Buffer<Piece>& out)
   }
 }
 
-/// As wide as corners have to be for the feed.
-double ProgramPath::widest_of(const Move& move) const noexcept {
+double ProgramPath::widest_of(const Move& move, Move::Width width) const noexcept {
+  if (width == Move::Width::usual) return settings_.widest;
+  if (width == Move::Width::any) return std::max(settings_.widest, kWidestEver);
   double fastest = 0, acc = kNoLimit;
   for (std::size_t i = 0; i < 3; ++i) {
     if (!(settings_.limits.acc[i] > 0)) continue;
@@ -153,7 +160,10 @@ double ProgramPath::widest_of(const Move& move) const noexcept {
 void ProgramPath::smooth_chain(const SmoothingSettings& settings, Buffer<Piece>& out) noexcept {
   const std::size_t before = out.size();
   double share = smoother_.smooth(chain_, settings, out);
-  if (share <= 1.0 && smoother_.gave_way() && !settings_.limits.jerks) {
+  // Only what is inside is shorter than what is programmed: that counts where corners are wide.
+  const bool any = std::any_of(chain_.widest.begin(), chain_.widest.end(),
+                               [&](double widest) { return widest > settings_.widest; });
+  if (share <= 1.0 && (any || smoother_.gave_way() || chain_.lines() <= kFewLines)) {
     inside_.clear();
     SmoothingSettings s = settings;
     s.inside = true;
@@ -175,8 +185,65 @@ void ProgramPath::smooth_chain(const SmoothingSettings& settings, Buffer<Piece>&
   }
 }
 
+double ProgramPath::join(const Move& a, const Move* over, const Move& b,
+                         Buffer<Piece>& out) noexcept {
+  JunctionSettings s;
+  s.tolerance = a.mode.tolerance;
+  s.reach_a = std::min(a.piece.length / 2, settings_.widest_junction);
+  s.reach_b = std::min(b.piece.length / 2, settings_.widest_junction);
+  if (over != nullptr) s.over = &over->piece;
+  s.low = settings_.low;
+  s.high = settings_.high;
+  s.limits = settings_.limits;
+  s.by_law = settings_.by_law;
+  return blend_junction(a.piece, b.piece, s, out);
+}
+
+double ProgramPath::join_over(const Move* moves, double l) noexcept {
+  const Move &a = moves[0], &m = moves[1], &b = moves[2];
+  const Joint first = joint_between(a, m), second = joint_between(m, b);
+  const auto goes_on = [](Joint joint) { return joint == Joint::blend || joint == Joint::pass; };
+  if (!goes_on(first) || !goes_on(second) || (first == Joint::pass && second == Joint::pass))
+    return 0;
+  if (!(m.piece.length < std::min(a.piece.length, b.piece.length)) ||
+      !(a.piece.feed == m.piece.feed) || !(b.piece.feed == m.piece.feed) || m.piece.feed.sync)
+    return 0;
+  if (a.mode.tolerance.mm != m.mode.tolerance.mm || a.mode.tolerance.deg != m.mode.tolerance.deg)
+    return 0;
+  ahead_.clear();
+  const double l2 = second == Joint::blend ? join(m, nullptr, b, ahead_) : 0;
+  ahead_of_ = second == Joint::blend ? &m : nullptr;
+  ahead_l_ = l2;
+  // Neither of them is kept narrow by the move between.
+  const bool stands = (first == Joint::blend && !(l > 0)) || (second == Joint::blend && !(l2 > 0));
+  if (!stands && std::max(l, l2) < kFills * m.piece.length / 2) return 0;
+  const double reach_a = std::min(a.piece.length / 2, settings_.widest_junction),
+               reach_b = std::min(b.piece.length / 2, settings_.widest_junction);
+  const auto add = [&](const Piece& p, double from, double to) {
+    if (to > from) apart_.push_back(part_of(p, from, to));
+  };
+  apart_.clear();
+  add(a.piece, a.piece.length - reach_a, a.piece.length - l);
+  for (const Piece& p : blend_) apart_.push_back(p);
+  if (first == Joint::blend && !(l > 0) && !apart_.empty()) apart_.back().stop_at_end = true;
+  add(m.piece, l, m.piece.length - l2);
+  for (const Piece& p : ahead_) apart_.push_back(p);
+  if (second == Joint::blend && !(l2 > 0)) apart_.back().stop_at_end = true;
+  add(b.piece, l2, reach_b);
+  const double apart = least_seconds(apart_.begin(), apart_.size(), settings_.limits, x_);
+  over_.clear();
+  const double taken = join(a, &m, b, over_);
+  if (!(taken > 0)) return 0;
+  apart_.clear();
+  add(a.piece, a.piece.length - reach_a, a.piece.length - taken);
+  for (const Piece& p : over_) apart_.push_back(p);
+  add(b.piece, taken, reach_b);
+  return least_seconds(apart_.begin(), apart_.size(), settings_.limits, x_) < apart ? taken : 0;
+}
+
 void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept {
   double taken = 0;  // of the start of move i by the blend before it
+  ahead_of_ = nullptr;
   for (std::size_t i = 0; i < count;) {
     // A chain of lines, or one arc.
     std::size_t j = i;
@@ -186,15 +253,12 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
     double l = 0;
     blend_.clear();
     if (blended) {
-      JunctionSettings s;
-      s.tolerance = tail.mode.tolerance;
-      s.reach_a = std::min(tail.piece.length / 2, settings_.widest_junction);
-      s.reach_b = std::min(moves[j + 1].piece.length / 2, settings_.widest_junction);
-      s.low = settings_.low;
-      s.high = settings_.high;
-      s.limits = settings_.limits;
-      s.by_law = settings_.by_law;
-      l = blend_junction(tail.piece, moves[j + 1].piece, s, blend_);
+      if (ahead_of_ == &tail) {
+        l = ahead_l_;
+        for (const Piece& p : ahead_) blend_.push_back(p);
+      } else {
+        l = join(tail, nullptr, moves[j + 1], blend_);
+      }
       const bool stops = settings_.limits.jerks && l > 0 &&
                          faster_to_stop(tail.piece, moves[j + 1].piece, l,
                                         even_speed(blend_.begin(), blend_.size(), settings_.limits,
@@ -203,6 +267,16 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
       if (stops) {
         blend_.clear();
         l = 0;
+      }
+    }
+    std::size_t next = j + 1;
+    if (j + 2 < count) {
+      const double over = join_over(moves + j, l);
+      if (over > 0) {
+        l = over;
+        ++next;
+        blend_.clear();
+        for (const Piece& p : over_) blend_.push_back(p);
       }
     }
     if (i == j) {
@@ -223,7 +297,7 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
         chain_.at.push_back(p.point(from));
         chain_.sigma.push_back(sigma);
         chain_.feed.push_back(p.feed);
-        chain_.widest.push_back(moves[k].wide ? widest_of(moves[k]) : settings_.widest);
+        chain_.widest.push_back(widest_of(moves[k], moves[k].width));
         sigma += to - from;
       }
       chain_.at.push_back(tail.piece.point(tail.piece.length - l));
@@ -235,9 +309,10 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
       smooth_chain(s, out);
     }
     for (const Piece& p : blend_) out.push_back(p);
-    if (blended && l <= 0) out.back().stop_at_end = true;
+    const bool stands = j + 1 < count && joint_between(tail, moves[j + 1]) == Joint::stop;
+    if (stands || (blended && l <= 0)) out.back().stop_at_end = true;
     taken = l;
-    i = j + 1;
+    i = next;
   }
 }
 

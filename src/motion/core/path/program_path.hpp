@@ -23,7 +23,9 @@ struct Move {
   Piece piece;
   PathMode mode;            ///< counts for the corner at its end
   bool stop_at_end{false};  ///< something that needs a standing machine follows
-  bool wide{false};         ///< the corner at its end may be as wide as its feed needs
+  /// How wide the corner at its end may be: as all are, as its feed needs, or as the tolerance leaves it.
+  enum class Width : std::int8_t { usual, of_feed, any };
+  Width width{Width::usual};
 };
 
 struct PathSettings {
@@ -52,16 +54,21 @@ class ProgramPath {
   [[nodiscard]] bool stands_behind(const Move* moves, std::size_t first, std::size_t i,
                                    std::size_t count) const noexcept;
   void smooth_chain(const SmoothingSettings& settings, Buffer<Piece>& out) noexcept;
+  /// The junction of two moves, in `out`; gives what it takes of each.
+  double join(const Move& a, const Move* over, const Move& b, Buffer<Piece>& out) noexcept;
+  /// A blend from moves[0] over moves[1] to moves[2] that is faster than those at both of its ends, the first of which is blend_ and takes l; in
+  /// over_. Gives what it takes of both; 0: none. Leaves the blend at the end of moves[1] in ahead_.
+  [[nodiscard]] double join_over(const Move* moves, double l) noexcept;
   void make_run(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept;
   /// The run in work_, with coarser moves where these are faster. False: nowhere.
   bool coarsen(const Move* moves, std::size_t count) noexcept;
-  [[nodiscard]] double widest_of(const Move& move) const noexcept;
+  [[nodiscard]] double widest_of(const Move& move, Move::Width width) const noexcept;
   [[nodiscard]] bool keeps_its_middle(const Move& move) const noexcept;
   [[nodiscard]] double seconds(const Buffer<Move>& moves) noexcept;
   [[nodiscard]] bool may_be_wide(const Move& a, const Move& b) const noexcept;
   bool coarsen_part(const Move* moves, std::size_t count, bool small, bool wide) noexcept;
-  [[nodiscard]] bool lines_of_part(double& share) noexcept;
-  [[nodiscard]] bool join_part(double& share) noexcept;
+  [[nodiscard]] bool lines_of_part(bool chords, double& share) noexcept;
+  [[nodiscard]] bool join_part(bool chords) noexcept;
 
   PathSettings settings_;
   Buffer<Piece> blend_;
@@ -71,6 +78,10 @@ class ProgramPath {
   Buffer<Move> part_, coarse_, best_;  ///< of a part of it: as it was, coarser, the fastest
   Buffer<CoarseLine> lines_;
   Buffer<Piece> trial_, inside_;
+  Buffer<Piece> over_, apart_, ahead_;
+  const Move* ahead_of_{
+      nullptr};  ///< ahead_ is at its end, nullptr: there is none; and takes this of it
+  double ahead_l_{0};
   Buffer<double> x_;
 };
 

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kTogether = 48;
 constexpr double kWorthIt = 0.02, kAnything = 0.001;
 /// Of the tolerance: what arcs may be off as lines, and lines as corners that meet.
-constexpr double kMostOff = 0.3;
+constexpr double kMostOff = 0.3, kMostOffChord = 0.6;
 /// Lines longer than this many of the widest blends keep their middle; and what they are as wide as that by, in tolerances.
 constexpr double kLongLine = 4, kWide = 12;
 /// Kinks of dense lines are smaller.
@@ -52,28 +52,28 @@ bool ProgramPath::create(Memory& memory, std::size_t moves) noexcept {
          part_.create(memory, kLines) && coarse_.create(memory, kLines) &&
          best_.create(memory, kLines) && lines_.create(memory, kLines) &&
          trial_.create(memory, kTrialPieces) && inside_.create(memory, kInsidePieces) &&
-         x_.create(memory, kTrialStretches);
+         over_.create(memory, kJunctionPieces) && ahead_.create(memory, kJunctionPieces) &&
+         apart_.create(memory, 2 * kJunctionPieces + 4) && x_.create(memory, kTrialStretches);
 }
 
 /// What is before it and what is behind it do not meet.
 bool ProgramPath::keeps_its_middle(const Move& move) const noexcept {
   if (move.mode.corners != PathMode::Corners::blend || !(move.mode.tolerance.mm > 0)) return true;
   if (move.piece.straight())
-    return move.piece.length >
-           kLongLine * std::min(widest_of(move), kWide * move.mode.tolerance.mm);
+    return move.piece.length > kLongLine * std::min(widest_of(move, Move::Width::of_feed),
+                                                    kWide * move.mode.tolerance.mm);
   return !may_be_lines(move);
 }
 
 bool ProgramPath::may_be_wide(const Move& a, const Move& b) const noexcept {
   if (!a.piece.straight() || !b.piece.straight() || a.piece.feed.sync ||
-      a.mode.corners != PathMode::Corners::blend ||
-      kWide * a.mode.tolerance.mm <= settings_.widest || widest_of(a) <= settings_.widest)
+      a.mode.corners != PathMode::Corners::blend || kWide * a.mode.tolerance.mm <= settings_.widest)
     return false;
   return max_abs(b.piece.b - a.piece.b) > kCorner;
 }
 
 bool ProgramPath::coarsen(const Move* moves, std::size_t count) noexcept {
-  if (settings_.limits.jerks || count < 2) return false;
+  if (count < 2) return false;
   const auto small = [&](std::size_t k) {
     return !keeps_its_middle(moves[k]) &&
            (may_be_lines(moves[k]) || may_be_joined(moves[k - 1], moves[k], moves[k + 1]));
@@ -113,36 +113,38 @@ bool ProgramPath::coarsen_part(const Move* moves, std::size_t count, bool small,
       if (q[i] > settings_.high[i] || q[i] < settings_.low[i]) return true;
     return false;
   };
-  double least = seconds(part_);
+  const double as_it_was = seconds(part_);
+  double least = as_it_was;
   bool found = false;
-  const auto compare = [&](double share, double worth) {
+  const auto compare = [&](double worth) {
     for (const Move& move : coarse_)
       if (outside(move.piece.point(0))) return;
-    for (std::size_t k = 0; k + 1 < coarse_.size(); ++k) {
-      coarse_[k].mode.tolerance.mm *= 1 - share;
-      coarse_[k].mode.tolerance.deg *= 1 - share;
-    }
     const double taken = seconds(coarse_);
-    if (!(taken < (1 - worth) * least)) return;
+    if (!(taken < std::min(least, (1 - worth) * as_it_was))) return;
     least = taken;
     found = true;
     best_.clear();
     for (const Move& move : coarse_) best_.push_back(move);
   };
-  const auto widen = [&] {
-    for (std::size_t k = 0; k + 1 < coarse_.size(); ++k) coarse_[k].wide = true;
+  // As wide as the feed needs; then as wide as the tolerance leaves it, which is shorter.
+  const auto widen = [&](double worth) {
+    for (const Move::Width width : {Move::Width::of_feed, Move::Width::any}) {
+      for (std::size_t k = 0; k + 1 < coarse_.size(); ++k) coarse_[k].width = width;
+      compare(worth);
+    }
   };
   if (wide) {
     coarse_.clear();
     for (const Move& move : part_) coarse_.push_back(move);
-    widen();
-    compare(0, kAnything);
+    widen(kAnything);
   }
-  double share = 0;
-  if (small && join_part(share)) compare(share, kWorthIt);
-  if (small && wide && join_part(share)) {
-    widen();
-    compare(share, kWorthIt);
+  for (const bool chords : {false, true}) {
+    if (!small || !join_part(chords)) continue;
+    compare(kWorthIt);
+    bool corners = false;
+    for (std::size_t k = 0; k + 1 < coarse_.size(); ++k)
+      corners = corners || may_be_wide(coarse_[k], coarse_[k + 1]);
+    if (corners) widen(kWorthIt);
   }
   if (!found) return false;
   work_.back() = best_.front();
@@ -158,7 +160,7 @@ double ProgramPath::seconds(const Buffer<Move>& moves) noexcept {
 }
 
 /// part_ with its arcs as lines, in coarse_; `share`: how far off they are, 0 where no arc is small enough. False: there are too many.
-bool ProgramPath::lines_of_part(double& share) noexcept {
+bool ProgramPath::lines_of_part(bool chords, double& share) noexcept {
   share = 0;
   coarse_.clear();
   for (std::size_t k = 0; k < part_.size(); ++k) {
@@ -166,7 +168,8 @@ bool ProgramPath::lines_of_part(double& share) noexcept {
     lines_.clear();
     double off = -1;
     if (k > 0 && k + 1 < part_.size() && may_be_lines(move))
-      off = tangents_of(move.piece, move.mode.tolerance, kMostOff, lines_);
+      off = chords ? chord_of(move.piece, move.mode.tolerance, kMostOffChord, lines_)
+                   : tangents_of(move.piece, move.mode.tolerance, kMostOff, lines_);
     if (off < 0) {
       if (!coarse_.push_back(move)) return false;
       continue;
@@ -178,10 +181,10 @@ bool ProgramPath::lines_of_part(double& share) noexcept {
   return true;
 }
 
-/// The same with short lines joined. False: there is none.
-bool ProgramPath::join_part(double& share) noexcept {
+/// The same with short lines joined, and what is left of the tolerance. False: nothing is coarser.
+bool ProgramPath::join_part(bool chords) noexcept {
   double arcs = 0, joined = 0;
-  if (!lines_of_part(arcs)) return false;
+  if (!lines_of_part(chords, arcs)) return false;
   std::size_t done = 0;
   for (std::size_t i = 0; i < coarse_.size();) {
     // A row of lines.
@@ -210,7 +213,11 @@ bool ProgramPath::join_part(double& share) noexcept {
     i = std::max(j, i);
   }
   coarse_.truncate(done);
-  share = arcs + joined;
+  const double share = arcs + joined;
+  for (std::size_t k = 0; k + 1 < done; ++k) {
+    coarse_[k].mode.tolerance.mm *= 1 - share;
+    coarse_[k].mode.tolerance.deg *= 1 - share;
+  }
   return share > 0 || done < part_.size();
 }
 
