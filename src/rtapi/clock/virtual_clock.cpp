@@ -96,21 +96,20 @@ Result<std::unique_ptr<VirtualClock>> VirtualClock::join(Segment& segment, Clock
   return clock;
 }
 
+VirtualClock::Handed VirtualClock::leave() {
+  const Lock lock(block_);
+  block_.slot[me_].state = ClockSlot::State::free;
+  block_.joins.notify();
+  if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
+  if (block_.baton != me_ && block_.baton != ClockBlock::kNobody) return {};
+  block_.baton = ClockBlock::kNobody;
+  me_ = -1;
+  return dispatch();
+}
+
 VirtualClock::~VirtualClock() {
   // A forked child has this object too, but not the place.
-  if (me_ >= 0 && owner_pid_ == getpid()) {
-    const Lock lock(block_);
-    block_.slot[me_].state = ClockSlot::State::free;
-    block_.joins.notify();
-    if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
-    if (block_.baton == me_ || block_.baton == ClockBlock::kNobody) {
-      block_.baton = ClockBlock::kNobody;
-      const std::int32_t left = me_;
-      me_ = -1;
-      dispatch();
-      me_ = left;
-    }
-  }
+  if (me_ >= 0 && owner_pid_ == getpid()) tell(leave());
   if (socket_ >= 0) close(socket_);
   if (stop_fd_ >= 0) close(stop_fd_);
 }
@@ -169,40 +168,49 @@ bool VirtualClock::must_pace(Nanos next, Nanos& left) const noexcept {
   return left > 0;
 }
 
-bool VirtualClock::hand_to(std::int32_t slot) noexcept {
+void VirtualClock::hand_to(std::int32_t slot) noexcept {
   block_.baton = slot;
   block_.slot[slot].state = ClockSlot::State::running;
   block_.slot[slot].outside_ready = false;
   if (block_.slot[slot].foreign) block_.foreign_since_ns = monotonic_now();
-  if (slot == me_) return true;
-  sockaddr_un sun{};
-  const socklen_t length = abstract_address(address(slot), sun);
-  const char baton = 'b';
-  if (sendto(socket_, &baton, 1, MSG_NOSIGNAL | MSG_DONTWAIT,
-             reinterpret_cast<const sockaddr*>(&sun), length) == 1)
-    return true;
-  // Its socket is gone, so it is: go on without it.
-  block_.slot[slot].state = ClockSlot::State::free;
-  block_.baton = ClockBlock::kNobody;
-  return false;
 }
 
-void VirtualClock::dispatch() {
-  while (block_.baton == ClockBlock::kNobody) {
+void VirtualClock::tell(Handed to) {
+  while (to.slot != ClockBlock::kNobody) {
+    sockaddr_un sun{};
+    const socklen_t length = abstract_address(address(to.slot), sun);
+    const char baton = 'b';
+    // Where there is no room it has not looked at those before yet, and will.
+    if (sendto(socket_, &baton, 1, MSG_NOSIGNAL | MSG_DONTWAIT,
+               reinterpret_cast<const sockaddr*>(&sun), length) == 1 ||
+        errno == EAGAIN)
+      return;
+    // Its socket is gone, so it is: go on without it. Others may have seen that too.
+    const Lock lock(block_);
+    if (block_.baton != to.slot || block_.slot[to.slot].order != to.order) return;
+    block_.slot[to.slot].state = ClockSlot::State::free;
+    block_.baton = ClockBlock::kNobody;
+    to = dispatch();
+  }
+}
+
+VirtualClock::Handed VirtualClock::dispatch() {
+  for (;;) {
     bool held = false;
     const std::int32_t due = first_due(held);
     if (due != ClockBlock::kNobody) {
-      if (hand_to(due)) return;
-      continue;
+      hand_to(due);
+      if (due == me_) return {};
+      return {due, block_.slot[due].order};
     }
-    if (held) return;  // whoever finishes its outside work dispatches
+    if (held) return {};  // whoever finishes its outside work dispatches
     const Nanos next = next_wake();
-    if (next == kForever) return;  // all wait for something from outside
+    if (next == kForever) return {};  // all wait for something from outside
     Nanos left = 0;
     if (must_pace(next, left)) {
       // The one that dispatches sleeps for it, in wait().
       if (me_ >= 0 && block_.pacer == ClockBlock::kNobody) block_.pacer = me_;
-      return;
+      return {};
     }
     if (block_.speed > 0 && monotonic_now() - block_.paced_real_ns > kSecond) {
       // Never hurry after a stall.
@@ -242,12 +250,16 @@ void VirtualClock::evict(Segment& segment, std::int64_t pid) {
   VirtualClock helper(segment, **found);
   helper.instance_ = segment.instance();
   helper.socket_ = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  const Lock lock(**found);
-  for (ClockSlot& slot : (*found)->slot)
-    if (slot.state != ClockSlot::State::free && slot.pid == pid)
-      slot.pid_start = ~std::uint64_t{0};  // no process has this start time
-  helper.drop_dead();
-  helper.dispatch();
+  Handed to;
+  {
+    const Lock lock(**found);
+    for (ClockSlot& slot : (*found)->slot)
+      if (slot.state != ClockSlot::State::free && slot.pid == pid)
+        slot.pid_start = ~std::uint64_t{0};  // no process has this start time
+    helper.drop_dead();
+    if ((*found)->baton == ClockBlock::kNobody) to = helper.dispatch();
+  }
+  helper.tell(to);
 }
 
 bool VirtualClock::has_group(ClockBlock& block, std::int64_t group) {
@@ -259,6 +271,7 @@ bool VirtualClock::has_group(ClockBlock& block, std::int64_t group) {
 }
 
 void VirtualClock::wait(const WaitSpec& spec) {
+  Handed to;
   {
     const Lock lock(block_);
     ClockSlot& slot = block_.slot[me_];
@@ -276,9 +289,10 @@ void VirtualClock::wait(const WaitSpec& spec) {
     }
     slot.state = ClockSlot::State::waiting;
     if (block_.baton == me_) block_.baton = ClockBlock::kNobody;
-    if (block_.baton == ClockBlock::kNobody) dispatch();
+    if (block_.baton == ClockBlock::kNobody) to = dispatch();
     if (block_.baton == me_) return;
   }
+  tell(to);
   pollfd fds[66];
   nfds_t n = 0;
   fds[n++] = {socket_, POLLIN, 0};
@@ -286,11 +300,19 @@ void VirtualClock::wait(const WaitSpec& spec) {
   for (const int fd : spec.fds) fds[n++] = {fd, POLLIN, 0};
   const Nanos since = monotonic_now();
   bool named = false;
+  char baton = 0;
   for (;;) {
     if (stopped()) return;  // the destructor gives the baton on if it came meanwhile
     int timeout_ms = kLivenessMs;
     {
       const Lock lock(block_);
+      // It is back already, or whoever was to be told of it was gone.
+      if (block_.baton == me_) {
+        if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
+        while (recv(socket_, &baton, 1, MSG_DONTWAIT) == 1) {
+        }
+        return;
+      }
       Nanos left = 0;
       if (block_.pacer == me_) {
         const Nanos next = next_wake();
@@ -301,9 +323,8 @@ void VirtualClock::wait(const WaitSpec& spec) {
     }
     const int ready = poll(fds, n, timeout_ms);
     if (ready > 0 && fds[0].revents != 0) {
-      char baton = 0;
-      while (recv(socket_, &baton, 1, MSG_DONTWAIT) == 1) {
-      }
+      // One is enough: another one, told late, only wakes once more.
+      (void)recv(socket_, &baton, 1, MSG_DONTWAIT);
       const Lock lock(block_);
       if (block_.baton == me_) {
         if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
@@ -314,20 +335,26 @@ void VirtualClock::wait(const WaitSpec& spec) {
     if (stopped()) return;
     bool outside = false;
     for (nfds_t i = 2; i < n; ++i) outside = outside || fds[i].revents != 0;
+    {
+      const Lock lock(block_);
+      if (outside) {
+        block_.slot[me_].outside_ready = true;
+        n = 2;  // the baton is all that is missing now
+      }
+      if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
+      if (ready == 0) {
+        drop_dead();
+        drop_baton_of_foreign();
+      }
+      to = {};
+      if (block_.baton == ClockBlock::kNobody) to = dispatch();
+      if (block_.baton == me_) return;
+    }
+    tell(to);
+    if (named || monotonic_now() - since <= kNameHolderAfter) continue;
     const Lock lock(block_);
-    if (outside) {
-      block_.slot[me_].outside_ready = true;
-      n = 2;  // the baton is all that is missing now
-    }
-    if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
-    if (ready == 0) {
-      drop_dead();
-      drop_baton_of_foreign();
-    }
-    if (block_.baton == ClockBlock::kNobody) dispatch();
-    if (block_.baton == me_) return;
     const ClockSlot* holder = stalled_by();
-    if (!named && holder != nullptr && monotonic_now() - since > kNameHolderAfter && speaks()) {
+    if (holder != nullptr && speaks()) {
       named = true;
       std::fprintf(stderr, "kerf: virtual time has stood still for 5 s: '%s' (process %lld) %s\n",
                    holder->name.c_str(), static_cast<long long>(holder->pid),

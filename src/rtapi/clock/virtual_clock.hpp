@@ -91,8 +91,17 @@ class VirtualClock final : public WaitClock {
   std::string instance_;
 
   [[nodiscard]] bool is_due(const ClockSlot& slot) const noexcept;
-  /// Gives the free baton away, moving time when nobody can run now. Under the lock.
-  void dispatch();
+  /// Who has the baton now and does not know it yet; `order` tells it from a later participant in that place.
+  struct Handed {
+    std::int32_t slot{ClockBlock::kNobody};
+    std::uint32_t order{0};
+  };
+  /// Gives the free baton away, moving time when nobody can run now. Under the lock; what it gives is to be told after it.
+  [[nodiscard]] Handed dispatch();
+  /// Not under the lock, which is the first that whoever is told takes: it would be woken only to wait for it.
+  void tell(Handed to);
+  /// Gives the place back, and the baton away.
+  [[nodiscard]] Handed leave();
   /// First in order among those that can run now, or kNobody; `held` tells whether somebody holds time.
   [[nodiscard]] std::int32_t first_due(bool& held) const noexcept;
   /// The participant that keeps time from moving, or null when time is free. Under the lock.
@@ -103,7 +112,7 @@ class VirtualClock final : public WaitClock {
   [[nodiscard]] Nanos next_wake() const noexcept;
   /// True when a paced clock must let real time pass before time moves to `next`; this slot then sleeps for `left` ns.
   bool must_pace(Nanos next, Nanos& left) const noexcept;
-  bool hand_to(std::int32_t slot) noexcept;
+  void hand_to(std::int32_t slot) noexcept;
   void drop_dead() noexcept;
   /// Takes the baton from a foreign program that keeps it: it blocks in a way that the shim does not see.
   void drop_baton_of_foreign() noexcept;
