@@ -30,6 +30,8 @@ struct MotionShared {
   rtapi::SeqCell<MotionStatus> status;           ///< servo -> everybody, once a cycle
   rtapi::Cell
       status_cell;  ///< notified by servo when task should look: item done, mode, fault, ack
+  /// Task -> servo: the item behind which task goes on, and of whose end it is told at once; 0: of each. Relaxed: servo looks in every cycle.
+  rtapi::Word<std::uint64_t> awaited_seq{0};
   FaultLog faults;  ///< servo -> everybody
 };
 

@@ -335,7 +335,7 @@ void Motmod::publish() noexcept {
   if (task_should_look()) shared_->status_cell.notify();
 }
 
-/// While plenty of items wait before the planner, task waits for none of them: that some more are done is told now and then.
+/// While plenty of items wait before the planner, and while task waits for a later one, that some more are done is told now and then.
 bool Motmod::task_should_look() noexcept {
   const MotionStatus& status = controller_->status();
   const bool pending = status.kinematics_pending;
@@ -343,7 +343,9 @@ bool Motmod::task_should_look() noexcept {
       (controller_->changed() && !controller_->only_went_on()) || pending != pending_before_;
   pending_before_ = pending;
   untold_ = untold_ || news || controller_->changed();
-  const bool soon = news || shared_->path.size() < PathRing::capacity() / 2;
+  const std::uint64_t awaited = shared_->awaited_seq.get();
+  const bool soon = news || (awaited > 0 ? status.executed_seq >= awaited
+                                         : shared_->path.size() < PathRing::capacity() / 2);
   if (!untold_ || (!soon && status.time_ns - told_ns_ < kTellEvery)) return false;
   untold_ = false;
   told_ns_ = status.time_ns;

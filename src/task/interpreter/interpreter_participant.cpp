@@ -120,6 +120,9 @@ void InterpreterParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   user_.add_to(next, p_.segment);
   hear_database(next);
   if (pushed_) p_.motion.path_cell.notify();
+  const bool only_waits = !aborting_ && run_.active && (run_.source_done || run_.sync_pending) &&
+                          !ring_full_ && !executed();
+  p_.motion.awaited_seq.set(only_waits ? pending_seq_ : 0);
   show();
   // Behind the view, so that whoever hears of an end also sees it.
   for (Report& report : reports_) p_.exchange.report(std::move(report));

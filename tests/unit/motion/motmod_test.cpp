@@ -232,6 +232,37 @@ TEST(Motmod, RunsAMoveFromTheRingToTheMotor) {
   EXPECT_LT(s.shared().status_cell.count(), told + 5) << "told of changes, not of cycles";
 }
 
+TEST(Motmod, WhoWaitsForALaterItemIsNotToldOfEach) {
+  constexpr int kMoves = 200;
+  std::uint64_t told[2];
+  for (const bool awaits : {false, true}) {
+    Shell s;
+    ASSERT_TRUE(s.load()) << s.hal.error();
+    s.configure();
+    s.ready();
+    for (int i = 1; i <= kMoves; ++i) {
+      LinearMove m;
+      m.end = {.x = 0.1 * i};
+      m.vel_mm_s = 50;  // 2 ms each
+      s.push(m);
+    }
+    s.shared().awaited_seq.set(awaits ? kMoves - 10 : 0);
+    told[awaits ? 1 : 0] = s.shared().status_cell.count();
+    bool in_time = false;
+    for (int i = 0; i < 2000 && s.status().executed_seq < kMoves; ++i) {
+      const std::uint64_t before = s.shared().status_cell.count(), done = s.status().executed_seq;
+      s.cycle();
+      if (done < kMoves - 10 && s.status().executed_seq >= kMoves - 10)
+        in_time = s.shared().status_cell.count() > before;
+    }
+    told[awaits ? 1 : 0] = s.shared().status_cell.count() - told[awaits ? 1 : 0];
+    EXPECT_TRUE(in_time) << "of the end of what it waits for at once";
+    EXPECT_EQ(s.status().executed_seq, static_cast<std::uint64_t>(kMoves));
+  }
+  EXPECT_GT(told[0], 150U);
+  EXPECT_LT(told[1], 120U);
+}
+
 TEST(Motmod, DegreesOfAnInchMachineAreDegrees) {
   Shell s("xya");
   ASSERT_TRUE(s.load()) << s.hal.error();
