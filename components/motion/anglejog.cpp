@@ -106,10 +106,9 @@ class Anglejog final : public hal::Component<Anglejog> {
       current_vel_ = speed_;
     }
     active_ = !awaits_ && (wanted != 0.0 || speed_ != 0.0);
-    const bool gives_up = !enable && enabled_before_ && awaits_;
     enabled_before_ = enable;
     current_mag_ = way_;
-    if (scale_ != 0.0 && !gives_up) {
+    if (scale_ != 0.0 && !awaits_) {
       const double fine_scale = scale_ / fine_;
       coscounts_ = whole(way_ * cosine_ / fine_scale);
       sincounts_ = whole(way_ * sine_ / fine_scale);

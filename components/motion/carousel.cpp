@@ -51,14 +51,14 @@ class CarouselChannel : public hal::Channel {
   }
 
   void update(const hal::Period& period) noexcept {
-    if (strobe_)
+    if (strobe_) {
       read_position();
-    else if (homes() && encoding_ != Encoding::counts)
+    } else if (homes() && encoding_ != Encoding::counts) {
+      mark_rises_ = sensor(1) && !mark_before_;
       remember(sensor(1));
-    const bool enable = enable_, started = enable && !was_enabled_;
-    watch_requests(started);
-    step(period.seconds(), enable);
-    was_enabled_ = enable;
+    }
+    watch_requests();
+    step(period.seconds(), enable_);
     state_ = static_cast<std::int32_t>(step_);
     motor_dir_ = direction_;
     homing_ = step_ == Step::homing;
@@ -69,13 +69,14 @@ class CarouselChannel : public hal::Channel {
     idle = 0,
     begin_homing,
     homing,
-    homed,
     search,
     lock,           // the motor pushes back against the ratchet
     settle,         // it runs out
     back_to_mark,   // slowly back until the mark is seen
     back_off_mark,  // and gone again
     onto_mark,      // and forwards onto its edge
+    let_go,         // of enable
+    let_go_of_jog,
   };
   struct Sensor {
     Sensor(hal::Builder& b, std::size_t index, const hal::Name& carousel) noexcept {
@@ -124,6 +125,7 @@ class CarouselChannel : public hal::Channel {
     const bool mark = sensor(homes() && encoding_ != Encoding::counts ? 1 : 0);
     const bool rises = mark && !mark_before_, falls = !mark && mark_before_;
     mark_ = mark;
+    mark_rises_ = rises;
     remember(mark);
     if (encoding_ == Encoding::counts) {
       read_counts();
@@ -137,7 +139,9 @@ class CarouselChannel : public hal::Channel {
 
   /// For the edges to come. At rest an index mode does not look: the mark that comes then is the one that it stands at.
   void remember(bool mark) noexcept {
-    if (direction_ != 0 || encoding_ == Encoding::edge) mark_before_ = mark;
+    const bool looks =
+        encoding_ == Encoding::edge || direction_ != 0 || step_ == Step::let_go_of_jog;
+    if (homed_.last() ? looks : step_ == Step::homing) mark_before_ = mark;
   }
 
   void read_code() noexcept {
@@ -171,28 +175,30 @@ class CarouselChannel : public hal::Channel {
     current_ = around(nearest + 1);
   }
 
-  void watch_requests(bool started) noexcept {
+  /// What is asked for counts at rest, and whoever asks must let go before it counts again.
+  void watch_requests() noexcept {
     if (unhome_ && !was_unhomed_) homed_ = false;
     was_unhomed_ = unhome_;
-    // One jog at a time: the other pin counts once both were false.
-    const bool forward = jog_fwd_, asked = forward || jog_rev_;
-    const int jog = !asked || was_jogged_ ? 0 : forward ? 1 : both_ways_ ? -1 : 0;
-    was_jogged_ = asked;
     if (step_ != Step::idle) return;
-    if (started) {
-      ready_ = false;
-      jogging_ = false;
-      aim();
-      step_ = homes() && !homed_.last() ? Step::begin_homing : Step::search;
-    } else if (jog != 0 && !enable_) {
+    const bool forward = jog_fwd_, back = jog_rev_;
+    if (forward || (back && both_ways_)) {
       ready_ = false;
       // Where it is must be known first.
       jogging_ = !homes() || homed_.last();
       if (jogging_) {
-        target_ = here() + jog < 1 ? pockets_ : around(std::int64_t{here()} + jog);
-        direction_ = jog;
+        // Both pins at once ask for no other pocket.
+        const std::int64_t to = std::int64_t{here()} + (forward ? 1 : 0) - (back ? 1 : 0);
+        target_ = to < 1 ? pockets_ : around(to);
+        direction_ = back ? -1 : 1;
       }
       step_ = jogging_ ? Step::search : Step::begin_homing;
+    } else if (enable_) {
+      ready_ = false;
+      jogging_ = false;
+      active_ = true;
+      motor(0, hold_dc_);
+      aim();
+      step_ = homes() && !homed_.last() ? Step::begin_homing : Step::search;
     }
   }
   /// Numbers beyond the last pocket begin again at the first; below there is nothing but the first.
@@ -203,28 +209,19 @@ class CarouselChannel : public hal::Channel {
     target_ = wanted();
     // Of two ways of one length it is the one without the step from the last pocket to the first.
     const std::int32_t way = target_ - here();
-    const bool back = 2 * way > pockets_ || (way < 0 && -2 * way <= pockets_);
+    const bool back = 2 * way > pockets_ || (way <= 0 && -2 * way <= pockets_);
     direction_ = both_ways_ && back ? -1 : 1;
   }
 
   void step(double dt, bool enable) noexcept {
     switch (step_) {
       case Step::idle: return rest();
-      case Step::begin_homing:
-        active_ = true;
-        motor(0, hold_dc_);
-        step_ = Step::homing;
-        return;
+      case Step::begin_homing: step_ = Step::homing; return;
       case Step::homing: return home();
-      case Step::homed:
-        if (!enable) return finish(false);
-        aim();
-        step_ = Step::search;
-        return search(enable);
       case Step::search: return search(enable);
       case Step::lock:
         timer_ = timer_.last() - dt;
-        if (!enable && !jogging_) return finish(false);
+        if (!enable) return finish(false);
         if (timer_.last() < 0.5 * dt) finish(true);
         return;
       case Step::settle:
@@ -244,6 +241,12 @@ class CarouselChannel : public hal::Channel {
       case Step::onto_mark:
         if (mark_) finish(true);
         return;
+      case Step::let_go:
+        if (!enable) step_ = Step::idle;
+        return rest();
+      case Step::let_go_of_jog:
+        if (!jog_fwd_ && !jog_rev_) step_ = Step::idle;
+        return rest();
     }
   }
 
@@ -254,7 +257,7 @@ class CarouselChannel : public hal::Channel {
       motor(1, fwd_dc_);
     }
     const bool counts = encoding_ == Encoding::counts;
-    const bool found = counts ? sensor(0) || !index_enable_ : sensor(0) && sensor(1);
+    const bool found = counts ? sensor(0) || !index_enable_ : sensor(0) && mark_rises_;
     if (!found) return;
     if (counts)
       origin_ = index_enable_ ? counts_ : 0;  // an encoder that met its index counts from it
@@ -264,12 +267,13 @@ class CarouselChannel : public hal::Channel {
     active_ = false;
     direction_ = 0;
     motor(0, 0.0);
-    step_ = Step::homed;
+    step_ = Step::idle;
   }
 
   void search(bool enable) noexcept {
     if (jogging_) {
-      if (here() == target_) return finish(false);
+      // Not in the cycle in which it begins, with both pins.
+      if (here() == target_ && active_.last()) return end_jog();
     } else {
       if (!enable) return finish(false);
       target_ = wanted();
@@ -288,10 +292,10 @@ class CarouselChannel : public hal::Channel {
       timer_ = rev_pulse_;
       motor(-1, rev_dc_);
       step_ = Step::lock;
-    } else if (active_.last() && align_dc_ != 0.0 && decel_time_ > 0.0 && both_ways_) {
+    } else if (align_dc_ != 0.0 && decel_time_ > 0.0 && both_ways_) {
       timer_ = decel_time_;
+      motor(direction_, 0.0);
       direction_ = 0;  // the mark that it passes now is the same one
-      motor_vel_ = 0.0;
       step_ = Step::settle;
     } else {
       finish(true);
@@ -300,8 +304,12 @@ class CarouselChannel : public hal::Channel {
 
   void finish(bool there) noexcept {
     ready_ = there;
+    step_ = Step::let_go;
+    rest();
+  }
+  void end_jog() noexcept {
     jogging_ = false;
-    step_ = Step::idle;
+    step_ = jog_fwd_ || jog_rev_ ? Step::let_go_of_jog : Step::idle;
     rest();
   }
   void rest() noexcept {
@@ -369,8 +377,7 @@ class CarouselChannel : public hal::Channel {
   std::int32_t pockets_{1}, target_{1}, direction_{0};
   std::int64_t origin_{0};  // counts at the index
   bool both_ways_{true}, odd_parity_{false};
-  bool was_enabled_{false}, was_jogged_{false}, mark_{false}, mark_before_{false}, jogging_{false},
-      was_unhomed_{false};
+  bool mark_{false}, mark_rises_{false}, mark_before_{false}, jogging_{false}, was_unhomed_{false};
 };
 
 class Carousel final : public hal::Component<Carousel> {

@@ -109,6 +109,8 @@ class Plasmac final : public PlasmacHeight {
         leave_for_the_top(Stop::abort);
       else
         abort_idle();
+    } else if (in_cycle() && aborted_) {
+      begin_abort();
     } else if (in_cycle() && !testing) {
       if (program_is_paused_ && !recovering_) {
         leave_for_the_top(Stop::pause);
@@ -151,12 +153,18 @@ class Plasmac final : public PlasmacHeight {
   /// The program ended while nothing was cut: what is left of the offsets goes.
   void abort_idle() noexcept {
     if (state_ == S::paused_motion) end_paused_motion();
-    if (state_ == S::consumable_change_on || state_ == S::cut_recovery_on) {
+    if (state_ == S::consumable_change_on) {
       stop_ = Stop::abort;
-      state_ = state_ == S::cut_recovery_on ? S::cut_recovery_off : S::consumable_change_off;
+      state_ = S::consumable_change_off;
+    } else if (state_ == S::cut_recovery_on || state_ == S::cut_recovery_off) {
+      // The way back comes first.
+      aborted_ = true;
+      state_ = S::cut_recovery_off;
     } else if (state_ == S::idle || state_ == S::paused_motion) {
       aborted_ = true;
       state_ = S::idle;
+    } else if (state_ == S::max_height && pause_at_end_ > 0.0) {
+      begin_abort();
     } else if (state_ == S::max_height || state_ == S::end_cut) {
       stop_ = Stop::abort;
     }
@@ -193,7 +201,11 @@ class Plasmac final : public PlasmacHeight {
       case S::cut_mode_2: return cut(cut_2());
       case S::pause_at_end:
         hold_ = true;
-        if (timer_.ends(dt_)) end_of_cut();
+        if (!timer_.ends(dt_)) return;
+        if (stop_ == Stop::abort)
+          state_ = S::max_height;
+        else
+          end_of_cut();
         return;
       case S::safe_height:
         cornerlock_is_locked_ = corner_lock_ = false;
@@ -235,12 +247,20 @@ class Plasmac final : public PlasmacHeight {
     }
   }
 
+  /// Of a program that ended while no torch burned.
+  void begin_abort() noexcept {
+    torch_off_now();
+    aborted_ = false;
+    hold_ = true;
+    stop_ = Stop::abort;
+    timer_.set(pause_at_end_);
+    state_ = pause_at_end_ > 0.0 ? S::pause_at_end : S::max_height;
+  }
+
   void idle() noexcept {
     if (aborted_) {
-      aborted_ = false;
-      hold_ = true;
-      stop_ = Stop::abort;
-      state_ = z_ == 0 ? S::end_cut : S::max_height;
+      begin_abort();
+      if (state_ == S::pause_at_end || z_ == 0) step();
       return;
     }
     const bool was_asked = pulse_asked_;

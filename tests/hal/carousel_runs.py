@@ -33,6 +33,16 @@ class Run:
             column += [self.rng.choice(values)] * self.rng.choice(holds)
         return column[:LENGTH]
 
+    def jogs(self):
+        """Short ones, of one pin or of both. Held until the pocket has gone again, a jog is LinuxCNC's last one."""
+        rng, columns, at = self.rng, ([0] * LENGTH, [0] * LENGTH), self.rng.randrange(40)
+        while at < LENGTH - 2:
+            length = 1 if self.encoding == "edge" else rng.choice([1, 2])
+            for column in rng.choice([columns[:1], columns[:1], columns[1:], columns[1:], columns]):
+                column[at:at + length] = [1] * length
+            at += length + rng.choice([3, 5, 12, 40])
+        return columns
+
     def sensors(self):
         """Pin to its column."""
         turning, pockets = self.turning(), self.pockets
@@ -51,7 +61,7 @@ class Run:
 
     def case(self):
         rng = self.rng
-        kind = rng.choice(["moves"] if self.encoding == "edge" else ["moves", "moves", "jogs", "lock"])
+        kind = rng.choice(["moves", "jogs"] if self.encoding == "edge" else ["moves", "moves", "jogs", "lock"])
         scale, columns = self.sensors()
         lines = [f"loadrt {self.load}", f"cycles {LENGTH}", "addf carousel.0"]
         for pin in ("fwd-dc", "rev-dc", "hold-dc"):
@@ -60,26 +70,20 @@ class Run:
             for pin, value in (("scale", scale), ("home-offset", rng.choice([0, 0, 7, -20])), ("width", rng.choice([0, 5, scale // 2]))):
                 lines.append(f"setp carousel.0.{pin} {value}")
         columns["pocket-number"] = self.some(list(range(1, self.pockets + 1)) + [0, self.pockets + 3, -2], [50, 120])
+        columns["enable"] = self.some([0, 1, 1], [20, 60, 150])
         if kind == "jogs":
-            # One jog, and not in the cycle in which enable goes: which of the two counts then is nobody's wish. Its index must be known.
-            until = rng.choice([0, 150]) if self.encoding in CODES else 150
-            columns["enable"] = [int(i < until) for i in range(LENGTH)]
-            way, start = rng.choice([1, -1]), rng.randrange(until + 5, LENGTH)
-            jogs = [way if start <= i < start + 12 else 0 for i in range(LENGTH)]
-            columns["jog-fwd"], columns["jog-rev"] = [int(j > 0) for j in jogs], [int(j < 0) for j in jogs]
-        else:
-            columns["enable"] = self.some([0, 1, 1], [20, 60, 150])
+            columns["enable"] = self.some([0, 0, 1], [3, 20, 60])
+            columns["jog-fwd"], columns["jog-rev"] = self.jogs()
         if kind == "lock":
             lines.append(f"setp carousel.0.rev-pulse {rng.choice([0.004, 0.02])}")
             # Without enable LinuxCNC goes on to push back.
             columns["enable"] = [int(i > 10) for i in range(LENGTH)]
         if rng.random() < 0.3:
             columns["strobe"] = self.some([1, 1, 0], [7, 30])
-        # A jog that must look for the index first: active is true then, in LinuxCNC it is not.
-        if rng.random() < 0.3 and kind != "jogs":
+        if rng.random() < 0.3:
             columns["unhome"] = self.some([0, 0, 0, 0, 1], [3, 40])
         lines += [f"seq carousel.0.{pin} " + " ".join(map(str, column)) for pin, column in columns.items()]
-        # What is asked for is not there while it turns to the index or is jogged; LinuxCNC leaves both pins as they were.
+        # What is asked for is not there while it turns to the index or is jogged; LinuxCNC leaves the pin as it was.
         if "unhome" in columns or kind == "jogs":
             lines.append("differs carousel.0.ready differences.md")
         if self.encoding == "counts":
