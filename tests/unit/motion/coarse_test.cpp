@@ -70,6 +70,7 @@ struct Driven {
   double off{0};  ///< of the path from the programmed one, and of programmed ends from the path
   double high{-1e99};
   int stops{0};
+  double shortest_arc{1e99};
 };
 
 double product(const Vec& a, const Vec& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -117,6 +118,7 @@ Driven drive(const Track& track, double high = kFar, const AxisLimits& limits = 
   for (const Piece& p : out) {
     found.sigma += p.length;
     found.stops += p.stop_at_end ? 1 : 0;
+    if (p.shape == Piece::Shape::arc) found.shortest_arc = std::min(found.shortest_arc, p.length);
     const int steps = p.straight() ? 1 : kSteps;
     for (int k = 0; k <= steps; ++k) driven.push_back(p.point(p.length * k / steps));
   }
@@ -243,6 +245,21 @@ TEST(Blends, GoOverMovesThatWouldKeepThemNarrow) {
       EXPECT_NEAR(some.sigma, sigma_of(fitted_arcs(0.01, between)), 1e-9);
       EXPECT_EQ(some.stops, 0);
     }
+}
+
+TEST(Blends, LeaveNoSliverOfAnArc) {
+  // Both neighbours let the blends take nearly half of it.
+  for (const double more : {0.0, 1e-4, 1e-3, 4e-3, 0.02}) {
+    Track t(0.05);
+    for (const double length : {2.0, 2 + more, 2.0}) {
+      t.arc(9, length / 9);
+      t.heading += 0.02;
+    }
+    const Driven found = drive(t, kFar, with_jerk());
+    EXPECT_EQ(found.stops, 0);
+    EXPECT_GE(found.shortest_arc, 0.0049) << more;
+    EXPECT_NEAR(found.sigma, 6 + more, 1e-9);
+  }
 }
 
 TEST(Coarse, FilletsWithinTheToleranceCostNoTimeWithJerkLimits) {

@@ -16,6 +16,8 @@ constexpr double kNearlyTangent = 0.02;
 constexpr double kSameBend = 1e-9;
 /// A move as short as this at the end of what is driven without a stop is driven by itself: no law is found over a blend within it (sigma).
 constexpr double kTinyEnd = 2e-3;
+/// What two blends leave of a move between them is at least so long: no law is found over less (sigma).
+constexpr double kLeastMiddle = 5e-3;
 /// Corners whose blends take less than this part of both lines are looked at alone.
 constexpr double kAloneInLine = 4;
 
@@ -185,11 +187,11 @@ void ProgramPath::smooth_chain(const SmoothingSettings& settings, Buffer<Piece>&
   }
 }
 
-double ProgramPath::join(const Move& a, const Move* over, const Move& b,
+double ProgramPath::join(const Move& a, const Move* over, const Move& b, double most,
                          Buffer<Piece>& out) noexcept {
   JunctionSettings s;
   s.tolerance = a.mode.tolerance;
-  s.reach_a = std::min(a.piece.length / 2, settings_.widest_junction);
+  s.reach_a = std::min({a.piece.length / 2, settings_.widest_junction, most});
   s.reach_b = std::min(b.piece.length / 2, settings_.widest_junction);
   if (over != nullptr) s.over = &over->piece;
   s.low = settings_.low;
@@ -211,7 +213,7 @@ double ProgramPath::join_over(const Move* moves, double l) noexcept {
   if (a.mode.tolerance.mm != m.mode.tolerance.mm || a.mode.tolerance.deg != m.mode.tolerance.deg)
     return 0;
   ahead_.clear();
-  const double l2 = second == Joint::blend ? join(m, nullptr, b, ahead_) : 0;
+  const double l2 = second == Joint::blend ? join(m, nullptr, b, kNoLimit, ahead_) : 0;
   ahead_of_ = second == Joint::blend ? &m : nullptr;
   ahead_l_ = l2;
   // Neither of them is kept narrow by the move between.
@@ -232,7 +234,7 @@ double ProgramPath::join_over(const Move* moves, double l) noexcept {
   add(b.piece, l2, reach_b);
   const double apart = least_seconds(apart_.begin(), apart_.size(), settings_.limits, x_);
   over_.clear();
-  const double taken = join(a, &m, b, over_);
+  const double taken = join(a, &m, b, kNoLimit, over_);
   if (!(taken > 0)) return 0;
   apart_.clear();
   add(a.piece, a.piece.length - reach_a, a.piece.length - taken);
@@ -257,7 +259,7 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
         l = ahead_l_;
         for (const Piece& p : ahead_) blend_.push_back(p);
       } else {
-        l = join(tail, nullptr, moves[j + 1], blend_);
+        l = join(tail, nullptr, moves[j + 1], kNoLimit, blend_);
       }
       const bool stops = settings_.limits.jerks && l > 0 &&
                          faster_to_stop(tail.piece, moves[j + 1].piece, l,
@@ -275,6 +277,17 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
       if (over > 0) {
         l = over;
         ++next;
+        blend_.clear();
+        for (const Piece& p : over_) blend_.push_back(p);
+      }
+    }
+    const double left = tail.piece.length - taken - l;
+    if (settings_.limits.jerks && i == j && l > 0 && left > 0 && left < kLeastMiddle) {
+      over_.clear();
+      const double less = join(tail, next > j + 1 ? &moves[j + 1] : nullptr, moves[next],
+                               tail.piece.length - taken - kLeastMiddle, over_);
+      if (less > 0) {
+        l = less;
         blend_.clear();
         for (const Piece& p : over_) blend_.push_back(p);
       }

@@ -54,8 +54,9 @@ class ProgramPath {
   [[nodiscard]] bool stands_behind(const Move* moves, std::size_t first, std::size_t i,
                                    std::size_t count) const noexcept;
   void smooth_chain(const SmoothingSettings& settings, Buffer<Piece>& out) noexcept;
-  /// The junction of two moves, in `out`; gives what it takes of each.
-  double join(const Move& a, const Move* over, const Move& b, Buffer<Piece>& out) noexcept;
+  /// The junction of two moves, in `out`; gives what it takes of each, at most `most`.
+  double join(const Move& a, const Move* over, const Move& b, double most,
+              Buffer<Piece>& out) noexcept;
   /// A blend from moves[0] over moves[1] to moves[2] that is faster than those at both of its ends, the first of which is blend_ and takes l; in
   /// over_. Gives what it takes of both; 0: none. Leaves the blend at the end of moves[1] in ahead_.
   [[nodiscard]] double join_over(const Move* moves, double l) noexcept;
