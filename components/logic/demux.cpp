@@ -11,13 +11,13 @@ class Demux final : public hal::Component<Demux> {
       .name = "demux",
       .summary = "Sets one of many bits by number",
       .notes =
-          "personality= is the number of outputs, at most 32 (default 16). The number is that of "
+          "personality= is the number of outputs, at most 32 (default 32). The number is that of "
           "the sel-bit pins plus sel-u32; a number past the last output is that of the last."};
   using Component::Component;
 
  private:
   static std::size_t count() noexcept {
-    return personality() > 0 ? static_cast<std::size_t>(personality()) : 16;
+    return personality() > 0 ? static_cast<std::size_t>(personality()) : 32;
   }
 
   hal::PinArray<hal::In<bool>, 5> sel_bit_{

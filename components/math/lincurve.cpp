@@ -5,17 +5,17 @@ namespace kerf::components {
 
 class Lincurve final : public hal::Component<Lincurve> {
  public:
-  static constexpr hal::Info kInfo{
-      .name = "lincurve",
-      .summary = "Straight lines through points",
-      .notes =
-          "personality= is the number of points, at most 16. Below the first and above the last "
-          "point out stays. The x values must rise."};
+  static constexpr hal::Info kInfo{.name = "lincurve",
+                                   .summary = "Straight lines through points",
+                                   .notes =
+                                       "personality= is the number of points, at most 16 (default "
+                                       "2). Below the first and above the last "
+                                       "point out stays. The x values must rise."};
   using Component::Component;
 
  private:
   static std::size_t count() noexcept {
-    return personality() > 0 ? static_cast<std::size_t>(personality()) : 16;
+    return personality() > 0 ? static_cast<std::size_t>(personality()) : 2;
   }
 
   hal::In<double> in_{pin<hal::In<double>>("in", "Input")};

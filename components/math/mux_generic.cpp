@@ -84,9 +84,9 @@ class MuxGenericChannel : public hal::Channel {
       (letters == 0 ? from_ : to_) = type;
       ++letters;
     }
-    if (letters != 2 || size < 1 || size > 1024) {
+    if (letters != 2 || size < 2 || size > 1024) {
       b.fail(
-          "config= must have two of the letters b f s u and a number from 1 to 1024 for each, like "
+          "config= must have two of the letters b f s u and a number from 2 to 1024 for each, like "
           "ff4");
       return;
     }

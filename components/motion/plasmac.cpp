@@ -72,6 +72,9 @@ class Plasmac final : public PlasmacHeight {
 
   void leave_for_the_top(Stop why) noexcept {
     torch_off_now();
+    go_to_the_top(why);
+  }
+  void go_to_the_top(Stop why) noexcept {
     stop_ = why;
     hold_ = true;
     skip_probe_ = false;
@@ -105,10 +108,13 @@ class Plasmac final : public PlasmacHeight {
     } else if (state_ == S::safe_height && program_is_idle_ && was_cutting_ && !cutting_start_) {
       leave_for_the_top(Stop::abort);
     } else if (program_is_idle_ && !was_idle_) {
-      if (in_cycle() || state_ == S::pause_at_end || state_ == S::safe_height)
-        leave_for_the_top(Stop::abort);
-      else
+      if (!in_cycle() && state_ != S::pause_at_end && state_ != S::safe_height) {
         abort_idle();
+      } else {
+        // With a pause at the end the arc is read once more; the way up takes the torch off in this very cycle.
+        if (pause_at_end_ <= 0.0) torch_off_now();
+        go_to_the_top(Stop::abort);
+      }
     } else if (in_cycle() && aborted_) {
       begin_abort();
     } else if (in_cycle() && !testing) {
@@ -215,6 +221,7 @@ class Plasmac final : public PlasmacHeight {
         }
         return;
       case S::max_height:
+        torch_off_now();
         hold_ = true;
         if (z_settled(0.0))
           state_ =

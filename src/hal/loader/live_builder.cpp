@@ -78,7 +78,8 @@ std::string LiveBuilder::unknown_arg() const {
   for (const auto& [name, text] : args_) {
     if (asked_.count(name) > 0) continue;
     std::vector<std::string> known(asked_.begin(), asked_.end());
-    for (const char* own : {"count", "names", "personality"}) known.emplace_back(own);
+    for (const std::string_view own : {"count", "names", "personality"})
+      if (name != own) known.emplace_back(own);
     return std::string("Unknown parameter `")
         .append(name)
         .append("=")

@@ -170,10 +170,10 @@ TEST(Demux, ANumberPastTheLastIsTheLastAndOneBelowZeroIsNone) {
   ASSERT_TRUE(hal.create(module("demux"), "d"));
   hal.set("d.sel-u32", std::uint32_t{100});
   hal.run("d");
-  EXPECT_TRUE(hal.get<bool>("d.out-15"));
+  EXPECT_TRUE(hal.get<bool>("d.out-31"));
   hal.set("d.sel-u32", std::uint32_t{1} << 31U);
   hal.run("d");
-  EXPECT_FALSE(hal.get<bool>("d.out-15"));
+  EXPECT_FALSE(hal.get<bool>("d.out-31"));
   hal.set("d.bargraph", true);
   hal.run("d");
   EXPECT_FALSE(hal.get<bool>("d.out-00"));
