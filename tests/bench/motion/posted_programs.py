@@ -1,5 +1,5 @@
-"""Programs as CAM posts and people write them, for compare_with_peer --posted: G-code text, and each move as it is meant, so that distances from the path
-need no interpreter. Seeded; the same seed gives the same programs everywhere."""
+"""Programs as CAM posts and people write them, and the benchmark's families at other parameters, for compare_with_peer --posted: G-code text, and
+each move as it is meant, so that distances from the path need no interpreter. Seeded; the same seed gives the same programs everywhere."""
 import math
 import random
 from dataclasses import dataclass, field
@@ -62,6 +62,7 @@ class Writer:
     moves: list = field(default_factory=list)
     plane: int = 17
     floor: float = 0  # seconds at the programmed feeds
+    inverse_time: bool = False  # G93
 
     def __post_init__(self):
         self.unit = 25.4 if self.inch else 1.0
@@ -93,7 +94,9 @@ class Writer:
         words = self.words(to)
         if not words:
             return
-        self.lines.append(("G0" if rapid else "G1") + words)
+        way = math.dist(self.at[:3], to[:3]) or abs(to[3] - self.at[3])
+        per_minute = f" F{self.feed / way:.5f}" if self.inverse_time and not rapid else ""
+        self.lines.append(("G0" if rapid else "G1") + words + per_minute)
         self.moves.append(Move(self.at, to))
         if not rapid:
             self.floor += math.dist(self.at[:3], to[:3]) / self.feed * 60
@@ -541,9 +544,105 @@ def slots(w, r):
         w.rapid(z=5)
 
 
+# ---- the benchmark's families at other parameters
+
+
+def arc_spiral(w, r):
+    """A spiral of short arcs that bulge outwards or to both sides."""
+    radius, both = r.uniform(2, 8), r.random() < 0.5
+    chord, angle, out = r.uniform(0.5, 1.6) * radius, 0.0, r.uniform(6, 12)
+    w.go(out, 0)
+    for _ in range(160):
+        angle += chord / out
+        out += chord * 0.3 / 6.28
+        dx, dy = out * math.cos(angle) - w.at[0], out * math.sin(angle) - w.at[1]
+        length = math.hypot(dx, dy)
+        if length >= 2 * radius:
+            continue
+        high = math.sqrt(radius * radius - length * length / 4)
+        side = r.choice((1, 1, 1, -1)) if both else 1
+        w.arc((w.at[0] + dx / 2 - side * high * dy / length, w.at[1] + dy / 2 + side * high * dx / length), 2 * side * math.asin(length / 2 / radius))
+
+
+def arc_row(w, r):
+    heading, kink = 0.0, r.choice((0.0, 0.5))
+    for _ in range(120):
+        heading = w.turn_by(heading, r.uniform(2, 8), r.uniform(0.2, 1.2) * r.choice((1, 1, -1))) + r.uniform(-kink, kink)
+
+
+def zigzag(w, r):
+    length, turn = r.choice((3, 5, 10, 20)), math.radians(r.uniform(10, 160))
+    for k in range(40):
+        w.along(0.0 if k % 2 == 0 else turn, length)
+
+
+def helix(w, r):
+    radius, pitch, chords = r.uniform(2, 8), r.uniform(0.5, 4), r.choice((0, 12, 24, 60))
+    w.go(radius, 0)
+    for k in range(1, 5 * chords):
+        w.go(radius * math.cos(2 * math.pi * k / chords), radius * math.sin(2 * math.pi * k / chords), pitch * k / chords)
+    for _ in range(0 if chords else 30):
+        w.arc((0, 0), math.pi / 2, pitch / 4)
+
+
+def helical_arcs(w, r):
+    heading = 0.0
+    for _ in range(80):
+        heading = w.turn_by(heading, r.uniform(2, 8), r.uniform(0.3, 1.6) * r.choice((1, 1, -1)), r.uniform(-0.5, 0.5)) + r.uniform(-0.4, 0.4)
+
+
+def four_axes(w, r):
+    heading, a, wild = 0.0, 0.0, r.random() < 0.5
+    for k in range(1, 150):
+        if wild:
+            heading += r.uniform(-0.7, 0.7)
+            length, a = r.uniform(0.5, 5), a + r.uniform(-4, 6)
+            w.go(w.at[0] + length * math.cos(heading), w.at[1] + length * math.sin(heading), w.at[2] + r.uniform(-0.3, 0.3), a)
+        else:
+            t = k * 0.08
+            w.go(12 * math.sin(0.6 * t) + t, 8 * math.cos(t), 1.5 * math.sin(2 * t), 25 * math.sin(0.5 * t))
+
+
+def four_axes_in_time(w, r):
+    w.inverse_time = True
+    w.lines.append("G93")
+    four_axes(w, r)
+
+
+def mixture(w, r):
+    heading = 0.0
+    for _ in range(150):
+        kind = r.random()
+        if kind < 0.5:
+            w.along(heading, math.exp(r.uniform(math.log(0.05), math.log(15))), w.at[2] + r.choice((0, 0, r.uniform(-1, 1))))
+        elif kind < 0.9:
+            heading = w.turn_by(heading, math.exp(r.uniform(math.log(0.3), math.log(30))), r.choice((-1, 1)) * r.uniform(0.1, 3))
+        else:
+            w.go(z=w.at[2] + r.uniform(-1, 1))
+        heading += r.choice((0, 0, r.uniform(-0.3, 0.3), r.uniform(-3, 3)))
+
+
+def freeform(w, r):
+    f, high, s = [r.uniform(0.1, 2) for _ in range(3)], r.uniform(1, 6), 0.0
+    for _ in range(900):
+        s += r.uniform(0.05, 0.2)
+        w.go(s * 0.7, high * math.sin(f[0] * s), high / 3 * math.sin(f[1] * s) * math.cos(f[2] * s))
+
+
+def hilbert(w, r):
+    step, way, turns = r.choice((0.5, 1, 2, 4)), 0, "L"
+    for _ in range(4):
+        turns = "".join({"L": "+RF-LFL-FR+", "R": "-LF+RFR+FL-"}.get(c, c) for c in turns)
+    for c in turns:
+        way += {"+": 1, "-": 3}.get(c, 0)
+        if c == "F":
+            w.along(way * math.pi / 2, step)
+
+
 KINDS = (pocket, adaptive, trochoid, trochoid_d, text, script, carve, drilling, bore, finishing, contour, joints, spiral, other_planes, long_short,
          rapids, rapid_path, facing, chamfers, rounded_polygon, chords, star, stairs, gear, raster, ramping, waves, walk, feeds, wrapped, wrapped_curve,
-         lathe_like, arcs_small, fillet_arcs, slots)
+         lathe_like, arcs_small, fillet_arcs, slots, arc_spiral, arc_row, zigzag, helix, helical_arcs, four_axes, four_axes_in_time, mixture, freeform,
+         hilbert)
 TOLERANCES = (0.002, 0.01, 0.01, 0.02, 0.05, 0.05, 0.1, 0.2, 1.0)
 FEEDS = (2400, 4800, 6000, 6000, 9000, 12000)
 
