@@ -329,7 +329,7 @@ class CarouselChannel : public hal::Channel {
   using BitIn = hal::In<bool>;
   using BitOut = hal::Out<bool>;
   IntIn pocket_number_{pin<IntIn>("pocket-number", "Pocket to go to when enable rises")};
-  BitIn enable_{pin<BitIn>("enable", "Rising starts the search, false stops it")};
+  BitIn enable_{pin<BitIn>("enable", "True at rest starts the search, once; false stops it")};
   BitOut active_{pin<BitOut>("active", "The carousel turns, or shall")};
   BitOut ready_{pin<BitOut>("ready", "The pocket is there")};
   BitIn strobe_{pin<BitIn>("strobe", "The position sensors are valid", true)};
@@ -350,8 +350,8 @@ class CarouselChannel : public hal::Channel {
   IntIn home_offset_{pin<IntIn>("home-offset", "Counts of which the index lies behind pocket 1")};
   hal::Io<bool> index_enable_{
       pin<hal::Io<bool>>("index-enable", "Set while homing; an encoder clears it at its index")};
-  BitIn jog_fwd_{pin<BitIn>("jog-fwd", "Rising: one pocket forwards")};
-  BitIn jog_rev_{pin<BitIn>("jog-rev", "Rising: one pocket backwards")};
+  BitIn jog_fwd_{pin<BitIn>("jog-fwd", "True at rest: one pocket forwards, once")};
+  BitIn jog_rev_{pin<BitIn>("jog-rev", "True at rest: one pocket backwards, once")};
   BitOut motor_fwd_{pin<BitOut>("motor-fwd", "Motor forwards, to higher pockets")};
   BitOut motor_rev_{pin<BitOut>("motor-rev", "Motor backwards")};
   BitOut parity_error_{pin<BitOut>("parity-error", "Sensors and parity do not go together")};
