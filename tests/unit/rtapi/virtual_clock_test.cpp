@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -10,6 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "rtapi/clock/real_clock.hpp"
+#include "rtapi/shm/abstract_address.hpp"
 #include "rtapi/shm/segment.hpp"
 #include "rtapi/shm/socket.hpp"
 
@@ -112,6 +116,40 @@ TEST(VirtualClock, ProcessesRunInFixedOrderEachTime) {
     EXPECT_EQ(finish(host), 0);
     EXPECT_STREQ(f.trace->text, "hhthhthhthhthht");
   }
+}
+
+TEST(VirtualClock, WhoHasNotLookedYetIsNotTakenForDead) {
+  Fixture f("full");
+  auto clock = join_clock(*f.segment, Role::realtime_host, "main");
+  ASSERT_TRUE(clock.ok());
+  const pid_t child = spawn(f.segment->instance(), Role::task_command, "child",
+                            [](Segment&, WaitClock& k, Trace& t) {
+                              for (int i = 0; i < 5; ++i) {
+                                sleep_ms(k, 1);
+                                t.add('c');
+                              }
+                            });
+  wait_joined(*f.segment, **clock, 2);
+  // It is told of more turns than it has room for, as happens where whoever tells it runs on for long.
+  ASSERT_EQ(kill(child, SIGSTOP), 0);
+  const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_un to{};
+  const socklen_t length = abstract_address(socket_name(f.segment->instance(), "clock-1"), to);
+  int told = 0;
+  while (told < 10000 &&
+         sendto(fd, "b", 1, MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&to), length) == 1)
+    ++told;
+  ASSERT_EQ(errno, EAGAIN);
+  close(fd);
+  std::thread goes_on([&] {
+    const auto real = make_real_clock();
+    sleep_ms(*real, 20);
+    EXPECT_EQ(kill(child, SIGCONT), 0);
+  });
+  sleep_ms(**clock, 10);
+  goes_on.join();
+  EXPECT_STREQ(f.trace->text, "ccccc");
+  EXPECT_EQ(finish(child), 0);
 }
 
 TEST(VirtualClock, NotifyInOneProcessWakesTheOtherAtTheSameInstant) {
