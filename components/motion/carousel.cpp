@@ -285,8 +285,8 @@ class CarouselChannel : public hal::Channel {
 
   void arrive() noexcept {
     if (rev_pulse_ > 0.0) {
-      if (encoding_ == Encoding::index)
-        direction_ = 0;  // a mark seen against the stop is the same one
+      // An index mode: a mark seen against the stop is the same one. The edges of edge are counted backwards.
+      direction_ = encoding_ == Encoding::index ? 0 : -1;
       // Also where the pocket is there already: it may not be locked.
       active_ = true;
       timer_ = rev_pulse_;

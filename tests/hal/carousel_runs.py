@@ -61,7 +61,7 @@ class Run:
 
     def case(self):
         rng = self.rng
-        kind = rng.choice(["moves", "jogs"] if self.encoding == "edge" else ["moves", "moves", "jogs", "lock"])
+        kind = rng.choice(["moves", "moves", "jogs", "lock"])
         scale, columns = self.sensors()
         lines = [f"loadrt {self.load}", f"cycles {LENGTH}", "addf carousel.0"]
         for pin in ("fwd-dc", "rev-dc", "hold-dc"):
