@@ -132,6 +132,25 @@ Program freeform(int segments, double p_mm, double feed, std::uint64_t seed, boo
   return w.done();
 }
 
+Program dense_lines(double length, double step, double p_mm, double feed, bool merges,
+                    bool circle) {
+  char name[60];
+  std::snprintf(name, sizeof name, "%s, lines of %g mm%s", circle ? "R40" : "bends", step,
+                merges ? "" : " Q0");
+  ProgramWriter w(titled(name, p_mm), p_mm, feed, merges);
+  const auto rounded_off = [](double v) { return std::round(v * 1e5) / 1e5; };
+  double heading = 0, x = 0, y = 0;
+  for (double s = 0; s + step / 2 < length; s += step) {
+    // The chord over [s, s + step].
+    const double bend = circle ? 1.0 / 40 : 0.08 * std::sin(0.3 * (s + step / 2));
+    x += step * std::cos(heading + bend * step / 2);
+    y += step * std::sin(heading + bend * step / 2);
+    heading += bend * step;
+    w.line(xyz(rounded_off(x), rounded_off(y), 0));
+  }
+  return w.done();
+}
+
 Program relief(int segments, double p_mm, double feed, bool merges, std::uint64_t seed,
                double detail) {
   char name[40];

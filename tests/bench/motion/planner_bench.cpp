@@ -307,6 +307,34 @@ void throughput(bool quick, const char* only, std::uint64_t seed) {
     }
 }
 
+/// Smooth curves in short lines, at a feed that they have room for: what jerk limits cost there.
+int dense(bool quick, const char* only) {
+  constexpr double kFeed = 100, kP = 0.01;
+  int bad = 0;
+  std::printf(
+      "\nDense lines along smooth curves, F%g mm/s. Goal: at feed all along, with jerk limits "
+      "too.\n"
+      "%-34s %8s %8s %8s %8s %8s %9s %8s\n",
+      kFeed, "program", "acc s", "slowest", "jerk s", "slowest", "ratio", "off mm", "core");
+  for (const bool circle : {true, false})
+    for (const double step : {0.02, 0.05, 0.1})
+      for (const bool merges : {true, false}) {
+        const bench::Program program =
+            bench::dense_lines(quick ? 200 : 800, step, kP, kFeed, merges, circle);
+        if (only != nullptr && program.name.find(only) == std::string::npos) continue;
+        const bench::RunResult acc = bench::run(program, {}),
+                               jerk = bench::run(program, {kJerk, false, 1, true});
+        const bool ok = within(acc, program) && within(jerk, program);
+        std::printf("%-34s %8.3f %8.4f %8.3f %8.4f %8.4f %9.6f %8.3f%s\n", program.name.c_str(),
+                    acc.seconds, acc.slowest / kFeed, jerk.seconds, jerk.slowest / kFeed,
+                    jerk.seconds / acc.seconds, jerk.deviation, jerk.planner_s / jerk.seconds,
+                    ok ? "" : "  PASSED A LIMIT");
+        std::fflush(stdout);
+        bad += ok ? 0 : 1;
+      }
+  return bad;
+}
+
 /// Programs as files: all that runs on one core, in virtual time.
 int whole_stack(bool quick, std::uint64_t seed) {
   int bad = 0;
@@ -364,7 +392,7 @@ int write_programs(const char* folder, std::uint64_t seed) {
 
 int main_of(int argc, char** argv) {
   std::uint64_t seed = 1, count = 0;
-  bool quick = false, optima = false, cost = false, stops = false, stack = false;
+  bool quick = false, optima = false, cost = false, stops = false, stack = false, streams = false;
   const char *gcode = nullptr, *pictures = nullptr, *only = nullptr;
   for (int i = 1; i < argc; ++i) {
     const bool value = i + 1 < argc;
@@ -378,6 +406,8 @@ int main_of(int argc, char** argv) {
       optima = true;
     } else if (std::strcmp(argv[i], "--cost") == 0) {
       cost = true;
+    } else if (std::strcmp(argv[i], "--dense") == 0) {
+      streams = true;
     } else if (std::strcmp(argv[i], "--stack") == 0) {
       stack = true;
     } else if (std::strcmp(argv[i], "--stops") == 0) {
@@ -425,6 +455,7 @@ int main_of(int argc, char** argv) {
     throughput(quick, only, seed);
     return 0;
   }
+  if (streams) return dense(quick, only) == 0 ? 0 : 1;
   if (stack) return whole_stack(quick, seed) == 0 ? 0 : 1;
   if (stops) {
     stop_times(families(true, seed), only, quick ? 400 : 2000);
@@ -441,6 +472,7 @@ int main_of(int argc, char** argv) {
   corners();
   exact_stops();
   throughput(quick, only, seed);
+  bad += dense(quick, nullptr);
   bad += whole_stack(quick, seed);
   bad += repeats(seed);
   bad += retraces(seed);

@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
+#include <utility>
 #include <vector>
 
 #include "motion/core/path/junction.hpp"
@@ -86,6 +88,214 @@ TEST(Blends, LongLegsStayWhereTheyAreProgrammed) {
   EXPECT_LE(found.off, kP + 1e-9);
   EXPECT_GT(found.off, 0.9 * kP);
   EXPECT_LE(found.outside, 1e-9);
+}
+
+/// Where a curve is, how it goes on and how it bends.
+struct State {
+  Vec at, first, second;
+  [[nodiscard]] double apart(const State& other) const {
+    return std::max(
+        {max_abs(at - other.at), max_abs(first - other.first), max_abs(second - other.second)});
+  }
+};
+State state_at(const Piece& p, double s) { return {p.point(s), p.first(s), p.second(s)}; }
+
+/// Chains that are smoothed part by part: each part is cut where it bends, and goes on with more lines behind it.
+class CutChains {
+ public:
+  CutChains() {
+    EXPECT_TRUE(all_.create(memory_, kLines) && part_.create(memory_, kLines) &&
+                smoother_.create(memory_, kLines) && lead_.create(memory_, kLines) &&
+                rest_.create(memory_, kLines) && out_.create(memory_, 40 * kLines));
+  }
+  static constexpr std::size_t kLines = 400;
+
+  /// Lines of any lengths at angles of at most `kink`.
+  void draw(std::uint64_t seed, double length, double kink) {
+    std::mt19937_64 random(seed);
+    const auto share = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+    double heading = 0, sigma = 0;
+    Vec at;
+    all_.clear();
+    for (std::size_t i = 0; i < kLines; ++i) {
+      all_.at.push_back(at);
+      all_.sigma.push_back(sigma);
+      all_.feed.push_back(Feed{.speed = random() % 4 == 0 ? 50.0 : 80.0});
+      const double step = length * (0.1 + 1.8 * share());
+      heading += kink * (std::sin(0.1 * static_cast<double>(i)) + 0.3 * (2 * share() - 1));
+      at[0] += step * std::cos(heading);
+      at[1] += step * std::sin(heading);
+      sigma += step;
+    }
+    all_.at.push_back(at);
+    all_.sigma.push_back(sigma);
+  }
+  /// `step` lines more each time; `as_it_was`: at each second cut it goes on as the part before would have.
+  void drive(std::size_t step, bool as_it_was) {
+    out_.clear();
+    SmoothingSettings settings;
+    settings.tolerance = {kP, kP};
+    settings.peaked = true;
+    settings.low = everywhere(-1e9);
+    settings.high = everywhere(1e9);
+    std::size_t first = 0;  // vertex
+    double taken = 0;       // of the line behind it
+    for (std::size_t end = 2 * step; first < kLines; end += step) {
+      const bool last = end >= kLines;
+      end = std::min(end, kLines);
+      take(first, taken, end, last);
+      const bool leads = lead_.on;
+      const std::size_t before = out_.size();
+      const bool as_before = leads && as_it_was && ++turn_ % 2 == 0;
+      if (!as_before) {
+        const double worst = smoother_.smooth(part_, settings, out_, leads ? &lead_ : nullptr);
+        ASSERT_TRUE(leads || worst <= 1.0);
+        // What is spread already may ask for what the new lines leave no room for.
+        if (worst > 1.0) ++failed_;
+        if (worst > 1.0) out_.truncate(before);
+      }
+      if (out_.size() == before) {
+        ++gone_on_;
+        smoother_.go_on(part_, lead_, out_);
+        watch(before);
+        first += lead_.lines() - 1;
+        taken = (all_.sigma[first + 1] - all_.sigma[first]) / 2;
+        lead_.on = false;
+        end -= step;
+        continue;
+      }
+      if (last) {
+        watch(before);
+        break;
+      }
+      const std::size_t at = smoother_.cut(part_, part_.lines() / 2, out_, rest_);
+      watch(before);
+      if (at == 0) {
+        // It is driven to the middle of the last line.
+        ++halved_;
+        first = end - 1;
+        taken = (all_.sigma[end] - all_.sigma[first]) / 2;
+        lead_.on = false;
+        continue;
+      }
+      ASSERT_GT(rest_.lines(), 1U);
+      ++cuts_;
+      EXPECT_LE(
+          state_at(out_.back(), out_.back().length).apart({rest_.at, rest_.first, rest_.bend[0]}),
+          1e-9);
+      first += at;
+      taken = 0;
+      std::swap(lead_, rest_);
+    }
+    const Piece& end = out_.back();
+    EXPECT_LE(max_abs(end.point(end.length) - all_.at.back()), 1e-9);
+    EXPECT_LE(max_abs(end.first(end.length) - all_.direction(kLines - 1)), 1e-9);
+    lead_.on = false;
+  }
+  std::size_t cuts_{0}, gone_on_{0}, failed_{0}, halved_{0};
+
+ private:
+  /// The chain from there to vertex `end`, of its last line only half if more follow.
+  void take(std::size_t first, double taken, std::size_t end, bool last) {
+    part_.clear();
+    const double begin = all_.sigma[first] + taken;
+    for (std::size_t v = first; v < end; ++v) {
+      part_.at.push_back(v == first ? all_.at[v] + all_.direction(v) * taken : all_.at[v]);
+      part_.sigma.push_back(v == first ? 0.0 : all_.sigma[v] - begin);
+      part_.feed.push_back(all_.feed[v]);
+    }
+    const double half = (all_.sigma[end] - all_.sigma[end - 1]) / 2;
+    part_.at.push_back(last ? all_.at[end] : all_.at[end] - all_.direction(end - 1) * half);
+    part_.sigma.push_back(all_.sigma[end] - (last ? 0.0 : half) - begin);
+  }
+  /// New pieces from `before` on: no jump where they meet, and none farther from the chain than the tolerance.
+  void watch(std::size_t before) {
+    double sigma = 0;
+    for (std::size_t p = 0; p < before; ++p) sigma += out_[p].length;
+    std::size_t line = 0;
+    for (std::size_t p = before; p < out_.size(); ++p) {
+      const Piece& piece = out_[p];
+      if (p > 0) {
+        EXPECT_LE(state_at(out_[p - 1], out_[p - 1].length).apart(state_at(piece, 0)), 1e-8)
+            << "at " << sigma;
+      }
+      for (int k = 0; k <= 10; ++k) {
+        const double s = sigma + piece.length * k / 10;
+        while (line + 1 < kLines && all_.sigma[line + 1] <= s) ++line;
+        const Vec on = all_.at[line] + all_.direction(line) * (s - all_.sigma[line]);
+        EXPECT_LE(norm3(piece.point(piece.length * k / 10) - on, 0), kP + 1e-9) << "at " << s;
+      }
+      sigma += piece.length;
+    }
+  }
+
+  test::HeapMemory memory_;
+  Chain all_, part_;
+  Smoother smoother_;
+  Lead lead_, rest_;
+  Buffer<Piece> out_;
+  int turn_{0};
+};
+
+/// The largest |q''| in the middle of short lines along a circle, each second point of which has no corner, that begin at `x`.
+double bend_of_stream(double x) {
+  constexpr std::size_t kLines = 400;
+  constexpr double kStep = 0.02, kRadius = 12.5;
+  test::HeapMemory memory;
+  Chain chain;
+  Smoother smoother;
+  Buffer<Piece> out;
+  EXPECT_TRUE(chain.create(memory, kLines) && smoother.create(memory, kLines) &&
+              out.create(memory, 6 * kLines));
+  const auto corner = [&](std::size_t i) {
+    const double angle = 2 * kStep * static_cast<double>(i) / kRadius;
+    // Numbers without rounding where they are halved: a middle that is no corner at all.
+    const auto even = [](double v) { return std::round(v * 0x1p16) * 0x1p-16; };
+    return xyz(x + even(kRadius * std::sin(angle)), even(kRadius * (1 - std::cos(angle))));
+  };
+  double sigma = 0;
+  for (std::size_t i = 0; i <= kLines; ++i) {
+    const Vec from = corner(i / 2), to = corner(i / 2 + 1);
+    chain.at.push_back(i % 2 == 0 ? from : (from + to) * 0.5);
+    if (i > 0) sigma += norm3(chain.at[i] - chain.at[i - 1], 0);
+    chain.sigma.push_back(sigma);
+    if (i < kLines) chain.feed.push_back(Feed{});
+  }
+  SmoothingSettings settings;
+  settings.tolerance = {0.01, 0.01};
+  settings.peaked = true;
+  settings.low = everywhere(-1e9);
+  settings.high = everywhere(1e9);
+  EXPECT_LE(smoother.smooth(chain, settings, out), 1.0);
+  double bend = 0, at = 0;
+  for (const Piece& p : out) {
+    at += p.length;
+    if (at > sigma / 3 && at < sigma * 2 / 3) bend = std::max(bend, max_abs(p.second(p.length)));
+  }
+  return bend;
+}
+
+TEST(Blends, RoundingFarFromZeroIsNoCorner) {
+  const double near = bend_of_stream(0);
+  EXPECT_NEAR(near, 1 / 12.5, 0.01);
+  for (const double x : {130.0, 777.0, 5000.0})
+    EXPECT_LE(bend_of_stream(x), 1.1 * near) << "at " << x;
+}
+
+TEST(Blends, ACurveThatWasCutGoesOnWithoutAJump) {
+  CutChains chains;
+  for (std::uint64_t seed = 1; seed <= 40 && !testing::Test::HasFailure(); ++seed)
+    for (const bool as_it_was : {false, true}) {
+      SCOPED_TRACE(seed);
+      const double length = 0.02 * std::pow(2.0, static_cast<double>(seed % 7)),
+                   kink = 0.003 * std::pow(3.0, static_cast<double>(seed % 6));
+      chains.draw(seed, length, kink);
+      chains.drive(seed % 3 == 0 ? 20 : 80, as_it_was);
+    }
+  EXPECT_GT(chains.cuts_, 200U);
+  EXPECT_GT(chains.gone_on_, 50U);
+  EXPECT_LE(chains.failed_, chains.cuts_ / 20);
+  EXPECT_LE(chains.halved_, chains.cuts_ / 20);
 }
 
 Piece circle(double x, double y, double radius, double from, double sweep) {

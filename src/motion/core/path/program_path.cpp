@@ -1,6 +1,7 @@
 #include "motion/core/path/program_path.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "motion/core/path/boxes.hpp"
 
@@ -23,6 +24,10 @@ constexpr double kAloneInLine = 4;
 
 /// Of so few lines the curve inside is always tried too: that costs little.
 constexpr std::size_t kFewLines = 64;
+
+/// Where the path will be cut, so much at its end is not made coarser (sigma): what comes behind the cut is smoothed as it is.
+constexpr double kBehindCut = 9;
+constexpr std::size_t kLinesBehindCut = 16;
 
 /// A blend that takes this part of half of a move is kept narrow by it.
 constexpr double kFills = 0.9;
@@ -105,6 +110,7 @@ bool ProgramPath::sharp(const Move& a, const Move& b) const noexcept {
 }
 
 ProgramPath::Joint ProgramPath::joint_between(const Move& a, const Move& b) const noexcept {
+  if (a.joined) return Joint::chain;
   if (a.stop_at_end || a.mode.corners == PathMode::Corners::exact_stop) return Joint::stop;
   const bool lines = a.piece.straight() && b.piece.straight();
   const double kink = max_abs(b.piece.first(0) - a.piece.first(a.piece.length));
@@ -120,26 +126,39 @@ ProgramPath::Joint ProgramPath::joint_between(const Move& a, const Move& b) cons
 
 /// Whether the path stands between move i and the next one; `first` is the last one before which it does.
 bool ProgramPath::stands_behind(const Move* moves, std::size_t first, std::size_t i,
-                                std::size_t count) const noexcept {
+                                std::size_t count, bool goes_on) const noexcept {
   const Joint joint = joint_between(moves[i], moves[i + 1]);
-  if (joint == Joint::stop || joint == Joint::pass || !settings_.limits.jerks)
+  if (joint == Joint::stop || joint == Joint::pass || !settings_.limits.jerks || moves[i].joined)
     return joint == Joint::stop;
   const auto tiny = [&](std::size_t k) { return moves[k].piece.length < kTinyEnd; };
   if (tiny(i) && i == first) return true;
   return tiny(i + 1) &&
-         (i + 2 == count || joint_between(moves[i + 1], moves[i + 2]) == Joint::stop);
+         ((i + 2 == count && !goes_on) ||
+          (i + 2 < count && joint_between(moves[i + 1], moves[i + 2]) == Joint::stop));
 }
 
-void ProgramPath::make(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept {
+void ProgramPath::make(const Move* moves, std::size_t count, Buffer<Piece>& out, End end) noexcept {
   std::size_t first = 0;
+  will_be_cut_ = end == End::cut;
+  rest_.on = false;
   for (std::size_t i = 0; i < count; ++i) {
     const bool last = i + 1 == count;
-    if (!last && !stands_behind(moves, first, i, count)) continue;
+    if (!last && !stands_behind(moves, first, i, count, end != End::here)) continue;
     const std::size_t run = i + 1 - first;
-    if (coarsen(moves + first, run))
-      make_run(work_.begin(), work_.size(), out);
+    const bool leads = first == 0 && lead_.on;
+    // What is part of a curve already stays, and so does what will be.
+    const std::size_t from = leads ? led() - 1 : 0;
+    std::size_t to = run;
+    if (last && end == End::cut) {
+      double way = 0;
+      while (to > from && (way < kBehindCut || run - to < kLinesBehindCut))
+        way += moves[first + --to].piece.length;
+      kept_ = run - to;
+    }
+    if (coarsen(moves + first, run, from, to))
+      make_run(work_.begin(), work_.size(), leads, out);
     else
-      make_run(moves + first, run, out);
+      make_run(moves + first, run, leads, out);
     if (!last || moves[i].stop_at_end) out.back().stop_at_end = true;
     first = i + 1;
   }
@@ -158,10 +177,31 @@ double ProgramPath::widest_of(const Move& move, Move::Width width) const noexcep
   return std::clamp(kWidthOfFeed * feed * feed / acc, settings_.widest, kWidestEver);
 }
 
-/// chain_ as pieces.
-void ProgramPath::smooth_chain(const SmoothingSettings& settings, Buffer<Piece>& out) noexcept {
+std::size_t ProgramPath::cut(Move* moves, std::size_t count, std::size_t least,
+                             Buffer<Piece>& out) noexcept {
+  if (!ends_in_chain_ || !settings_.limits.jerks) return 0;
+  const std::size_t most = std::min(count - least, kept_), lines = chain_.lines();
+  const std::size_t at = smoother_.cut(chain_, lines > most ? lines - most : 1, out, rest_);
+  if (at == 0) return 0;
+  const std::size_t made = count - (lines - at);
+  for (std::size_t i = made; i + 1 < count; ++i) moves[i].joined = true;
+  return made;
+}
+
+void ProgramPath::settle() noexcept {
+  std::swap(lead_, rest_);
+  rest_.on = false;
+}
+
+/// chain_ as pieces. False: there is no curve; none that begins with the lead, if there is one.
+bool ProgramPath::smooth_chain(const SmoothingSettings& settings, const Lead* lead,
+                               Buffer<Piece>& out) noexcept {
   const std::size_t before = out.size();
-  double share = smoother_.smooth(chain_, settings, out);
+  double share = smoother_.smooth(chain_, settings, out, lead);
+  if (lead != nullptr) {
+    if (share > 1.0) out.truncate(before);
+    return share <= 1.0;
+  }
   // Only what is inside is shorter than what is programmed: that counts where corners are wide.
   const bool any = std::any_of(chain_.widest.begin(), chain_.widest.end(),
                                [&](double widest) { return widest > settings_.widest; });
@@ -175,9 +215,12 @@ void ProgramPath::smooth_chain(const SmoothingSettings& settings, Buffer<Piece>&
         least_seconds(inside_.begin(), inside_.size(), settings_.limits, x_) < taken) {
       out.truncate(before);
       for (const Piece& piece : inside_) out.push_back(piece);
+    } else if (will_be_cut_) {
+      out.truncate(before);
+      share = smoother_.smooth(chain_, settings, out);
     }
   }
-  if (share <= 1.0) return;
+  if (share <= 1.0) return true;
   // Has never been seen; the programmed corners with stops are always right.
   out.truncate(before);
   for (std::size_t k = 0; k < chain_.lines(); ++k) {
@@ -185,6 +228,7 @@ void ProgramPath::smooth_chain(const SmoothingSettings& settings, Buffer<Piece>&
                                  chain_.sigma[k + 1] - chain_.sigma[k], chain_.feed[k]));
     out.back().stop_at_end = k + 1 < chain_.lines();
   }
+  return false;
 }
 
 double ProgramPath::join(const Move& a, const Move* over, const Move& b, double most,
@@ -243,8 +287,11 @@ double ProgramPath::join_over(const Move* moves, double l) noexcept {
   return least_seconds(apart_.begin(), apart_.size(), settings_.limits, x_) < apart ? taken : 0;
 }
 
-void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept {
+/// `leads`: the first chain goes on where the path was cut.
+void ProgramPath::make_run(const Move* moves, std::size_t count, bool leads,
+                           Buffer<Piece>& out) noexcept {
   double taken = 0;  // of the start of move i by the blend before it
+  ends_in_chain_ = false;
   ahead_of_ = nullptr;
   for (std::size_t i = 0; i < count;) {
     // A chain of lines, or one arc.
@@ -319,7 +366,15 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, Buffer<Piece>& 
       s.peaked = settings_.limits.jerks;
       s.low = settings_.low;
       s.high = settings_.high;
-      smooth_chain(s, out);
+      const Lead* lead = leads ? &lead_ : nullptr;
+      leads = false;
+      if (lead != nullptr && (lead->only_whole || !smooth_chain(s, lead, out))) {
+        smoother_.go_on(chain_, *lead, out);
+        i += lead->lines() - 1;
+        taken = lead->sigma.back() - chain_.sigma[lead->lines() - 1];
+        continue;
+      }
+      ends_in_chain_ = (lead != nullptr || smooth_chain(s, nullptr, out)) && j + 1 == count;
     }
     for (const Piece& p : blend_) out.push_back(p);
     const bool stands = j + 1 < count && joint_between(tail, moves[j + 1]) == Joint::stop;

@@ -26,6 +26,8 @@ struct Move {
   /// How wide the corner at its end may be: as all are, as its feed needs, or as the tolerance leaves it.
   enum class Width : std::int8_t { usual, of_feed, any };
   Width width{Width::usual};
+  bool joined{
+      false};  ///< the corner at its end is part of a curve that was cut before it (ProgramPath::cut)
 };
 
 struct PathSettings {
@@ -43,26 +45,43 @@ class ProgramPath {
   [[nodiscard]] bool create(Memory& memory, std::size_t moves) noexcept;
   void configure(const PathSettings& settings) noexcept { settings_ = settings; }
 
-  /// Appends the pieces of moves[0..count), none of length 0. The path begins exactly at the first and ends exactly at the end of the last;
-  /// stop_at_end of pieces says where it has to stand. sigma of the pieces adds up to that of the moves.
-  void make(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept;
+  /// Appends the pieces of moves[0..count), none of length 0. The path begins exactly where it was cut, else exactly at the first, and ends exactly at the end
+  /// of the last; stop_at_end of pieces says where it has to stand. sigma of the pieces adds up to that of the moves.
+  enum class End : std::int8_t {
+    here,
+    part, /**< the last one is only a part, and more come behind it */
+    cut   /**< the same, and the path will be cut before it */
+  };
+  void make(const Move* moves, std::size_t count, Buffer<Piece>& out, End end = End::here) noexcept;
+  /// After End::cut, with jerk limits: takes the end off what was made, as far as what comes may change it. Gives of how many moves the rest is, at
+  /// least `least`; of those behind it the ones whose corners were part of the curve become `joined`. 0: it cannot be cut.
+  std::size_t cut(Move* moves, std::size_t count, std::size_t least, Buffer<Piece>& out) noexcept;
+  /// What was made last will be driven: the next one begins behind it.
+  void settle() noexcept;
+  /// The next one begins at its first move.
+  void forget() noexcept { lead_.on = rest_.on = false; }
+  /// Moves that the lead is of; the path can be made of no fewer.
+  [[nodiscard]] std::size_t led() const noexcept { return lead_.on ? lead_.lines() : 0; }
+  /// What was cut off goes on as it was.
+  void keep_lead() noexcept { lead_.only_whole = true; }
 
  private:
   enum class Joint { stop, pass, chain, blend };
   [[nodiscard]] Joint joint_between(const Move& a, const Move& b) const noexcept;
   [[nodiscard]] bool sharp(const Move& a, const Move& b) const noexcept;
   [[nodiscard]] bool stands_behind(const Move* moves, std::size_t first, std::size_t i,
-                                   std::size_t count) const noexcept;
-  void smooth_chain(const SmoothingSettings& settings, Buffer<Piece>& out) noexcept;
+                                   std::size_t count, bool goes_on) const noexcept;
+  bool smooth_chain(const SmoothingSettings& settings, const Lead* lead,
+                    Buffer<Piece>& out) noexcept;
   /// The junction of two moves, in `out`; gives what it takes of each, at most `most`.
   double join(const Move& a, const Move* over, const Move& b, double most,
               Buffer<Piece>& out) noexcept;
   /// A blend from moves[0] over moves[1] to moves[2] that is faster than those at both of its ends, the first of which is blend_ and takes l; in
   /// over_. Gives what it takes of both; 0: none. Leaves the blend at the end of moves[1] in ahead_.
   [[nodiscard]] double join_over(const Move* moves, double l) noexcept;
-  void make_run(const Move* moves, std::size_t count, Buffer<Piece>& out) noexcept;
-  /// The run in work_, with coarser moves where these are faster. False: nowhere.
-  bool coarsen(const Move* moves, std::size_t count) noexcept;
+  void make_run(const Move* moves, std::size_t count, bool leads, Buffer<Piece>& out) noexcept;
+  /// The run in work_, between `from` and `to` with coarser moves where these are faster. False: nowhere.
+  bool coarsen(const Move* moves, std::size_t count, std::size_t from, std::size_t to) noexcept;
   [[nodiscard]] double widest_of(const Move& move, Move::Width width) const noexcept;
   [[nodiscard]] bool keeps_its_middle(const Move& move) const noexcept;
   [[nodiscard]] double seconds(const Buffer<Move>& moves) noexcept;
@@ -75,6 +94,10 @@ class ProgramPath {
   Buffer<Piece> blend_;
   Chain chain_;
   Smoother smoother_;
+  Lead lead_, rest_;  ///< how the path begins; how it would go on behind the cut
+  bool ends_in_chain_{false};
+  bool will_be_cut_{false};
+  std::size_t kept_{0};                ///< of the last moves: those that were not made coarser
   Buffer<Move> work_;                  ///< the run with what has become coarser
   Buffer<Move> part_, coarse_, best_;  ///< of a part of it: as it was, coarser, the fastest
   Buffer<CoarseLine> lines_;

@@ -48,7 +48,8 @@ Move line_of(const CoarseLine& line, const PathMode& mode) noexcept {
 bool ProgramPath::create(Memory& memory, std::size_t moves) noexcept {
   const std::size_t lines = 2 * moves;
   return blend_.create(memory, kJunctionPieces) && chain_.create(memory, lines) &&
-         smoother_.create(memory, lines) && work_.create(memory, lines) &&
+         smoother_.create(memory, lines) && lead_.create(memory, moves) &&
+         rest_.create(memory, moves) && work_.create(memory, lines) &&
          part_.create(memory, kLines) && coarse_.create(memory, kLines) &&
          best_.create(memory, kLines) && lines_.create(memory, kLines) &&
          trial_.create(memory, kTrialPieces) && inside_.create(memory, kInsidePieces) &&
@@ -72,19 +73,20 @@ bool ProgramPath::may_be_wide(const Move& a, const Move& b) const noexcept {
   return max_abs(b.piece.b - a.piece.b) > kCorner;
 }
 
-bool ProgramPath::coarsen(const Move* moves, std::size_t count) noexcept {
-  if (count < 2) return false;
+bool ProgramPath::coarsen(const Move* moves, std::size_t count, std::size_t from,
+                          std::size_t to) noexcept {
+  if (to < from + 2) return false;
   const auto small = [&](std::size_t k) {
     return !keeps_its_middle(moves[k]) &&
            (may_be_lines(moves[k]) || may_be_joined(moves[k - 1], moves[k], moves[k + 1]));
   };
   bool any = false;
   work_.clear();
-  work_.push_back(moves[0]);
-  for (std::size_t begin = 0; begin + 1 < count;) {
+  for (std::size_t k = 0; k <= from; ++k) work_.push_back(moves[k]);
+  for (std::size_t begin = from; begin + 1 < to;) {
     std::size_t end = begin + 1;
     bool smalls = false, wide = may_be_wide(moves[begin], moves[end]);
-    while (end + 1 < count && end - begin < kTogether && !keeps_its_middle(moves[end])) {
+    while (end + 1 < to && end - begin < kTogether && !keeps_its_middle(moves[end])) {
       smalls = smalls || small(end);
       wide = wide || may_be_wide(moves[end], moves[end + 1]);
       ++end;
@@ -98,6 +100,7 @@ bool ProgramPath::coarsen(const Move* moves, std::size_t count) noexcept {
     }
     begin = end;
   }
+  for (std::size_t k = to; k < count; ++k) work_.push_back(moves[k]);
   return any;
 }
 
@@ -154,7 +157,7 @@ bool ProgramPath::coarsen_part(const Move* moves, std::size_t count, bool small,
 
 double ProgramPath::seconds(const Buffer<Move>& moves) noexcept {
   trial_.clear();
-  make_run(moves.begin(), moves.size(), trial_);
+  make_run(moves.begin(), moves.size(), false, trial_);
   return trial_.full() ? kNoLimit
                        : least_seconds(trial_.begin(), trial_.size(), settings_.limits, x_);
 }

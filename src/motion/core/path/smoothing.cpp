@@ -12,6 +12,13 @@ constexpr double kShrinkStep = 0.9;  ///< and of its way back where the check fa
 constexpr double kKnotsApart =
     0.24;                        ///< of the width: a knot nearer to another one is not worth it
 constexpr int kMaxRounds = 120;  ///< 0.9^120 = 3e-6 of the first widths: always ends before
+/// With a lead the kinks that are spread may ask for wide ones behind them, so it need not end.
+constexpr int kLeadRounds = 24;
+/// A curve is cut so many widths and lines before the end of its chain; where that leaves this share of the piece that is divided, at least, if there is such a
+/// vertex. In no case shorter ones (sigma).
+constexpr double kCutBefore = 3, kGoodShare = 0.45, kShortest = 2e-3;
+constexpr std::size_t kLinesBehind = 8;
+constexpr double kSamePlace = 1e-9;
 /// Near to 1: the least acceleration for a sharp corner. Shallow ones are driven near to the feed and gain from width.
 constexpr double kSharpPlateau = 0.8, kShallowPlateau = 0.5;
 constexpr double kSharp = 0.9;
@@ -46,25 +53,45 @@ double trapezoid_at_vertex(double plateau) noexcept {
   return (1 + plateau + plateau * plateau) / (6 * (1 + plateau));
 }
 
+/// Five knots a vertex at most, and some at the ends.
+constexpr std::size_t knots_of(std::size_t lines) noexcept { return 5 * lines + 64; }
+
 }  // namespace
 
+bool Lead::create(Memory& memory, std::size_t lines) noexcept {
+  const std::size_t knots = knots_of(lines);
+  return sigma.create(memory, knots) && bend.create(memory, knots) && whole.create(memory, knots) &&
+         guide.create(memory, lines + 1) && width.create(memory, lines + 1);
+}
+
+Vec Lead::bend_at(double s) const noexcept {
+  const auto after =
+      static_cast<std::size_t>(std::lower_bound(sigma.begin(), sigma.end(), s) - sigma.begin());
+  if (s >= end || after == sigma.size()) return Vec{};
+  if (sigma[after] == s) return bend[after];
+  const double share = (s - sigma[after - 1]) / (sigma[after] - sigma[after - 1]);
+  return bend[after - 1] + (bend[after] - bend[after - 1]) * share;
+}
+
 bool Smoother::create(Memory& memory, std::size_t lines) noexcept {
-  // Five knots a vertex at most, and some at the ends.
-  const std::size_t knots = 5 * lines + 64;
+  const std::size_t knots = knots_of(lines);
   return kink_.create(memory, lines + 1) && width_.create(memory, lines + 1) &&
          narrow_.create(memory, lines + 1) && shrink_.create(memory, lines + 1) &&
          off_.create(memory, lines + 1) && guide_.create(memory, lines) &&
          turn_.create(memory, lines + 1) && free_.create(memory, lines + 1) &&
          order_.create(memory, lines + 1) && knot_.create(memory, knots) &&
          centroid_.create(memory, knots) && area_.create(memory, knots) &&
-         bend_.create(memory, knots);
+         bend_.create(memory, knots) && second_.create(memory, knots) &&
+         touch_.create(memory, lines + 1);
 }
 
-double Smoother::smooth(const Chain& chain, const SmoothingSettings& settings,
-                        Buffer<Piece>& out) noexcept {
+double Smoother::smooth(const Chain& chain, const SmoothingSettings& settings, Buffer<Piece>& out,
+                        const Lead* lead) noexcept {
   tolerance_ = settings.tolerance;
   first_piece_ = out.size();
-  kinks_of(chain);
+  lead_ = lead;
+  reset_guide(chain);
+  find_kinks();
   first_widths(chain, settings.tolerance, settings);
   gave_way_ = false;
   if (!settings.inside && room_outside(chain, settings) && use_both_sides(chain, settings, out))
@@ -75,10 +102,10 @@ double Smoother::smooth(const Chain& chain, const SmoothingSettings& settings,
 double Smoother::cut_corners(const Chain& chain, const SmoothingSettings& settings,
                              Buffer<Piece>& out) noexcept {
   double worst = 0;
-  for (int round = 0; round < kMaxRounds; ++round) {
-    worst = attempt(chain, chain, settings.peaked, out);
+  for (int round = 0; round < (lead_ != nullptr ? kLeadRounds : kMaxRounds); ++round) {
+    worst = attempt(chain, settings.peaked, out);
     if (worst <= 1.0) return worst;
-    for (std::size_t v = 1; v < chain.lines(); ++v) width_[v] *= shrink_[v];
+    for (std::size_t v = spent() + 1; v < chain.lines(); ++v) width_[v] *= shrink_[v];
   }
   return worst;
 }
@@ -88,35 +115,51 @@ bool Smoother::use_both_sides(const Chain& chain, const SmoothingSettings& setti
   begin_guide(chain, settings);
   const bool any = std::find(free_.begin(), free_.end(), true) != free_.end();
   for (int round = 0; any && round < kGuideRounds; ++round) {
-    if (attempt(chain, guide_, settings.peaked, out) <= 1.0) return true;
+    if (attempt(chain, settings.peaked, out) <= 1.0) return true;
     move_guide(chain, round);
-    kinks_of(guide_);
+    find_kinks();
   }
   gave_way_ = false;
-  kinks_of(chain);
+  reset_guide(chain);
+  find_kinks();
   width_.assign(chain.lines() + 1, 0.0);
   for (std::size_t v = 0; v <= chain.lines(); ++v) width_[v] = narrow_[v];
   return false;
 }
 
 /// One curve of the guide, with the widths as they are; its worst deviation from the chain.
-double Smoother::attempt(const Chain& chain, const Chain& guide, bool peaked,
-                         Buffer<Piece>& out) noexcept {
+double Smoother::attempt(const Chain& chain, bool peaked, Buffer<Piece>& out) noexcept {
   slope_widths(chain);
   request_knots(chain, peaked);
-  distribute(chain);
+  distribute(chain, chain.lines());
+  second_.assign(knot_.size(), Vec{});
+  for (std::size_t k = 1; k + 1 < knot_.size(); ++k) second_[k] = bend_[k] * (1.0 / area_[k]);
+  if (lead_ != nullptr)
+    for (std::size_t k = 0; k < knot_.size() && knot_[k] < lead_->end; ++k)
+      second_[k] += lead_->bend_at(knot_[k]);
   out.truncate(first_piece_);
-  integrate(guide, out);
+  integrate(out);
   shrink_.assign(chain.lines() + 1, 1.0);
   off_.assign(chain.lines() + 1, Vec{});
   return check(chain, out);
 }
 
-void Smoother::kinks_of(const Chain& guide) noexcept {
-  const std::size_t lines = guide.lines();
+/// The chain itself; where the curve was cut, as far as it is known the guide of that one, which bends back to the chain at its end.
+void Smoother::reset_guide(const Chain& chain) noexcept {
+  guide_.clear();
+  for (std::size_t v = 0; v <= chain.lines(); ++v) {
+    const bool led = lead_ != nullptr && v + 1 < lead_->guide.size();
+    guide_.at.push_back(led ? lead_->guide[v] : chain.at[v]);
+    guide_.sigma.push_back(chain.sigma[v]);
+    if (v < chain.lines()) guide_.feed.push_back(chain.feed[v]);
+  }
+}
+
+void Smoother::find_kinks() noexcept {
+  const std::size_t lines = guide_.lines();
   kink_.assign(lines + 1, Vec{});
   for (std::size_t v = 1; v < lines; ++v) {
-    kink_[v] = guide.direction(v) - guide.direction(v - 1);
+    kink_[v] = guide_.direction(v) - guide_.direction(v - 1);
     if (max_abs(kink_[v]) < kNoKink) kink_[v] = Vec{};
   }
 }
@@ -137,15 +180,11 @@ bool Smoother::room_outside(const Chain& chain, const SmoothingSettings& setting
 
 void Smoother::begin_guide(const Chain& chain, const SmoothingSettings& settings) noexcept {
   const std::size_t lines = chain.lines();
-  guide_.clear();
   narrow_.clear();
   turn_.clear();
   for (std::size_t v = 0; v <= lines; ++v) {
-    guide_.at.push_back(chain.at[v]);
-    guide_.sigma.push_back(chain.sigma[v]);
-    if (v < lines) guide_.feed.push_back(chain.feed[v]);
     narrow_.push_back(width_[v]);
-    if (v == 0 || v == lines || width_[v] > 0) turn_.push_back(static_cast<std::uint32_t>(v));
+    if (v <= held() || v == lines || width_[v] > 0) turn_.push_back(static_cast<std::uint32_t>(v));
   }
   Tolerance wider = settings.tolerance;
   wider.mm *= settings.peaked ? kWiderPeaked : kWider;
@@ -154,13 +193,18 @@ void Smoother::begin_guide(const Chain& chain, const SmoothingSettings& settings
   free_.assign(turn_.size(), false);
   for (std::size_t t = 1; t + 1 < turn_.size(); ++t) {
     const std::size_t v = turn_[t];
+    if (v <= spent()) continue;
     const double before = chain.sigma[v] - chain.sigma[turn_[t - 1]],
                  after = chain.sigma[turn_[t + 1]] - chain.sigma[v];
     // The directions at both ends stay.
-    free_[t] = t > 1 && t + 2 < turn_.size() && std::max(before, after) <= kLongLeg * width_[v];
+    const bool stays = lead_ != nullptr && v == held();
+    const bool wide =
+        stays ? !(guide_.at[v] == chain.at[v])
+              : t > 1 && t + 2 < turn_.size() && std::max(before, after) <= kLongLeg * width_[v];
+    free_[t] = wide && !stays;
     // A corner that was alone stays so: overlapping bends of sharp corners cost more than wide ones gain.
     const double half = std::min(before, after) / 2;
-    if (!free_[t])
+    if (!wide)
       width_[v] = narrow_[v];
     else if (narrow_[v] < half)
       width_[v] = std::min(kWiderLone * narrow_[v], half);
@@ -170,7 +214,8 @@ void Smoother::begin_guide(const Chain& chain, const SmoothingSettings& settings
 void Smoother::move_guide(const Chain& chain, int round) noexcept {
   for (std::size_t t = 1; t + 1 < turn_.size(); ++t) {
     const std::size_t v = turn_[t];
-    if (round >= kMoveBack && shrink_[v] < 1) {
+    if (v <= spent()) continue;
+    if (round >= kMoveBack && shrink_[v] < 1 && v > held()) {
       const bool moved = !(guide_.at[v] == chain.at[v]);
       guide_.at[v] = chain.at[v];
       width_[v] = moved ? narrow_[v] : width_[v] * shrink_[v];
@@ -183,7 +228,11 @@ void Smoother::move_guide(const Chain& chain, int round) noexcept {
           gave_way_ || narrow_[v] < std::min(before, after) / 2 || max_abs(kink_[v]) > kNoStream;
     }
     const double share = tolerance_.share(off_[v]);
-    if (free_[t] && share > kGuideAim) guide_.at[v].add(kGuideAim / share - 1, off_[v]);
+    if (free_[t] && share > kGuideAim && (round == 0 || shrink_[v] < 1)) {
+      // Beside what stays it may not jump.
+      const double apart = lead_ != nullptr ? chain.sigma[v] - chain.sigma[held()] : width_[v];
+      guide_.at[v].add((kGuideAim / share - 1) * std::min(1.0, apart / width_[v]), off_[v]);
+    }
     if (round >= kOnlyMove) width_[v] *= shrink_[v];
   }
   // What lies straight between two turns stays so.
@@ -202,7 +251,8 @@ void Smoother::first_widths(const Chain& chain, const Tolerance& tolerance,
   width_.assign(lines + 1, 0.0);
   const double begin = chain.sigma.front(), end = chain.sigma.back();
   for (std::size_t v = 1; v < lines; ++v) {
-    if (kink_[v] == Vec{}) continue;
+    if (v <= spent()) width_[v] = lead_->width[v];
+    if (kink_[v] == Vec{} || v <= spent()) continue;
     const double at = chain.sigma[v];
     const double widest = chain.widest.empty() ? settings.widest : chain.widest[v - 1];
     const double room = std::min({at - begin, end - at, widest});
@@ -240,8 +290,9 @@ void Smoother::slope_widths(const Chain& chain) noexcept {
   bool any = false;
   const auto sweep = [&](std::size_t v, double step) {
     if (any) reach += step;
-    if (kink_[v] == Vec{}) return;
-    if (any) width_[v] = std::min(width_[v], reach);
+    // Where the chain does not turn, what rounding makes of the guide there is no kink.
+    if (!(width_[v] > 0)) return;
+    if (any && v > spent()) width_[v] = std::min(width_[v], reach);
     reach = width_[v];
     any = true;
   };
@@ -261,10 +312,13 @@ void Smoother::add_knot(double at, double apart) noexcept {
 void Smoother::request_knots(const Chain& chain, bool peaked) noexcept {
   const std::size_t lines = chain.lines();
   order_.clear();
-  for (std::size_t v = 1; v < lines; ++v)
+  for (std::size_t v = spent() + 1; v < lines; ++v)
     if (width_[v] > 0) order_.push_back(static_cast<std::uint32_t>(v));
   knot_.clear();
   knot_.push_back(chain.sigma.front());
+  if (lead_ != nullptr)
+    for (std::size_t k = 1; k < lead_->sigma.size() && lead_->sigma[k] <= lead_->end; ++k)
+      if (lead_->sigma[k] < chain.sigma.back() - kSamePlace) knot_.push_back(lead_->sigma[k]);
   knot_.push_back(chain.sigma.back());
   if (!order_.empty()) {
     // The outermost kinks must lie between centroids of hats, or their moment cannot be kept.
@@ -309,10 +363,13 @@ void Smoother::request_knots(const Chain& chain, bool peaked) noexcept {
   }
 }
 
-void Smoother::distribute(const Chain& chain) noexcept {
+/// Spreads the kinks up to vertex `last` over the hats.
+void Smoother::distribute(const Chain& chain, std::size_t last) noexcept {
+  bend_.assign(knot_.size(), Vec{});
   if (knot_.size() < 3) return;
   const auto begin = centroid_.begin() + 1, end = centroid_.end() - 1;
   for (const std::size_t v : order_) {
+    if (v > last) continue;
     const double at = chain.sigma[v], h = width_[v];
     const auto lo =
         static_cast<std::size_t>(std::upper_bound(begin, end, at - h) - centroid_.begin());
@@ -339,27 +396,32 @@ void Smoother::distribute(const Chain& chain) noexcept {
         }
       }
     }
+    touch_[v] = static_cast<std::uint32_t>(lo);
     if (spread) continue;
     auto right = static_cast<std::size_t>(std::lower_bound(begin, end, at) - centroid_.begin());
     right = std::min(right, knot_.size() - 2);
     if (right == 1 || centroid_[right] == at) {
       bend_[right].add(1.0, kink_[v]);
+      touch_[v] = static_cast<std::uint32_t>(right);
       continue;
     }
+    touch_[v] = static_cast<std::uint32_t>(right - 1);
     const double g = (at - centroid_[right - 1]) / (centroid_[right] - centroid_[right - 1]);
     bend_[right].add(g, kink_[v]);
     bend_[right - 1].add(1.0 - g, kink_[v]);
   }
 }
 
-void Smoother::integrate(const Chain& chain, Buffer<Piece>& out) const noexcept {
-  Vec q = chain.at.front(), d1 = chain.direction(0), d2;
+/// From second_, along the guide.
+void Smoother::integrate(Buffer<Piece>& out) const noexcept {
+  const Chain& chain = guide_;
+  Vec q = chain.at.front(), d1 = chain.direction(0), d2 = second_.front();
+  if (lead_ != nullptr) q = lead_->at, d1 = lead_->first;
   std::size_t line = 0;
   // Rounding adds up over long chains; on each straight the curve is on the chain again, exactly.
   for (std::size_t k = 0; k + 1 < knot_.size(); ++k) {
     const double length = knot_[k + 1] - knot_[k];
-    Vec next;
-    if (k + 2 < knot_.size()) next = bend_[k + 1] * (1.0 / area_[k + 1]);
+    const Vec next = second_[k + 1];
     const double middle = (knot_[k] + knot_[k + 1]) / 2;
     while (line + 1 < chain.lines() && chain.sigma[line + 1] <= middle) ++line;
     const bool straight = d2 == Vec{} && next == Vec{};
@@ -399,6 +461,12 @@ void Smoother::integrate(const Chain& chain, Buffer<Piece>& out) const noexcept 
 
 double Smoother::check(const Chain& chain, const Buffer<Piece>& out) noexcept {
   double worst = 0, sigma = chain.sigma.front();
+  // Both tolerances are those of all moves there.
+  Tolerance leads = tolerance_;
+  if (lead_ != nullptr) {
+    leads.mm = std::max(leads.mm, lead_->tolerance.mm);
+    leads.deg = std::max(leads.deg, lead_->tolerance.deg);
+  }
   std::size_t line = 0;
   std::size_t near = 1;  // first vertex that may reach here
   for (std::size_t p = first_piece_; p < out.size(); ++p) {
@@ -418,8 +486,9 @@ double Smoother::check(const Chain& chain, const Buffer<Piece>& out) noexcept {
       const Vec o0 = off(from), o3 = off(to);
       const Vec o1 = o0 + (piece.first(from - sigma) - t) * third;
       const Vec o2 = o3 - (piece.first(to - sigma) - t) * third;
-      const double share = std::max(
-          {tolerance_.share(o0), tolerance_.share(o1), tolerance_.share(o2), tolerance_.share(o3)});
+      const Tolerance& most = lead_ != nullptr && from < lead_->end ? leads : tolerance_;
+      const double share =
+          std::max({most.share(o0), most.share(o1), most.share(o2), most.share(o3)});
       worst = std::max(worst, share);
       if (line + 1 < chain.lines() && to == chain.sigma[line + 1]) off_[line + 1] = o3;
       if (share > 1.0) {
@@ -439,6 +508,103 @@ double Smoother::check(const Chain& chain, const Buffer<Piece>& out) noexcept {
     sigma = end;
   }
   return worst;
+}
+
+void Smoother::go_on(const Chain& chain, const Lead& lead, Buffer<Piece>& out) noexcept {
+  lead_ = &lead;
+  guide_.clear();
+  for (std::size_t v = 0; v < lead.guide.size(); ++v) {
+    const bool ends = v == lead.lines();
+    guide_.at.push_back(lead.guide[v]);
+    guide_.sigma.push_back(ends ? lead.sigma.back() : chain.sigma[v]);
+    if (!ends) guide_.feed.push_back(chain.feed[v]);
+  }
+  knot_.clear();
+  second_.clear();
+  for (std::size_t k = 0; k < lead.sigma.size(); ++k) {
+    knot_.push_back(lead.sigma[k]);
+    second_.push_back(lead.whole[k]);
+  }
+  integrate(out);
+}
+
+/// How well the piece at sigma can be divided there: by the shorter part's share of it; 1 at its ends. 0: the shorter part would be a sliver.
+double Smoother::divides(const Buffer<Piece>& out, double sigma) const noexcept {
+  double begin = 0;
+  for (std::size_t p = first_piece_; p < out.size(); ++p) {
+    const double end = begin + out[p].length;
+    if (sigma <= end + kSamePlace) {
+      const double near = std::min(std::abs(end - sigma), std::abs(sigma - begin));
+      if (near <= kSamePlace) return 1;
+      return near > kShortest ? near / out[p].length : 0.0;
+    }
+    begin = end;
+  }
+  return 0;
+}
+
+std::size_t Smoother::cut(const Chain& chain, std::size_t least, Buffer<Piece>& out,
+                          Lead& rest) noexcept {
+  const std::size_t lines = chain.lines();
+  const double led = lead_ != nullptr ? lead_->end : 0.0;
+  least = std::max<std::size_t>(least, 1);
+  while (least < lines && chain.sigma[least] < led) ++least;
+  std::size_t at = lines;
+  double widest = 0, best = 0;
+  for (std::size_t v = least; v < lines; ++v) widest = std::max(widest, width_[v]);
+  for (std::size_t v = lines; best < kGoodShare && v-- > least;) {
+    const double sigma = chain.sigma[v];
+    const bool near = lines - v < kLinesBehind || chain.sigma.back() - sigma < kCutBefore * widest;
+    if (v > least && near) continue;
+    const double share = divides(out, sigma);
+    if (share > best) best = share, at = v;
+  }
+  if (at == lines) return 0;
+  const double sigma = chain.sigma[at];
+  // Hats that reach before the cut; then the last vertex whose kink is spread over any of them.
+  const auto knot = static_cast<std::size_t>(
+      std::lower_bound(knot_.begin(), knot_.end(), sigma - kSamePlace) - knot_.begin());
+  std::size_t spent_to = at;
+  for (const std::size_t v : order_)
+    if (touch_[v] <= knot) spent_to = std::max(spent_to, v);
+  if (spent_to + 2 > lines || lines - at + 1 > rest.guide.size() + rest.guide.room()) return 0;
+  for (Buffer<Vec>* of : {&rest.bend, &rest.whole, &rest.guide}) of->clear();
+  rest.sigma.clear();
+  rest.width.clear();
+  rest.only_whole = false;
+  rest.spent = spent_to - at;
+  for (std::size_t v = at; v <= lines; ++v) {
+    rest.guide.push_back(guide_.at[v]);
+    rest.width.push_back(width_[v]);
+  }
+  // The pieces up to the cut.
+  double begin = 0;
+  std::size_t last = first_piece_;
+  while (begin + out[last].length < sigma - kSamePlace) begin += out[last++].length;
+  if (begin + out[last].length > sigma + kSamePlace)
+    out[last] = part_of(out[last], 0, sigma - begin);
+  out.truncate(last + 1);
+  const Piece& end = out.back();
+  rest.at = end.point(end.length);
+  rest.first = end.first(end.length);
+  rest.sigma.push_back(0);
+  rest.whole.push_back(end.second(end.length));
+  rest.bend.push_back(rest.whole.front());
+  distribute(chain, spent_to);
+  rest.end = 0;
+  for (std::size_t k = knot; k < knot_.size(); ++k) {
+    const double s = knot_[k] - sigma;
+    if (s <= kSamePlace) continue;
+    Vec bend;
+    if (k + 1 < knot_.size()) bend = bend_[k] * (1.0 / area_[k]);
+    if (!(bend == Vec{}) || !(rest.bend.back() == Vec{})) rest.end = s;
+    rest.sigma.push_back(s);
+    rest.bend.push_back(bend);
+    rest.whole.push_back(second_[k]);
+  }
+  rest.tolerance = tolerance_;
+  rest.on = true;
+  return at;
 }
 
 }  // namespace kerf::motion::path

@@ -51,12 +51,41 @@ struct SmoothingSettings {
   Vec low, high;       ///< the curve stays in this box, which the chain keeps to itself
 };
 
+/// How a curve goes on that was cut at a vertex of its chain (Smoother::cut), when what follows is known: the chain from that vertex on is smoothed
+/// again with more behind it. Kinks that bend the curve before the cut are spread for good; so are the vertices of the guide that make them.
+struct Lead {
+  bool on{false};
+  bool only_whole{false};  ///< goes on as it was
+  Vec at, first;           ///< of the curve at the cut
+  std::size_t spent{0};    ///< kinks of the vertices up to this one are spread
+  double end{0};           ///< and bend nothing from there on
+  Tolerance tolerance;     ///< kept up to there
+  Buffer<double> sigma;    ///< of knots, from the cut on
+  Buffer<Vec> bend;        ///< q'' there by those kinks alone; linear between
+  Buffer<Vec> whole;       ///< q'' of all kinks of the chain that was cut, to its end
+  Buffer<Vec> guide;       ///< from the vertex of the cut to the end of that chain
+  Buffer<double> width;    ///< the same
+
+  [[nodiscard]] bool create(Memory& memory, std::size_t lines) noexcept;
+  /// Lines of the rest of the chain that was cut; the last one is a part.
+  [[nodiscard]] std::size_t lines() const noexcept { return guide.size() - 1; }
+  /// q'' of what is spread.
+  [[nodiscard]] Vec bend_at(double s) const noexcept;
+};
+
 class Smoother {
  public:
   /// For chains of up to `lines` lines.
   [[nodiscard]] bool create(Memory& memory, std::size_t lines) noexcept;
-  /// Appends the pieces of the smoothed chain to `out`. Gives the worst deviation as a share of the tolerance, at most 1.
-  double smooth(const Chain& chain, const SmoothingSettings& settings, Buffer<Piece>& out) noexcept;
+  /// Appends the pieces of the smoothed chain to `out`. Gives the worst deviation as a share of the tolerance, at most 1; more: there is none with that
+  /// `lead`, which is how the curve begins (nullptr: at the chain's start, in its direction).
+  double smooth(const Chain& chain, const SmoothingSettings& settings, Buffer<Piece>& out,
+                const Lead* lead = nullptr) noexcept;
+  /// Appends how the curve goes on without more, to the end of the chain that was cut. `chain` begins with its lines.
+  void go_on(const Chain& chain, const Lead& lead, Buffer<Piece>& out) noexcept;
+  /// Cuts the curve that smooth() has just appended: at one of the vertices from `least` on, as far on as the end of the chain, where more will
+  /// come, has no say. Gives the vertex; 0: nowhere.
+  std::size_t cut(const Chain& chain, std::size_t least, Buffer<Piece>& out, Lead& rest) noexcept;
   /// Of the last one: the guide had to give way at corners, which may have become narrow by that.
   [[nodiscard]] bool gave_way() const noexcept { return gave_way_; }
 
@@ -71,20 +100,26 @@ class Smoother {
                                   const SmoothingSettings& settings) const noexcept;
   void begin_guide(const Chain& chain, const SmoothingSettings& settings) noexcept;
   void move_guide(const Chain& chain, int round) noexcept;
-  double attempt(const Chain& chain, const Chain& guide, bool peaked, Buffer<Piece>& out) noexcept;
-  void kinks_of(const Chain& guide) noexcept;
+  double attempt(const Chain& chain, bool peaked, Buffer<Piece>& out) noexcept;
+  void reset_guide(const Chain& chain) noexcept;
+  void find_kinks() noexcept;
   void first_widths(const Chain& chain, const Tolerance& tolerance,
                     const SmoothingSettings& settings) noexcept;
   void slope_widths(const Chain& chain) noexcept;
   void request_knots(const Chain& chain, bool peaked) noexcept;
   void add_knot(double at, double apart) noexcept;
-  void distribute(const Chain& chain) noexcept;
-  void integrate(const Chain& chain, Buffer<Piece>& out) const noexcept;
+  void distribute(const Chain& chain, std::size_t last) noexcept;
+  void integrate(Buffer<Piece>& out) const noexcept;
+  [[nodiscard]] double divides(const Buffer<Piece>& out, double sigma) const noexcept;
+  /// Kinks up to this vertex are spread by what the curve begins with; the guide stays there and at the next one.
+  [[nodiscard]] std::size_t spent() const noexcept { return lead_ != nullptr ? lead_->spent : 0; }
+  [[nodiscard]] std::size_t held() const noexcept { return lead_ != nullptr ? spent() + 1 : 0; }
   double check(const Chain& chain, const Buffer<Piece>& out) noexcept;
 
   Tolerance tolerance_;
   std::size_t first_piece_{0};
   bool gave_way_{false};
+  const Lead* lead_{nullptr};
   Buffer<Vec> kink_;       ///< per vertex; ends: zero
   Buffer<double> width_;   ///< half-width of each vertex
   Buffer<double> narrow_;  ///< the same for the curve that cuts corners
@@ -94,8 +129,10 @@ class Smoother {
   Buffer<std::uint32_t> turn_;  ///< vertices with a kink, between both ends
   Buffer<bool> free_;           ///< of each of turn_: whether the guide may leave the chain there
   Buffer<double> knot_, centroid_, area_;
-  Buffer<Vec> bend_;  ///< C of each hat
+  Buffer<Vec> bend_;    ///< C of each hat
+  Buffer<Vec> second_;  ///< q'' at each knot
   Buffer<std::uint32_t> order_;
+  Buffer<std::uint32_t> touch_;  ///< of each vertex: the first hat that its kink is spread over
 };
 
 }  // namespace kerf::motion::path

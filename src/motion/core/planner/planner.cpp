@@ -237,7 +237,8 @@ void Planner::forget() noexcept {
   slots_.gate.pass([&] { slots_.pending.publish(0); });
   due_ = false;
   pending_since_ns_ = 0;
-  handed_over_ = false;
+  handed_over_ = halved_ = false;
+  program_path_.forget();
   begins_ = true;
   spindle_changed_ = false;
   after_traverse_ = false;

@@ -185,7 +185,9 @@ class Planner {
   // send.cpp: pieces, spans and the pass from the end
   void commit_if_due(bool more_items, std::int64_t now_ns) noexcept;
   void commit(std::size_t moves, bool hand_over) noexcept;
-  void make_pieces(std::size_t moves) noexcept;
+  void make_pieces(std::size_t moves, path::ProgramPath::End end) noexcept;
+  void make_halved(std::size_t moves, path::ProgramPath::End end) noexcept;
+  [[nodiscard]] bool ends_in_short_lines() const noexcept;
   [[nodiscard]] bool stop_out_of_reach(std::size_t moves, bool everywhere) noexcept;
   [[nodiscard]] std::size_t hand_over_at() const noexcept;
   [[nodiscard]] bool send() noexcept;
@@ -274,6 +276,8 @@ class Planner {
       0};                 ///< of the thread that is being sent, if it reaches beyond move_
   double thread_end_{0};  ///< its sigma there
   bool handed_over_{false}, begins_{true};
+  bool halved_{
+      false};  ///< of the last of the moves that are being sent the second half comes later
 
   // sent
   path::Buffer<Sent> sent_;

@@ -24,6 +24,8 @@ constexpr double kSamePlace = 1e-7;
 constexpr double kSliver = 3e-4, kSliverTime = 5e-4;
 /// Of the pending moves, the last ones stay when the path is handed over: they may still be joined with what comes.
 constexpr double kHandOverFrom = 0.5;
+/// Half of such a line is more than any kink is spread over.
+constexpr double kLongLine = 2 * path::PathSettings{}.widest;
 /// With fewer pending moves a hand-over gives no room worth having.
 constexpr std::size_t kHandOverLeast = 16;
 /// A stretch that takes longer is divided where moves end, so that the shown line is right.
@@ -71,14 +73,14 @@ void Planner::commit_if_due(bool more_items, std::int64_t now_ns) noexcept {
   }
   // Many outputs on the path fill the events before the moves.
   const bool events_full = events_.full() && moves_.size() >= kHandOverLeast;
-  if (moves_.full() || blocks_.full() || events_full) return commit(hand_over_at() + 1, true);
+  if (moves_.full() || blocks_.full() || events_full) return commit(moves_.size(), true);
   if (pending_since_ns_ == 0) pending_since_ns_ = now_ns;
   if (more_items) return;
   const double short_ahead = kShortAhead + stop_s_;
   if (now_ns - pending_since_ns_ >= kSteady && now_ns - last_item_ns_ < kSettle &&
       moves_.size() >= kHandOverLeast && seconds_pending(kWorthHandingOver) > kWorthHandingOver &&
       seconds_ahead(short_ahead) < short_ahead)
-    return commit(hand_over_at() + 1, true);
+    return commit(moves_.size(), true);
   wake_ns_ = last_item_ns_ + kSettle;
   if (now_ns < wake_ns_) return;
   // What was handed over ends in the middle of a move, where nobody wants to brake.
@@ -129,47 +131,61 @@ double Planner::seconds_ahead(double enough) const noexcept {
   return seconds;
 }
 
-/// The longest of the later pending moves: half of it is driven straight, whatever follows.
+/// Of the later pending moves the longest: half of it is driven straight, whatever follows.
 std::size_t Planner::hand_over_at() const noexcept {
-  const std::size_t n = moves_.size();
-  std::size_t best = n / 2;
-  for (std::size_t i = static_cast<std::size_t>(static_cast<double>(n) * kHandOverFrom); i + 2 < n;
-       ++i)
+  const std::size_t n = moves_.size(), led = program_path_.led();
+  const std::size_t first = std::max(
+      static_cast<std::size_t>(static_cast<double>(n) * kHandOverFrom), led > 0 ? led - 1 : 0);
+  std::size_t best = first;
+  for (std::size_t i = first; i + 2 < n; ++i)
     if (moves_[i].piece.length > moves_[best].piece.length) best = i;
   return best;
 }
 
-/// Makes pieces of the first `moves` pending moves; with hand_over only of the first half of the last of them.
+/// Whether none of the later moves is so long, or an arc, that the curve may be cut in its middle as if it went on there.
+bool Planner::ends_in_short_lines() const noexcept {
+  const std::size_t first = hand_over_at();
+  return limits_.jerks && moves_[first].piece.length < kLongLine &&
+         std::all_of(moves_.begin() + first, moves_.end(),
+                     [](const path::Move& m) { return m.piece.straight() && !m.piece.feed.sync; });
+}
+
+/// Makes pieces of the first `moves` pending moves. `hand_over`: of as many of them as have room behind them, for more moves will come.
 void Planner::commit(std::size_t moves, bool hand_over) noexcept {
   pending_since_ns_ = 0;
   pieces_.clear();
   merge_.end();
   handed_over_ = hand_over;
+  halved_ = false;
   sending_ = moves;
-  path::Move whole;
+  if (hand_over) {
+    // Where lines are short the curve bends all along. So it is cut where it bends, and what follows goes on from there.
+    sending_ = 0;
+    if (ends_in_short_lines()) {
+      make_halved(moves, path::ProgramPath::End::cut);
+      sending_ = program_path_.cut(
+          moves_.begin(), moves,
+          static_cast<std::size_t>(static_cast<double>(moves) * kHandOverFrom), pieces_);
+    }
+    if (sending_ == 0) {
+      sending_ = hand_over_at() + 1;
+      halved_ = true;
+      make_halved(sending_, path::ProgramPath::End::part);
+    }
+  } else if (moves > 0) {
+    make_pieces(moves, path::ProgramPath::End::here);
+  }
   if (moves > 0) {
-    whole = moves_[moves - 1];
-    if (hand_over) {
-      moves_[moves - 1].piece = path::part_of(whole.piece, 0, whole.piece.length / 2);
-    }
-    double sigma = 0;
-    blocks_sending_ = 0;
-    for (std::size_t i = 0; i < moves; ++i) {
-      // What is handed over in its middle ends farther on.
-      for (std::uint32_t n = 0; n < meta_[i].blocks; ++n, ++blocks_sending_)
-        blocks_[blocks_sending_].sigma_end = sigma + blocks_[blocks_sending_].way;
-      meta_[i].sigma_end = sigma += moves_[i].piece.length;
-    }
-    make_pieces(moves);
+    program_path_.settle();
     if (mixed_ && limits_.jerks) joint_bounds_.bends_of(pieces_, bends_.begin());
     if ((plain_ || mixed_) && limits_.jerks)
       boxes_.make(pieces_, limits_, mixed_ ? bends_.begin() : nullptr);
-    if (hand_over) {
-      moves_[moves - 1].piece =
-          path::part_of(whole.piece, whole.piece.length / 2, whole.piece.length);
+    if (halved_) {
+      path::Piece& last = moves_[sending_ - 1].piece;
+      last = path::part_of(last, last.length / 2, last.length);
     }
   }
-  const std::size_t last = hand_over ? moves - 1 : moves;
+  const std::size_t last = halved_ ? sending_ - 1 : sending_;
   events_sending_ = 0;
   while (events_sending_ < events_.size() && events_[events_sending_].after <= last)
     ++events_sending_;
@@ -180,11 +196,27 @@ void Planner::commit(std::size_t moves, bool hand_over) noexcept {
   first_new_ = next_number_;
 }
 
-void Planner::make_pieces(std::size_t moves) noexcept {
+/// Pieces of the first `moves`, of the last of them only of its first half.
+void Planner::make_halved(std::size_t moves, path::ProgramPath::End end) noexcept {
+  const path::Piece whole = moves_[moves - 1].piece;
+  moves_[moves - 1].piece = path::part_of(whole, 0, whole.length / 2);
+  make_pieces(moves, end);
+  moves_[moves - 1].piece = whole;
+}
+
+void Planner::make_pieces(std::size_t moves, path::ProgramPath::End end) noexcept {
+  double sigma = 0;
+  blocks_sending_ = 0;
+  for (std::size_t i = 0; i < moves; ++i) {
+    // What is handed over in its middle ends farther on.
+    for (std::uint32_t n = 0; n < meta_[i].blocks; ++n, ++blocks_sending_)
+      blocks_[blocks_sending_].sigma_end = sigma + blocks_[blocks_sending_].way;
+    meta_[i].sigma_end = sigma += moves_[i].piece.length;
+  }
   constexpr int kRounds = 4;
   for (int round = 0;; ++round) {
     pieces_.clear();
-    program_path_.make(moves_.begin(), moves, pieces_);
+    program_path_.make(moves_.begin(), moves, pieces_, end);
     if (!mixed_ || round > kRounds || !stop_out_of_reach(moves, round == kRounds)) return;
   }
 }
@@ -203,7 +235,12 @@ bool Planner::stop_out_of_reach(std::size_t moves, bool everywhere) noexcept {
       for (std::size_t m = 0; m + 1 < moves; ++m) {
         const double corner = meta_[m].sigma_end;
         if (!everywhere && (corner < begin - kSamePlace || (corner > end && found))) continue;
-        moves_[m].stop_at_end = found = true;
+        // Of what is driven already the rest goes on as it was looked at before.
+        if (moves_[m].joined)
+          program_path_.keep_lead();
+        else
+          moves_[m].stop_at_end = true;
+        found = true;
       }
     }
     begin = end;
@@ -500,7 +537,7 @@ bool Planner::room_for_blocks(std::size_t count) noexcept {
 void Planner::drop_blocks(std::size_t gone) noexcept {
   std::size_t blocks = 0;
   for (std::size_t i = 0; i < gone; ++i) blocks += meta_[i].blocks;
-  if (handed_over_) {
+  if (halved_) {
     Meta& part = meta_[gone];
     const std::size_t ended = blocks_done_ > blocks ? blocks_done_ - blocks : 0;
     part.blocks -= static_cast<std::uint32_t>(ended);
@@ -512,7 +549,7 @@ void Planner::drop_blocks(std::size_t gone) noexcept {
 }
 
 void Planner::finish_sending() noexcept {
-  const std::size_t gone = handed_over_ ? sending_ - 1 : sending_;
+  const std::size_t gone = halved_ ? sending_ - 1 : sending_;
   drop_blocks(gone);
   moves_.drop_front(gone);
   meta_.drop_front(gone);
