@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "hal/channels.hpp"
-#include "rtapi/base/limited.hpp"
 
 namespace kerf::components {
 
@@ -42,16 +41,24 @@ class PidChannel : public hal::Channel {
 
  private:
   void do_pid_calcs(const hal::Period& period) noexcept {
-    const double dt = period.seconds();
+    const double dt = period.seconds(), per_s = 1.0 / dt;
+    if (tune_state_ != Tuning::off) {
+      tune(command_ - feedback_, dt);
+      return;
+    }
     const double command = command_, feedback = feedback_;
     const bool enable = enable_;
     // A step of the position at the index is no motion: the derivatives stay what they are for this call.
     const bool indexed = index_before_ && !index_enable_;
-    index_before_ = index_enable_;
     const double target = error_previous_target_ ? command_before_ : command;
     double error = target - feedback;
     if (indexed) error = command - feedback;
     error_ = error;
+    if (tune_mode_) {
+      begin_tuning();
+      return;
+    }
+    index_before_ = index_enable_;
     error = limited(error, maxerror_);
     if (error > deadband_)
       error -= deadband_;
@@ -60,40 +67,34 @@ class PidChannel : public hal::Channel {
     else
       error = 0.0;
     if (!enable) error_i_ = 0.0;
-    if (enable && !tune_mode_) {
+    if (enable) {
       // An integral that is held while the output is at its limit does not wind up.
       if (limit_state_ * error <= 0.0) error_i_ += error * dt;
       error_i_ = limited(error_i_, max_error_i_);
     }
     command_d_before_ = command_d_;
-    if (!indexed) free_command_d_ = (command - command_before_) / dt;
+    if (!indexed) free_command_d_ = (command - command_before_) * per_s;
     if (linked(command_deriv_, own_command_deriv_)) free_command_d_ = command_deriv_;
-    if (!indexed) feedback_d_ = (feedback - feedback_before_) / dt;
+    if (!indexed) feedback_d_ = (feedback - feedback_before_) * per_s;
     if (linked(feedback_deriv_, own_feedback_deriv_)) feedback_d_ = feedback_deriv_;
     error_d_ = free_command_d_ - feedback_d_;
     error_d_ = limited(error_d_, max_error_d_);
     command_d_ = limited(free_command_d_, max_cmd_d_);
     feedback_before_ = feedback;
     const double command_dd_before = command_dd_;
-    command_dd_ = limited((command_d_ - command_d_before_) / dt, max_cmd_dd_);
-    command_ddd_ = limited((command_dd_ - command_dd_before) / dt, max_cmd_ddd_);
+    command_dd_ = limited((command_d_ - command_d_before_) * per_s, max_cmd_dd_);
+    command_ddd_ = limited((command_dd_ - command_dd_before) * per_s, max_cmd_ddd_);
     command_before_ = command;
     double output = 0.0;
-    limit_state_ = 0;
-    // Off, or back to control: a tuning is called off.
-    if (tune_state_ != Tuning::idle && !(enable && tune_mode_)) {
-      tune_state_ = Tuning::idle;
-      tune_start_ = false;
-    }
     if (!enable) {
-      tune_start_ = tune_start_ && tune_mode_;
-    } else if (tune_mode_) {
-      output = tune(error_.last(), dt);
+      limit_state_ = 0;
     } else {
       output = bias_ + error * pgain_ + error_i_ * igain_ + error_d_ * dgain_ + command * ff0_ +
                command_d_ * ff1_ + command_dd_ * ff2_ + command_ddd_ * ff3_;
       const double most = maxoutput_;
+      // A bound that is taken away while it acts leaves the output saturated until it is disabled, as in LinuxCNC.
       if (most != 0.0) {
+        limit_state_ = 0;
         if (output > most) {
           output = most;
           limit_state_ = 1;
@@ -108,13 +109,15 @@ class PidChannel : public hal::Channel {
     saturated_ = saturated;
     saturated_s_ = saturated ? saturated_s_.last() + dt : 0.0;
     saturated_count_ = saturated ? saturated_count_.last() + 1 : 0;
-    if (debug_) {
-      error_i_out_ = error_i_;
-      error_d_out_ = error_d_;
-      command_d_out_ = command_d_;
-      command_dd_out_ = command_dd_;
-      command_ddd_out_ = command_ddd_;
-    }
+    show_sums();
+  }
+  void show_sums() noexcept {
+    if (!debug_) return;
+    error_i_out_ = error_i_;
+    error_d_out_ = error_d_;
+    command_d_out_ = command_d_;
+    command_dd_out_ = command_dd_;
+    command_ddd_out_ = command_ddd_;
   }
 
   hal::In<bool> enable_{pin<hal::In<bool>>(
@@ -179,31 +182,45 @@ class PidChannel : public hal::Channel {
   static bool linked(hal::In<double>& pin, const void* own) noexcept {
     return &pin.place().slot() != own;
   }
-  enum class Tuning : std::uint8_t { idle, begins, up, down };
+  enum class Tuning : std::uint8_t { off, idle, begins, up, down };
   static double limited(double value, double most) noexcept {
-    return most != 0.0 ? rtapi::limited(value, -std::fabs(most), std::fabs(most)) : value;
+    // A bound below zero gives one of the two bounds for every value, as in LinuxCNC.
+    if (most == 0.0) return value;
+    return value > most ? most : value < -most ? -most : value;
   }
-  /// The relay: full effort towards the command, until enough half cycles are seen.
-  double tune(double error, double dt) noexcept {
+  /// From control to tuning. Control begins anew when it comes back.
+  void begin_tuning() noexcept {
+    tune_state_ = Tuning::idle;
+    error_i_ = error_d_ = command_d_ = command_dd_ = 0.0;
+    limit_state_ = 0;
+    command_before_ = 0.0;
+    output_ = 0.0;
+    show_sums();
+  }
+  /// The relay: full effort towards the command, until enough half cycles are seen. Between the tunings the output stays.
+  void tune(double error, double dt) noexcept {
+    error_ = error;
+    if (!enable_ || !tune_mode_) {
+      tune_state_ = tune_mode_ ? Tuning::idle : Tuning::off;
+      tune_start_ = false;
+      output_ = bias_;
+      return;
+    }
     if (tune_state_ == Tuning::idle) {
       if (tune_start_) tune_state_ = Tuning::begins;
-      return tuned_output_;
-    }
-    if (!tune_start_) {  // called off
-      tune_state_ = Tuning::idle;
-      return 0.0;
+      return;
     }
     if (tune_state_ == Tuning::begins) {
       tune_state_ = Tuning::up;
       half_cycles_ = 0;
       cycle_s_ = amplitude_sum_ = peak_ = 0.0;
       relay_begins_ = true;
-      return tuned_output_;
+      show_cycle(0.0, 0.0);
     }
     const double effort = std::fabs(tune_effort_.get());
-    peak_ = std::max(peak_, std::fabs(error));
+    if (!relay_begins_) peak_ = std::max(peak_, std::fabs(error));
     const bool crossed =
-        (tune_state_ == Tuning::up && error < 0.0) || (tune_state_ == Tuning::down && error > 0.0);
+        (tune_state_ == Tuning::up && error < 0.0) || (tune_state_ == Tuning::down && error >= 0.0);
     // The first way is up, wherever the error is.
     if (crossed && !relay_begins_) {
       tune_state_ = tune_state_ == Tuning::up ? Tuning::down : Tuning::up;
@@ -212,13 +229,18 @@ class PidChannel : public hal::Channel {
       ++half_cycles_;
       if (half_cycles_ >= std::max<std::uint32_t>(tune_cycles_, 1)) {
         finish(effort);
-        tuned_output_ = bias_;
-        return tuned_output_;
+        output_ = bias_;
+        return;
       }
     }
     relay_begins_ = false;
     cycle_s_ += dt;
-    return bias_ + (tune_state_ == Tuning::up ? effort : -effort);
+    output_ = bias_ + (tune_state_ == Tuning::up ? effort : -effort);
+  }
+  void show_cycle(double gain, double cycle_s) noexcept {
+    if (!debug_) return;
+    ultimate_gain_ = gain;
+    ultimate_period_ = cycle_s;
   }
   void finish(double effort) noexcept {
     const auto halves = static_cast<double>(half_cycles_);
@@ -227,10 +249,7 @@ class PidChannel : public hal::Channel {
     tune_start_ = false;
     if (!(amplitude > 0.0) || !(cycle_s > 0.0)) return;
     const double gain = 4.0 * effort / (3.14159265358979323846 * amplitude);
-    if (debug_) {
-      ultimate_gain_ = gain;
-      ultimate_period_ = cycle_s;
-    }
+    show_cycle(gain, cycle_s);
     if (tune_type_ == 0) {
       pgain_.set(0.6 * gain);
       igain_.set(1.2 * gain / cycle_s);
@@ -248,12 +267,10 @@ class PidChannel : public hal::Channel {
       feedback_before_{0.0};
   double command_d_{0.0}, command_d_before_{0.0}, command_dd_{0.0}, command_ddd_{0.0};
   double cycle_s_{0.0}, amplitude_sum_{0.0}, peak_{0.0};
-  /// Between the tunings: nothing at first, then what keeps the plant where it was tuned.
-  double tuned_output_{0.0};
   bool relay_begins_{false};
   std::uint32_t half_cycles_{0};
   int limit_state_{0};
-  Tuning tune_state_{Tuning::idle};
+  Tuning tune_state_{Tuning::off};
   bool debug_, index_before_{false};
 
   hal::Function do_pid_calcs_{

@@ -38,6 +38,8 @@ class SimEncoderChannel : public hal::Channel {
     double counts = speed_ / scale * static_cast<double>(per_turn_) * period_s_;
     counts = rtapi::limited(counts, -1.0, 1.0);
     step_ = static_cast<std::int64_t>(counts * kOne);
+    // A whole count a call forwards is more than 32 bits hold: it turns backwards, as LinuxCNC's.
+    if (step_ >= kOne) step_ = -kOne;
   }
 
  private:
