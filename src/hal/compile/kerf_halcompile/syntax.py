@@ -161,13 +161,16 @@ class Parser:
 
     def number(self, what, least=0):
         token = self.need(self.lex.match("number", lexer.NUMBER), what)
-        try:
-            value = int(token.text, 0 if re.match(r"[-+]?0[xXbBoO]", token.text) else 10)
-        except ValueError:
-            self.lex.fail(f"'{token.text}' is no whole number", offset=token.offset)
+        value = self.whole(token.text, token.offset)
         if value < least:
             self.lex.fail(f"{what} {value}: at least {least}", offset=token.offset)
         return value
+
+    def whole(self, text, offset):
+        try:
+            return int(text, 0 if re.match(r"[-+]?0[xXbBoO]", text) else 10)
+        except ValueError:
+            self.lex.fail(f"'{text}' is no whole number", offset=offset)
 
     def value(self):
         """A start value, spelt for C."""
@@ -191,7 +194,7 @@ class Parser:
 
     def take(self, c_name, token_offset):
         """Each name once."""
-        if c_name in names.RESERVED or c_name.startswith("__comp") or c_name.startswith("_comp"):
+        if c_name in names.RESERVED or c_name.startswith("__comp"):
             self.lex.fail(f"Variable name {c_name} is reserved", "Take another one, or put a '_' at its end.", token_offset)
         if c_name in names.C_WORDS:
             self.lex.fail(f"Name {c_name} is a word of the language C",
@@ -297,6 +300,8 @@ class Parser:
     def on_option(self, _):
         name = self.one_of(tuple(OPTIONS), "option")
         kind, lex = OPTIONS[name.text], self.lex
+        if any(word == "option" and what[0] == name.text for word, what in self.component.order):
+            lex.fail(f"Duplicate option {name.text}", "Each option stands once.", name.offset)
         lex.skip()
         at = lex.at
         if lex.peek(";"):
@@ -327,7 +332,7 @@ class Parser:
             elif kind == NUMBER:
                 if given != NUMBER:
                     lex.fail(f"Option {name.text} needs a number, not '{value}'", offset=at)
-                value = int(value, 0)
+                value = self.whole(value, at)
             elif kind == TEXT and given != TEXT:
                 lex.fail(f"Option {name.text} needs a text between quotes, not '{value}'", offset=at)
         self.component.options[name.text] = value
@@ -385,8 +390,6 @@ class Parser:
 
     def on_text(self, word):
         string = self.need(self.lex.string(), "a text between quotes")
-        if word.text == "license" and self.component.texts["license"]:
-            self.lex.fail("More than one license", offset=word.offset)
         self.component.texts[word.text].append(string.text)
         self.component.order.append((word.text, string.text))
 

@@ -37,6 +37,7 @@ see_also "\\fBand2\\fR(9)";
 author "A";
 author "B and C";
 license "GPL v2";
+license "or MIT";
 ;;
 FUNCTION(_) { }
 FUNCTION(other_one) { out = x[1] + index_enable; }

@@ -1,7 +1,7 @@
-component twolicenses;
+component optionhalf;
 pin in bit a;
+option default_count 1.5;
 function _;
-license "MIT";
 license "GPL";
 ;;
 FUNCTION(_) { }
