@@ -18,10 +18,11 @@ Program random_program(std::uint64_t seed) {
   switch (seed % 8) {
     case 0:
       // Half of them longer than what the planner looks at together.
-      switch (seed / 8 % 4) {
+      switch (seed / 8 % 5) {
         case 0: return freeform(600, 0.01, 100, seed);
         case 1: return dense_lines(60, 0.02, 0.01, 100, seed % 64 < 32, seed % 128 < 64);
         case 2: return relief(2000, seed % 64 < 32 ? 0.01 : 0.05, 100, false, seed, 0.6);
+        case 3: return wander(3000, seed);
         default: return freeform(600, 0.05, 180, seed, false);
       }
     case 1: return arc_spiral(0.1, 80);

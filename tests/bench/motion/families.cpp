@@ -420,4 +420,40 @@ Program mixture(int moves, std::uint64_t seed) {
   return w.done();
 }
 
+Program wander(int moves, std::uint64_t seed) {
+  Random r(seed);
+  const double p = std::exp(r.between(std::log(0.001), std::log(0.1)));
+  const double widest_feed = std::exp(r.between(std::log(10.0), std::log(200.0)));
+  ProgramWriter w(titled(("wander " + std::to_string(seed)).c_str(), p), p, widest_feed,
+                  r.below(2) == 0);
+  double heading = r.between(0, 2 * kPi), step = 0.02, bend = 0, noise = 0, climb = 0;
+  int left = 0;
+  for (int i = 0; i < moves; ++i, --left) {
+    if (left == 0 || i == 0) {
+      left = 1 + r.below(120);
+      step = std::exp(r.between(std::log(0.002), std::log(0.6)));
+      bend = r.below(3) == 0 ? 0 : r.between(-0.4, 0.4);
+      noise = r.below(3) == 0 ? r.between(0, 0.3) : 0;
+      climb = r.below(2) == 0 ? 0 : r.between(-0.5, 0.5);
+      if (r.below(3) == 0) heading += r.between(-kPi, kPi);
+      if (r.below(4) == 0) w.feed(widest_feed * r.between(0.1, 1));
+    }
+    double length = step;
+    if (r.below(60) == 0) length = std::exp(r.between(std::log(1e-5), std::log(8.0)));
+    heading += bend * std::min(1.0, length) + r.between(-noise, noise);
+    const Pose at = w.at();
+    if (r.below(80) == 0) {
+      const double radius = std::exp(r.between(std::log(0.05), std::log(5.0)));
+      const double side = r.below(2) == 0 ? 1 : -1, turn = r.between(0.1, 2);
+      w.arc(at.x - side * radius * std::sin(heading), at.y + side * radius * std::cos(heading),
+            side * turn);
+      heading += side * turn;
+      continue;
+    }
+    w.line(xyz(at.x + length * std::cos(heading), at.y + length * std::sin(heading),
+               at.z + length * climb));
+  }
+  return w.done();
+}
+
 }  // namespace kerf::bench

@@ -81,5 +81,8 @@ void reference_machine(motion::MachineConfig& config);
 /// Short five-axis moves along a wall that leans to all sides, on a tilting table.
 [[nodiscard]] Program swarf(int moves, double p_mm, double feed, std::uint64_t seed = 3);
 [[nodiscard]] Program mixture(int moves, std::uint64_t seed);
+/// Rows of lines of one length, straight, bending to either side or noisy, with corners, single tiny or long moves, small arcs and other feeds between
+/// them: what the planner cuts, of every kind.
+[[nodiscard]] Program wander(int moves, std::uint64_t seed);
 
 }  // namespace kerf::bench

@@ -65,6 +65,15 @@ TEST(Families, KeepTheLimitsUnderChangingOverrides) {
   }
 }
 
+/// Longer than what the planner looks at together.
+TEST(Families, KeepTheLimitsWhereThePathIsCut) {
+  const int count = motion::test::property_count(6);
+  for (int i = 1; i <= count && !testing::Test::HasFailure(); ++i) {
+    const auto seed = static_cast<std::uint64_t>(i);
+    run(bench::wander(3000, seed), seed, i % 4 == 0 ? 0 : i % 4 == 1 ? 5000 : 50000);
+  }
+}
+
 TEST(Families, KeepJerkLimitsUnderChangingOverrides) {
   const int count = motion::test::property_count(2);
   for (int i = 1; i <= count && !testing::Test::HasFailure(); ++i) {

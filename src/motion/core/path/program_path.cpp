@@ -140,15 +140,16 @@ bool ProgramPath::stands_behind(const Move* moves, std::size_t first, std::size_
 void ProgramPath::make(const Move* moves, std::size_t count, Buffer<Piece>& out, End end) noexcept {
   std::size_t first = 0;
   will_be_cut_ = end == End::cut;
+  ends_in_move_ = end == End::part;
   rest_.on = false;
   for (std::size_t i = 0; i < count; ++i) {
     const bool last = i + 1 == count;
     if (!last && !stands_behind(moves, first, i, count, end != End::here)) continue;
     const std::size_t run = i + 1 - first;
     const bool leads = first == 0 && lead_.on;
-    // What is part of a curve already stays, and so does what will be.
-    const std::size_t from = leads ? led() - 1 : 0;
-    std::size_t to = run;
+    // What is part of a curve already stays, and so does what will be; and the halves of a move keep their direction.
+    const std::size_t from = leads ? led() : first == 0 && in_move_ ? 1 : 0;
+    std::size_t to = last && end == End::part ? run - 1 : run;
     if (last && end == End::cut) {
       double way = 0;
       while (to > from && (way < kBehindCut || run - to < kLinesBehindCut))
@@ -191,6 +192,7 @@ std::size_t ProgramPath::cut(Move* moves, std::size_t count, std::size_t least,
 void ProgramPath::settle() noexcept {
   std::swap(lead_, rest_);
   rest_.on = false;
+  in_move_ = ends_in_move_;
 }
 
 /// chain_ as pieces. False: there is no curve; none that begins with the lead, if there is one.
@@ -211,13 +213,16 @@ bool ProgramPath::smooth_chain(const SmoothingSettings& settings, const Lead* le
     s.inside = true;
     const double taken =
         least_seconds(out.begin() + before, out.size() - before, settings_.limits, x_);
-    if (smoother_.smooth(chain_, s, inside_) <= 1.0 && !inside_.full() &&
-        least_seconds(inside_.begin(), inside_.size(), settings_.limits, x_) < taken) {
+    const bool faster =
+        smoother_.smooth(chain_, s, inside_) <= 1.0 && !inside_.full() &&
+        least_seconds(inside_.begin(), inside_.size(), settings_.limits, x_) < taken;
+    if (faster && !will_be_cut_) {
       out.truncate(before);
       for (const Piece& piece : inside_) out.push_back(piece);
     } else if (will_be_cut_) {
+      // The smoother cuts what it made last, where that is in `out`.
       out.truncate(before);
-      share = smoother_.smooth(chain_, settings, out);
+      share = smoother_.smooth(chain_, faster ? s : settings, out);
     }
   }
   if (share <= 1.0) return true;

@@ -59,7 +59,7 @@ class ProgramPath {
   /// What was made last will be driven: the next one begins behind it.
   void settle() noexcept;
   /// The next one begins at its first move.
-  void forget() noexcept { lead_.on = rest_.on = false; }
+  void forget() noexcept { lead_.on = rest_.on = in_move_ = ends_in_move_ = false; }
   /// Moves that the lead is of; the path can be made of no fewer.
   [[nodiscard]] std::size_t led() const noexcept { return lead_.on ? lead_.lines() : 0; }
   /// What was cut off goes on as it was.
@@ -97,6 +97,8 @@ class ProgramPath {
   Lead lead_, rest_;  ///< how the path begins; how it would go on behind the cut
   bool ends_in_chain_{false};
   bool will_be_cut_{false};
+  bool in_move_{false};                ///< it begins with what is left of a move
+  bool ends_in_move_{false};           ///< what was made last ends with a part of one
   std::size_t kept_{0};                ///< of the last moves: those that were not made coarser
   Buffer<Move> work_;                  ///< the run with what has become coarser
   Buffer<Move> part_, coarse_, best_;  ///< of a part of it: as it was, coarser, the fastest

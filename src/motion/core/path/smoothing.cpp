@@ -19,6 +19,8 @@ constexpr int kLeadRounds = 24;
 constexpr double kCutBefore = 3, kGoodShare = 0.45, kShortest = 2e-3;
 constexpr std::size_t kLinesBehind = 8;
 constexpr double kSamePlace = 1e-9;
+/// A curve that ends farther than this from the end of its chain (mm, degrees) is none; its share of the tolerance.
+constexpr double kArrives = 1e-7, kAstray = 2;
 /// Near to 1: the least acceleration for a sharp corner. Shallow ones are driven near to the feed and gain from width.
 constexpr double kSharpPlateau = 0.8, kShallowPlateau = 0.5;
 constexpr double kSharp = 0.9;
@@ -180,11 +182,17 @@ bool Smoother::room_outside(const Chain& chain, const SmoothingSettings& setting
 
 void Smoother::begin_guide(const Chain& chain, const SmoothingSettings& settings) noexcept {
   const std::size_t lines = chain.lines();
+  held_ = 0;
+  if (lead_ != nullptr) {
+    held_ = spent() + 1;
+    while (held_ < lines && !(width_[held_] > 0)) ++held_;
+  }
   narrow_.clear();
   turn_.clear();
   for (std::size_t v = 0; v <= lines; ++v) {
     narrow_.push_back(width_[v]);
-    if (v <= held() || v == lines || width_[v] > 0) turn_.push_back(static_cast<std::uint32_t>(v));
+    if (v <= spent() || v == held_ || v == lines || width_[v] > 0)
+      turn_.push_back(static_cast<std::uint32_t>(v));
   }
   Tolerance wider = settings.tolerance;
   wider.mm *= settings.peaked ? kWiderPeaked : kWider;
@@ -197,7 +205,7 @@ void Smoother::begin_guide(const Chain& chain, const SmoothingSettings& settings
     const double before = chain.sigma[v] - chain.sigma[turn_[t - 1]],
                  after = chain.sigma[turn_[t + 1]] - chain.sigma[v];
     // The directions at both ends stay.
-    const bool stays = lead_ != nullptr && v == held();
+    const bool stays = lead_ != nullptr && v == held_;
     const bool wide =
         stays ? !(guide_.at[v] == chain.at[v])
               : t > 1 && t + 2 < turn_.size() && std::max(before, after) <= kLongLeg * width_[v];
@@ -215,7 +223,7 @@ void Smoother::move_guide(const Chain& chain, int round) noexcept {
   for (std::size_t t = 1; t + 1 < turn_.size(); ++t) {
     const std::size_t v = turn_[t];
     if (v <= spent()) continue;
-    if (round >= kMoveBack && shrink_[v] < 1 && v > held()) {
+    if (round >= kMoveBack && shrink_[v] < 1 && v > held_) {
       const bool moved = !(guide_.at[v] == chain.at[v]);
       guide_.at[v] = chain.at[v];
       width_[v] = moved ? narrow_[v] : width_[v] * shrink_[v];
@@ -230,7 +238,7 @@ void Smoother::move_guide(const Chain& chain, int round) noexcept {
     const double share = tolerance_.share(off_[v]);
     if (free_[t] && share > kGuideAim && (round == 0 || shrink_[v] < 1)) {
       // Beside what stays it may not jump.
-      const double apart = lead_ != nullptr ? chain.sigma[v] - chain.sigma[held()] : width_[v];
+      const double apart = lead_ != nullptr ? chain.sigma[v] - chain.sigma[held_] : width_[v];
       guide_.at[v].add((kGuideAim / share - 1) * std::min(1.0, apart / width_[v]), off_[v]);
     }
     if (round >= kOnlyMove) width_[v] *= shrink_[v];
@@ -507,7 +515,9 @@ double Smoother::check(const Chain& chain, const Buffer<Piece>& out) noexcept {
     }
     sigma = end;
   }
-  return worst;
+  // Where widths left no room for a kink's moment the curve ends beside its chain, and what follows would begin with a jump.
+  const Vec last = out.back().point(out.back().length);
+  return max_abs(last - chain.at[chain.lines()]) > kArrives ? kAstray : worst;
 }
 
 void Smoother::go_on(const Chain& chain, const Lead& lead, Buffer<Piece>& out) noexcept {

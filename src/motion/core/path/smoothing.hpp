@@ -111,13 +111,14 @@ class Smoother {
   void distribute(const Chain& chain, std::size_t last) noexcept;
   void integrate(Buffer<Piece>& out) const noexcept;
   [[nodiscard]] double divides(const Buffer<Piece>& out, double sigma) const noexcept;
-  /// Kinks up to this vertex are spread by what the curve begins with; the guide stays there and at the next one.
+  /// Kinks up to this vertex are spread by what the curve begins with.
   [[nodiscard]] std::size_t spent() const noexcept { return lead_ != nullptr ? lead_->spent : 0; }
-  [[nodiscard]] std::size_t held() const noexcept { return lead_ != nullptr ? spent() + 1 : 0; }
   double check(const Chain& chain, const Buffer<Piece>& out) noexcept;
 
   Tolerance tolerance_;
   std::size_t first_piece_{0};
+  /// The guide stays up to this vertex: the first one behind spent() that has a kink to spread, for one without would get a kink that nobody spreads.
+  std::size_t held_{0};
   bool gave_way_{false};
   const Lead* lead_{nullptr};
   Buffer<Vec> kink_;       ///< per vertex; ends: zero

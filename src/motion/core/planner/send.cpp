@@ -154,7 +154,6 @@ bool Planner::ends_in_short_lines() const noexcept {
 void Planner::commit(std::size_t moves, bool hand_over) noexcept {
   pending_since_ns_ = 0;
   pieces_.clear();
-  merge_.end();
   handed_over_ = hand_over;
   halved_ = false;
   sending_ = moves;
@@ -162,10 +161,12 @@ void Planner::commit(std::size_t moves, bool hand_over) noexcept {
     // Where lines are short the curve bends all along. So it is cut where it bends, and what follows goes on from there.
     sending_ = 0;
     if (ends_in_short_lines()) {
-      make_halved(moves, path::ProgramPath::End::cut);
+      // The last one grows while more lines become part of it.
+      const std::size_t known = merge_.count() > 0 ? moves - 1 : moves;
+      make_halved(known, path::ProgramPath::End::cut);
       sending_ = program_path_.cut(
-          moves_.begin(), moves,
-          static_cast<std::size_t>(static_cast<double>(moves) * kHandOverFrom), pieces_);
+          moves_.begin(), known,
+          static_cast<std::size_t>(static_cast<double>(known) * kHandOverFrom), pieces_);
     }
     if (sending_ == 0) {
       sending_ = hand_over_at() + 1;
@@ -185,6 +186,7 @@ void Planner::commit(std::size_t moves, bool hand_over) noexcept {
       last = path::part_of(last, last.length / 2, last.length);
     }
   }
+  if (sending_ >= moves_.size()) merge_.end();
   const std::size_t last = halved_ ? sending_ - 1 : sending_;
   events_sending_ = 0;
   while (events_sending_ < events_.size() && events_[events_sending_].after <= last)
