@@ -74,6 +74,34 @@ TEST(Families, KeepTheLimitsWhereThePathIsCut) {
   }
 }
 
+/// Small equal lines between long ones become corners of their own for the planner, which may stand there: not where two of them meet, though as
+/// far along.
+TEST(Families, ACornerThatWasJoinedIsWhereItIs) {
+  const int count = motion::test::property_count(20);
+  for (int n = 1; n <= count && !testing::Test::HasFailure(); ++n) {
+    motion::test::Random r(static_cast<unsigned>(n));
+    const double p_mm = r.log(0.001, 0.01);
+    bench::ProgramWriter w("small lines", p_mm, 200, false);
+    double heading = 0;
+    motion::Pose at;
+    const auto go = [&](double length) {
+      at.x += length * std::cos(heading);
+      at.y += length * std::sin(heading);
+      w.line(at);
+    };
+    for (int i = 0; i < 40; ++i) {
+      go(r.log(0.02, 3));
+      const double size = p_mm * r.log(0.1, 4);
+      for (int k = r.integer(0, 5); k > 0; --k) {
+        heading += r.chance(0.5) ? 0.0 : r.chance(0.5) ? r.uniform(-0.1, 0.1) : r.uniform(-3, 3);
+        go(size);
+      }
+      heading += r.uniform(-3, 3);
+    }
+    run(w.done(), static_cast<std::uint64_t>(n), 50000);
+  }
+}
+
 TEST(Families, KeepJerkLimitsUnderChangingOverrides) {
   const int count = motion::test::property_count(2);
   for (int i = 1; i <= count && !testing::Test::HasFailure(); ++i) {

@@ -126,10 +126,10 @@ double join_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& l
     if (straight + off > most) continue;
     worst = std::max(worst, off);
     a.way += corner;
-    a.sigma += s.sigma / 2;
+    a.sigma += s.sigma * along;
     b.from = a.from + a.way;
     b.way += s.way - corner;
-    b.sigma += s.sigma / 2;
+    b.sigma += s.sigma * (1 - along);
     // What is line k now is not joined again: what is off would add up.
     for (std::size_t i = k; i + 1 < lines.size(); ++i) lines[i] = lines[i + 1];
     lines.truncate(lines.size() - 1);

@@ -20,6 +20,8 @@ constexpr std::int64_t kSteady = 5 * kSettle;                  ///< and they hav
 constexpr double kLongestStop = 2;  // s
 /// Two places on the path nearer than this are one (sigma).
 constexpr double kSamePlace = 1e-7;
+/// What rounding may have added up to at the end of a path (mm, degrees).
+constexpr double kSamePoint = 1e-6;
 /// Moves and events that end or stand so near to the end of a stretch are there (sigma, s at the feed): no law can be found over slivers.
 constexpr double kSliver = 3e-4, kSliverTime = 5e-4;
 /// Of the pending moves, the last ones stay when the path is handed over: they may still be joined with what comes.
@@ -345,7 +347,10 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   if (!send_blocks(begin, end, done, span, body, sent)) return false;
   const bool at_piece_end = to >= piece.length;
   body.stop_at_end = piece.stop_at_end && at_piece_end;
-  body.at_end_exactly = body.stop_at_end && sent.block_end;
+  // A corner that stands for several programmed ones (coarse.hpp) may be as far along as one of them, and beside it.
+  const bool there =
+      path::max_abs(path::to_vec(body.end) - piece.point(piece.length)) <= kSamePoint;
+  body.at_end_exactly = body.stop_at_end && sent.block_end && there;
 
   // It is done when it is locked.
   if (meta.kind == MotionKind::index_rotary) {
