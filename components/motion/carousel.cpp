@@ -398,7 +398,7 @@ class Carousel final : public hal::Component<Carousel> {
 
   explicit Carousel(hal::Builder& b) noexcept : Component(b) {
     CarouselSetup setup;
-    setup.pockets = text_arg("pockets", "", "Pockets of each carousel");
+    setup.pockets = text_arg("pockets", "8", "Pockets of each carousel");
     setup.encoding =
         text_arg("encoding", "gray", "gray, binary, bcd, single, index, edge or counts");
     setup.num_sense = text_arg("num_sense", "4", "Position sensors of each");
