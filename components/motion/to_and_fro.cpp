@@ -1,4 +1,5 @@
 // axistest and steptest: move one axis to and fro, for tuning a servo or a stepper. The build gives KERF_STEPPER, 0 or 1.
+#include <algorithm>
 #include <cmath>
 
 #include "hal/component.hpp"
@@ -66,6 +67,10 @@ class ToAndFro final : public hal::Component<ToAndFro> {
       const double ahead = kStepper ? 2.0 * maxvel * period.seconds() : 10.0;
       if (jog_plus_) command = at + ahead;
       if (jog_minus_) command = at - ahead;
+      // As LinuxCNC: at rest steptest takes no notice of a thousandth of the way of a period.
+      const double least = 0.001 * maxvel * period.seconds();
+      if (kStepper && !jog_plus_ && !jog_minus_ && std::fabs(at - position_cmd_.last()) <= least)
+        return;
       position_cmd_ = command;
       return;
     }
@@ -81,7 +86,7 @@ class ToAndFro final : public hal::Component<ToAndFro> {
     }
     const double end = to_high_ ? run_high_.last() : run_low_.last();
     if (std::fabs(at - end) < epsilon_) {
-      if (waited_s_ > pause_) {
+      if (waited_s_ > std::max(pause_.get(), 0)) {
         to_high_ = !to_high_;
         waited_s_ = 0.0;
       } else {
