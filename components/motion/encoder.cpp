@@ -9,7 +9,13 @@ namespace {
 /// Place in the cycle of the phases, 0 1 2 3 as A leads B.
 class Phases {
  public:
-  void follow(bool a, bool b) noexcept { before_ = place(a, b); }
+  /// Whether a counts in counter-mode: its rising edge. It is remembered as B would be; so LinuxCNC does, and the first call
+  /// after a change of the mode sees one edge more or less than there was.
+  bool rises(bool a) noexcept {
+    const bool now = a && before_ == 0;
+    before_ = a && (before_ == 0 || before_ == 3) ? 3 : 0;
+    return now;
+  }
   /// +1 or -1 at an edge; 0 without one, or when one was missed.
   int step(bool a, bool b) noexcept {
     const int now = place(a, b);
@@ -36,20 +42,17 @@ class EncoderChannel : public hal::Channel {
 
   void update_counters(const hal::Period& period) noexcept {
     const bool a = phase_a_, b = phase_b_;
-    const bool rose = a && !a_before_;
-    a_before_ = a;
     bool index = phase_z_ && !z_before_;
     z_before_ = phase_z_;
     int by = 0;
     if (counter_mode_) {
-      if (rose) {
+      if (phases_.rises(a)) {
         by = 1;
         if (gap_ends(missing_teeth_)) {
           by += missing_teeth_;
           index = true;
         }
       }
-      phases_.follow(a, b);
     } else {
       by = phases_.step(a, b);
       if (!x4_mode_ && by != 0) by = phases_.whole_cycle(by);
@@ -173,7 +176,7 @@ class EncoderChannel : public hal::Channel {
   std::int64_t edge_time_ns_{0}, usual_gap_ns_{0};
   double speed_{0.0};   // counts per second
   int counts_seen_{0};  // since it stood, up to 2
-  bool armed_{false}, index_seen_{false}, new_counts_{false}, a_before_{false}, z_before_{false},
+  bool armed_{false}, index_seen_{false}, new_counts_{false}, z_before_{false},
       latch_before_{false};
 };
 

@@ -51,21 +51,18 @@ class PwmgenChannel : public hal::Channel {
       set_outputs(false);
       return;
     }
+    if (high_) high_left_ns_ -= dt_ns_;
     if (mode_ == Mode::pdm) {
-      high_left_ns_ += static_cast<std::int64_t>(std::llround(duty_ * static_cast<double>(dt_ns_)));
-      const bool high = high_left_ns_ > 0;
-      if (high) high_left_ns_ -= dt_ns_;
-      set_outputs(high);
+      high_left_ns_ += high_ns_;
+      set_outputs(high_left_ns_ > 0);
       return;
     }
     timer_ns_ += dt_ns_;
     const bool starts = timer_ns_ >= period_ns_;
-    if (starts) timer_ns_ -= period_ns_;
+    if (starts) timer_ns_ = period_ns_ > 0 ? timer_ns_ - period_ns_ : 0;
     if (mode_ == Mode::dithered) {
       if (starts) high_left_ns_ += high_ns_;
-      const bool high = high_left_ns_ > 0 && (starts || high_);
-      if (high) high_left_ns_ -= dt_ns_;
-      set_outputs(high);
+      set_outputs(high_left_ns_ > 0 && (starts || high_));
     } else {
       set_outputs((starts || high_) && timer_ns_ < high_ns_);
     }
@@ -73,45 +70,56 @@ class PwmgenChannel : public hal::Channel {
 
   void update(const hal::Period& period) noexcept {
     const std::int64_t dt_ns = dt_ns_ > 0 ? dt_ns_ : period.nominal_ns;
-    double scale = scale_;
-    if (std::fabs(scale) < 1e-20) scale_ = scale = 1.0;
+    if (const double scale = scale_; scale != known_scale_) {
+      known_scale_ = scale;
+      if (std::fabs(scale) < 1e-20) scale_ = 1.0;
+      per_scale_ = 1.0 / scale_.get();
+    }
     double most = rtapi::limited(max_dc_.get(), 0.0, 1.0),
            least = rtapi::limited(min_dc_.get(), 0.0, most);
     max_dc_ = most;
     min_dc_ = least;
     double frequency = pwm_freq_;
     const bool dither = dither_pwm_;
+    const Mode mode_before = mode_;
+    // A frequency below zero is none from the next call on. In this one plain pulses still have the duty that the period before allows.
+    const bool rounds = !dither && frequency != 0.0;
     if (frequency <= 0.0) {
+      mode_ = rounds ? Mode::plain : Mode::pdm;
+      if (!rounds) calls_ = 0;
+      period_ns_ = 0;
       pwm_freq_ = 0.0;
-      mode_ = Mode::pdm;
     } else {
-      const double calls = 1e9 / static_cast<double>(dt_ns);
-      if (frequency > 0.5 * calls) pwm_freq_ = frequency = 0.5 * calls;
+      const double most_calls = 1e9 / static_cast<double>(dt_ns);
+      if (frequency < kLeastFrequency || frequency > 0.5 * most_calls)
+        pwm_freq_ = frequency = rtapi::limited(frequency, kLeastFrequency, 0.5 * most_calls);
       mode_ = dither ? Mode::dithered : Mode::plain;
       if (dither) {
         period_ns_ = static_cast<std::int64_t>(1e9 / frequency);
       } else {
-        const std::int64_t whole = std::max<std::int64_t>(2, std::llround(calls / frequency));
-        period_ns_ = whole * dt_ns;
-        if (enable_) pwm_freq_ = calls / static_cast<double>(whole);
+        calls_ = std::max<std::int64_t>(2, std::llround(most_calls / frequency));
+        period_ns_ = calls_ * dt_ns;
+        if (enable_) pwm_freq_ = most_calls / static_cast<double>(calls_);
       }
     }
-    double duty = value_ / scale + offset_;
+    if (mode_ != mode_before && (mode_ == Mode::plain || mode_before == Mode::plain))
+      timer_ns_ = high_left_ns_ = 0;
+    double duty = value_ * per_scale_ + offset_;
     const bool negative = duty < 0.0;
     double size = std::fabs(duty);
     if (type_ == 0 && negative) size = 0.0;
     size = rtapi::limited(size, least, most);
     const bool enable = enable_;
-    if (enable && mode_ == Mode::plain) {
-      const std::int64_t calls = period_ns_ / dt_ns;
-      const std::int64_t calls_high =
-          std::llround(std::floor(size * static_cast<double>(calls) + 0.5));
+    if (enable && rounds) {
+      const auto calls_high =
+          static_cast<std::int64_t>(std::floor(size * static_cast<double>(calls_) + 0.5));
       high_ns_ = calls_high * dt_ns;
-      size = static_cast<double>(calls_high) / static_cast<double>(calls);
+      size = calls_ > 0 ? static_cast<double>(calls_high) / static_cast<double>(calls_) : 0.0;
     } else {
-      high_ns_ = static_cast<std::int64_t>(size * static_cast<double>(period_ns_));
+      high_ns_ = mode_ == Mode::pdm
+                     ? std::llround(size * static_cast<double>(dt_ns))
+                     : static_cast<std::int64_t>(size * static_cast<double>(period_ns_));
     }
-    duty_ = size;
     negative_ = negative && type_ != 0;
     if (type_ == 1) second_ = negative_;
     running_ = enable;
@@ -144,8 +152,9 @@ class PwmgenChannel : public hal::Channel {
       first_ = high;
     }
   }
-  std::int64_t dt_ns_{0}, timer_ns_{0}, period_ns_{0}, high_ns_{0}, high_left_ns_{0};
-  double duty_{0.0};
+  static constexpr double kLeastFrequency = 0.5;  // Hz, as LinuxCNC's
+  std::int64_t dt_ns_{0}, timer_ns_{0}, period_ns_{0}, high_ns_{0}, high_left_ns_{0}, calls_{0};
+  double known_scale_{1.0}, per_scale_{1.0};
   int type_{0};
   Mode mode_{Mode::pdm};
   bool running_{false}, negative_{false}, high_{false};
