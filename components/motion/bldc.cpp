@@ -202,7 +202,7 @@ class BldcChannel : public hal::Channel {
 
   /// Cycles without output; with Hall signals beside an absolute encoder or an index one more.
   int begins_{1};
-  bool begun_{false}, code_seen_{false}, homed_{false}, init_before_{false};
+  bool begun_{false}, commutated_{false}, code_seen_{false}, homed_{false}, init_before_{false};
   Align align_{Align::waits};
   unsigned code_{0};
   int sector_{-1};
@@ -408,6 +408,10 @@ class BldcChannel : public hal::Channel {
         }
       }
     }
+    // With B or 6 beside them these begin one call later, as LinuxCNC's.
+    const bool begins = !commutated_ && (w.bits || w.six);
+    commutated_ = true;
+    if (begins) return;
     if (w.hall_out) {
       const unsigned code = code_of(output_pattern_, sector);
       for (unsigned i = 0; i < 3; ++i) hall_out_[i] = (code >> (2U - i) & 1U) != 0;
