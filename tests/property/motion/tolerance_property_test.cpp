@@ -73,7 +73,7 @@ Words random_words(const Rig& rig, Random& r) {
     w.control.mode = PathControl::Mode::exact_stop;
   } else {
     const bool bare = r.chance(0.1);
-    w.control.tolerance_mm = bare ? 0 : r.log(0.005, 0.3);
+    w.control.tolerance_mm = bare ? 0 : r.log(0.001, 0.3);
     w.control.naive_cam_tolerance_mm = r.chance(0.3) ? 0 : r.log(0.002, 0.5);
     // Without P: what docs/planner.md says.
     w.allowed.mm = bare ? 0.1 : w.control.tolerance_mm;
@@ -124,6 +124,38 @@ void random_contour(Random& r, Pose& at, std::vector<Programmed>& out) {
   }
 }
 
+/// Arcs with tiny lines between them that meet nearly in one direction, as CAM fits them to a curve.
+void random_fit(Random& r, Pose& at, std::vector<Programmed>& out) {
+  double heading = r.uniform(0, 6);
+  const double speed = r.log(10, 150);
+  const int arcs = r.integer(3, 20);
+  for (int i = 0; i < arcs; ++i) {
+    const double radius = r.uniform(2, 12), side = r.chance(0.5) ? 1 : -1;
+    ArcMove m;
+    m.centre[0] = at.x - side * radius * std::sin(heading);
+    m.centre[1] = at.y + side * radius * std::cos(heading);
+    m.centre[2] = at.z;
+    m.normal[2] = side;
+    heading += side * r.uniform(0.05, 0.6);
+    m.end = at;
+    m.end.x = m.centre[0] + side * radius * std::sin(heading);
+    m.end.y = m.centre[1] - side * radius * std::cos(heading);
+    m.vel_mm_s = speed;
+    out.push_back({m, at, m.end});
+    at = m.end;
+    heading += r.uniform(-0.02, 0.02);
+    LinearMove l;
+    const double length = r.log(0.005, 0.5);
+    l.end = at;
+    l.end.x += length * std::cos(heading);
+    l.end.y += length * std::sin(heading);
+    l.vel_mm_s = speed;
+    out.push_back({l, at, l.end});
+    at = l.end;
+    heading += r.uniform(-0.02, 0.02);
+  }
+}
+
 /// A stream of short lines along a curve with the rounding noise of CAM output, or a move of any kind.
 void random_part(const Rig& rig, Random& r, Pose& at, std::vector<Programmed>& out) {
   if (r.chance(0.4)) {
@@ -134,6 +166,7 @@ void random_part(const Rig& rig, Random& r, Pose& at, std::vector<Programmed>& o
     return;
   }
   if (r.chance(0.4)) return random_contour(r, at, out);
+  if (r.chance(0.3)) return random_fit(r, at, out);
   const bool rotary = r.chance(0.3),
              each = r.chance(0.2);  // each: G93, every block has its own speed
   const double step = r.log(0.05, 1), bend = r.uniform(-0.3, 0.3),
