@@ -111,7 +111,8 @@ class Spindle final : public hal::Component<Spindle> {
     const bool slows = (base > 0.0 && wanted < base) || (base < 0.0 && wanted > base);
     // Within the tolerance of the command, whatever its limits make of it, it is at speed, and commanded no more by steps.
     const double asked = enable_ ? commanded_speed_.get() : 0.0;
-    const bool at_speed = std::fabs(asked - now) <= gear.speed_tolerance && !(asked * now < 0.0);
+    const bool at_speed = gear.speed_tolerance > 0.0 &&
+                          std::fabs(asked - now) <= gear.speed_tolerance && !(asked * now < 0.0);
     double next = wanted;
     if (!at_speed && slows) {
       const double step = step_of(gear.decel);
@@ -130,9 +131,7 @@ class Spindle final : public hal::Component<Spindle> {
     at_speed_ = at_speed;
     zero_speed_ = size_now <= gear.zero_tolerance;
     const double smooth = spindle_lpf_;
-    shown_ = was_at_speed && smooth > 0.0
-                 ? shown_ + (size_now - shown_) * std::min(1.0, smooth * dt)
-                 : size_now;
+    shown_ = was_at_speed && smooth > 0.0 ? shown_ + (size_now - shown_) * smooth * dt : size_now;
     spindle_rpm_abs_ = shown_;
     forward_ = next > 0.0 && (size > 0.0 || forward_.last());
     reverse_ = size > 0.0 && next < 0.0;
