@@ -38,18 +38,13 @@ class Orient final : public hal::Component<Orient> {
     const bool enable = enable_;
     const double position = position_;
     if (enable && !before_) {
-      double target = std::floor(position) + angle_ / 360.0;
+      // However many turns the angle has, the way is less than one, or half of one: half a turn goes upwards.
+      const double target = std::floor(position) + angle_ / 360.0;
       const double way = target - position;
-      if (mode_ == 1) {
-        if (way < 0.0) target += 1.0;
-      } else if (mode_ == 2) {
-        if (way > 0.0) target -= 1.0;
-      } else if (way > 0.5) {
-        target -= 1.0;
-      } else if (way <= -0.5) {  // half a turn: upwards
-        target += 1.0;
-      }
-      command_ = target;
+      const double turns = mode_ == 1   ? std::floor(way)
+                           : mode_ == 2 ? std::ceil(way)
+                                        : std::ceil(way - 0.5);
+      command_ = target - turns;
     }
     before_ = enable;
     if (enable) {

@@ -37,8 +37,10 @@ class Run:
         """Short ones, of one pin or of both. Held until the pocket has gone again, a jog is LinuxCNC's last one."""
         rng, columns, at = self.rng, ([0] * LENGTH, [0] * LENGTH), self.rng.randrange(40)
         while at < LENGTH - 2:
-            length = 1 if self.encoding == "edge" else rng.choice([1, 2])
-            for column in rng.choice([columns[:1], columns[:1], columns[1:], columns[1:], columns]):
+            some = rng.choice([columns[:1], columns[:1], columns[1:], columns[1:], columns])
+            # Both at once ask for the pocket that is there, which may be gone in the next cycle.
+            length = 1 if self.encoding == "edge" or len(some) == 2 else rng.choice([1, 2])
+            for column in some:
                 column[at:at + length] = [1] * length
             at += length + rng.choice([3, 5, 12, 40])
         return columns
