@@ -342,6 +342,10 @@ class LcdDisplay : public hal::Channel {
       ended_ = false;
       return control(kNewPage);
     }
+    if (ended_) {
+      ended_ = false;
+      return control(kHome);
+    }
     const double contrast = contrast_;
     if (contrast != contrast_sent_) {
       contrast_sent_ = contrast;
@@ -349,10 +353,6 @@ class LcdDisplay : public hal::Channel {
       contrast_text_[2] =
           static_cast<char>(static_cast<unsigned char>(0x20 + static_cast<int>(share * 159.0)));
       return control(std::string_view(contrast_text_, 3));
-    }
-    if (ended_) {
-      ended_ = false;
-      return control(kHome);
     }
     const hal::Array<LcdItem>& items = pages_[page_].items;
     while (item_ < items.size()) {
