@@ -59,27 +59,28 @@ class Limit3 final : public hal::Component<Limit3> {
     }
     return std::max(low, std::min(next, high));
   }
-  double value_{0.0}, step_{0.0}, target_{0.0};
+  double value_{0.0}, step_{0.0}, in_before_{0.0};
 
   void update(const hal::Period& period) noexcept {
     const double dt = period.seconds();
     const double min = min_, max = max_;
-    double target = enable_ ? in_ : 0.0;
+    const double in = enable_ ? in_ : 0.0;
+    double target = in;
     if (target > max) target = max;
     if (target < min) target = min;
     if (load_) {
       out_ = value_ = target;
       step_ = 0.0;
-      target_ = target;
+      in_before_ = in;
       return;
     }
     const double most = std::min(std::fabs(maxv_) * dt, 1e300),
                  change = std::min(std::fabs(maxa_) * dt * dt, 1e300);
     const double low = std::max(step_ - change, -most), high = std::min(step_ + change, most);
-    // An input under way is met at its speed; the bounds stand still.
-    const double way = target - target_;
-    double step = way + approach(target_ - value_, step_ - way, low - way, high - way, change);
-    target_ = target;
+    // An input under way is met at its speed, beyond the bounds too, as LinuxCNC; the bounds stand still.
+    const double way = in - in_before_;
+    double step = way + approach(target - way - value_, step_ - way, low - way, high - way, change);
+    in_before_ = in;
     if (step > 0.0 && max >= value_ && !can_rest(max - value_, step, change))
       step = std::min(step, approach(max - value_, step_, low, high, change));
     if (step < 0.0 && min <= value_ && !can_rest(value_ - min, -step, change))
