@@ -17,8 +17,6 @@ constexpr std::uint64_t kWindow = 160;
 constexpr std::uint64_t kCareful = 2, kCarefulAtLast = 12;
 /// ... and beyond this share nothing is to be won by it.
 constexpr double kHopeless = 3;
-/// Moves that one cycle catches up.
-constexpr int kCatchUp = 256;
 constexpr double kSomething = 1e-9;  ///< mm or degrees in a radian
 constexpr double kUnknown = 1e99;    ///< share: no move was looked at
 constexpr int kRounds = 12, kCarefulRounds = 40;
@@ -150,7 +148,12 @@ void PathOracle::follow(const ProgrammedMoves& moves, std::uint64_t newest,
   const std::uint64_t oldest =
       newest > ProgrammedMoves::kSlots ? newest - ProgrammedMoves::kSlots + 1 : 1;
   at_ = std::clamp(at_, oldest, newest);
-  for (int k = 0; k < kCatchUp && at_ < newest && moves.seq(at_ + 1) <= seq; ++k) ++at_;
+  // The last one up to `seq`: numbers grow as they are noted. After an abort thousands that nobody drove may lie before it.
+  for (std::uint64_t step = 1; step > 0;) {
+    const bool goes_on = at_ + step <= newest && moves.seq(at_ + step) <= seq;
+    if (goes_on) at_ += step;
+    step = goes_on ? 2 * step : step / 2;
+  }
   if (near_ + kWindow < at_ || near_ > at_ + kWindow) near_ = at_;
 }
 

@@ -117,6 +117,21 @@ TEST_F(Watched, TheLastMovesAreKeptForAnyLengthOfProgram) {
   EXPECT_EQ(faults.size(), 1U);
 }
 
+/// What an abort dropped is between where the machine stood and what it drives next.
+TEST_F(Watched, MovesThatNobodyDroveArePassedAtOnce) {
+  for (int i = 0; i < 1500; ++i) add(line({{1.0 * i, 0, 0}}, {{i + 1.0, 0, 0}}, {0.01, 0.01}));
+  at({.x = 3.2}, 4);
+  EXPECT_EQ(faults.size(), 0U);
+  seq = 2000;
+  for (int i = 0; i < 400; ++i) add(line({{3.2, 1.0 * i, 0}}, {{3.2, i + 1.0, 0}}, {0.01, 0.01}));
+  at({.x = 3.2, .y = 0.5}, 2001);
+  EXPECT_EQ(faults.size(), 0U);
+  at({.x = 3.2, .y = 1.5}, 2002);
+  EXPECT_EQ(faults.size(), 0U);
+  at({.x = 3.3, .y = 1.5}, 2002);
+  EXPECT_EQ(faults.size(), 1U);
+}
+
 TEST(PathCheck, ARotaryAxisBeyondItsToleranceIsToldInDegrees) {
   auto moves = std::make_unique<ProgrammedMoves>();
   moves->add(line({}, {{10, 0, 0}}, {0.1, 0.05}), 1);
