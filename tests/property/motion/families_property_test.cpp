@@ -282,6 +282,8 @@ TEST(Families, SeedsThatFailedOnce) {
   // A leg gone on with for longer than had been looked ahead; the rounding of a ramp on its last phase.
   run(bench::arc_spiral(0.1, 80), 2, 1e6);
   run(bench::arc_spiral(0.1, 80), 5, 1e6);
+  // A path that kinked or jumped where it was cut.
+  run(bench::wander(3000, 45), 45, 5000);
 }
 
 }  // namespace
