@@ -101,7 +101,8 @@ function(kerf_test name)
     set(A_LABELS fast)
   endif()
   if(NOT A_TIMEOUT)
-    set(A_TIMEOUT 120)
+    # Under sanitizers on two busy cores tests take ten times as long.
+    set(A_TIMEOUT 300)
   endif()
   if(KERF_SEED_PLACES)
     # Tests that a row of the seeds names: in a source of this program, or cases in its folder.
