@@ -83,32 +83,23 @@ Words random_words(const Rig& rig, Random& r) {
   return w;
 }
 
-/// Lines with fillets and chamfers between them that may be small against P, as contours have.
-void random_contour(Random& r, Pose& at, std::vector<Programmed>& out) {
-  double heading = r.uniform(0, 6);
-  const double size = r.log(0.02, 1), speed = r.log(10, 150);
-  const auto line = [&](double length) {
+/// Writes lines and arcs in XY, each in the direction in which the one before ended unless it is turned.
+struct Pen {
+  Pose& at;
+  std::vector<Programmed>& out;
+  double heading, speed;
+
+  void line(double length) {
     LinearMove m;
     m.end = at;
     m.end.x += length * std::cos(heading);
     m.end.y += length * std::sin(heading);
-    m.vel_mm_s = speed;
-    out.push_back({m, at, m.end});
-    at = m.end;
-  };
-  const int corners = r.integer(2, 12);
-  for (int i = 0; i < corners; ++i) {
-    line(r.log(0.3, 8));
-    const double turn = r.uniform(0.2, 2.6) * (r.chance(0.5) ? 1 : -1);
-    if (r.chance(0.5)) {
-      heading += turn / 2;
-      line(size * r.uniform(0.5, 1.5));
-      heading += turn / 2;
-      continue;
-    }
-    heading += r.chance(0.3) ? r.uniform(-0.05, 0.05) : 0;
+    add(m);
+  }
+  /// To the left where `turn` is above 0.
+  void arc(double radius, double turn, double rise = 0) {
     ArcMove m;
-    const double radius = size * r.uniform(0.5, 1.5), side = turn > 0 ? 1 : -1;
+    const double side = turn > 0 ? 1 : -1;
     m.centre[0] = at.x - side * radius * std::sin(heading);
     m.centre[1] = at.y + side * radius * std::cos(heading);
     m.centre[2] = at.z;
@@ -117,42 +108,49 @@ void random_contour(Random& r, Pose& at, std::vector<Programmed>& out) {
     m.end = at;
     m.end.x = m.centre[0] + side * radius * std::sin(heading);
     m.end.y = m.centre[1] - side * radius * std::cos(heading);
-    m.end.z += r.chance(0.2) ? r.uniform(-0.5, 0.5) * size : 0;
+    m.end.z += rise;
+    add(m);
+  }
+
+  template <class Move>
+  void add(Move m) {
     m.vel_mm_s = speed;
     out.push_back({m, at, m.end});
     at = m.end;
+  }
+};
+
+/// Lines with fillets and chamfers between them that may be small against P, as contours have.
+void random_contour(Random& r, Pose& at, std::vector<Programmed>& out) {
+  const double heading = r.uniform(0, 6), size = r.log(0.02, 1), speed = r.log(10, 150);
+  Pen pen{at, out, heading, speed};
+  const int corners = r.integer(2, 12);
+  for (int i = 0; i < corners; ++i) {
+    pen.line(r.log(0.3, 8));
+    const double turn = r.uniform(0.2, 2.6) * (r.chance(0.5) ? 1 : -1);
+    if (r.chance(0.5)) {
+      pen.heading += turn / 2;
+      pen.line(size * r.uniform(0.5, 1.5));
+      pen.heading += turn / 2;
+      continue;
+    }
+    pen.heading += r.chance(0.3) ? r.uniform(-0.05, 0.05) : 0;
+    const double radius = size * r.uniform(0.5, 1.5);
+    pen.arc(radius, turn, r.chance(0.2) ? r.uniform(-0.5, 0.5) * size : 0);
   }
 }
 
 /// Arcs with tiny lines between them that meet nearly in one direction, as CAM fits them to a curve.
 void random_fit(Random& r, Pose& at, std::vector<Programmed>& out) {
-  double heading = r.uniform(0, 6);
-  const double speed = r.log(10, 150);
+  const double heading = r.uniform(0, 6), speed = r.log(10, 150);
+  Pen pen{at, out, heading, speed};
   const int arcs = r.integer(3, 20);
   for (int i = 0; i < arcs; ++i) {
-    const double radius = r.uniform(2, 12), side = r.chance(0.5) ? 1 : -1;
-    ArcMove m;
-    m.centre[0] = at.x - side * radius * std::sin(heading);
-    m.centre[1] = at.y + side * radius * std::cos(heading);
-    m.centre[2] = at.z;
-    m.normal[2] = side;
-    heading += side * r.uniform(0.05, 0.6);
-    m.end = at;
-    m.end.x = m.centre[0] + side * radius * std::sin(heading);
-    m.end.y = m.centre[1] - side * radius * std::cos(heading);
-    m.vel_mm_s = speed;
-    out.push_back({m, at, m.end});
-    at = m.end;
-    heading += r.uniform(-0.02, 0.02);
-    LinearMove l;
-    const double length = r.log(0.005, 0.5);
-    l.end = at;
-    l.end.x += length * std::cos(heading);
-    l.end.y += length * std::sin(heading);
-    l.vel_mm_s = speed;
-    out.push_back({l, at, l.end});
-    at = l.end;
-    heading += r.uniform(-0.02, 0.02);
+    const double radius = r.uniform(2, 12), turn = r.uniform(0.05, 0.6);
+    pen.arc(radius, r.chance(0.5) ? turn : -turn);
+    pen.heading += r.uniform(-0.02, 0.02);
+    pen.line(r.log(0.005, 0.5));
+    pen.heading += r.uniform(-0.02, 0.02);
   }
 }
 

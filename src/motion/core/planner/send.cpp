@@ -348,9 +348,9 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   const bool at_piece_end = to >= piece.length;
   body.stop_at_end = piece.stop_at_end && at_piece_end;
   // A corner that stands for several programmed ones (coarse.hpp) may be as far along as one of them, and beside it.
-  const bool there =
+  body.at_end_exactly =
+      body.stop_at_end && sent.block_end &&
       path::max_abs(path::to_vec(body.end) - piece.point(piece.length)) <= kSamePoint;
-  body.at_end_exactly = body.stop_at_end && sent.block_end && there;
 
   // It is done when it is locked.
   if (meta.kind == MotionKind::index_rotary) {
