@@ -1,5 +1,7 @@
 #include "hal/loader/realtime_host.hpp"
 
+#include <algorithm>
+
 #include "hal/loader/server.hpp"
 #include "rtapi/thread/cycle_now.hpp"
 
@@ -21,7 +23,12 @@ void RealtimeHost::look_at_threads(rtapi::Nanos now) {
 
 void RealtimeHost::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   if (server_ != nullptr) {
-    if (!server_->serve_all()) next.wake_at(now);
+    const bool cycles = std::any_of(due_.begin(), due_.end(),
+                                    [now](const Due& due) { return due.at <= now; });
+    if (!cycles || server_->was_told() || now - served_ >= kServeEvery) {
+      served_ = now;
+      if (!server_->serve_all()) next.wake_at(now);
+    }
     server_->watch(now, next);
   }
   look_at_threads(now);

@@ -25,12 +25,15 @@ class RealtimeHost final : public rtapi::Participant {
     ThreadRunner* thread;
     rtapi::Nanos at;
   };
+  /// Between cycles requests that nobody has told of are looked for this often: each look is a system call.
+  static constexpr rtapi::Nanos kServeEvery = 10 * rtapi::kMillisecond;
   void look_at_threads(rtapi::Nanos now);
 
   Host& host_;
   Server* server_;
   std::vector<Due> due_;
   bool was_running_{false};
+  rtapi::Nanos served_{0};
   std::uint64_t seen_changes_{UINT64_MAX};
 };
 

@@ -219,6 +219,8 @@ bool Server::serve_all() {
   return false;
 }
 
+bool Server::was_told() const noexcept { return inbox_->count() != inbox_seen_; }
+
 void Server::watch(rtapi::Nanos now, rtapi::WaitSpec& spec) const {
   // On the real clock the sockets are enough, and a cell would be looked at each millisecond.
   if (host_.clock().is_virtual()) (void)spec.cells.push_back({inbox_, inbox_seen_});

@@ -34,6 +34,8 @@ class Server {
   /// Called between each command and its reply: what a command printed through a ring is out before its client reads that the
   /// command is done, and goes on (or ends the run).
   void before_reply(std::function<void()> hook) { before_reply_ = std::move(hook); }
+  /// A client has sent something since serve() was here last. Others may send without telling.
+  [[nodiscard]] bool was_told() const noexcept;
   /// What to wait for until serve() has work again.
   void watch(rtapi::Nanos now, rtapi::WaitSpec& spec) const;
   [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }

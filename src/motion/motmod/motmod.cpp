@@ -346,7 +346,7 @@ bool Motmod::task_should_look() noexcept {
   const std::uint64_t awaited = shared_->awaited_seq.get();
   const bool soon = news || (awaited > 0 ? status.executed_seq >= awaited
                                          : shared_->path.size() < PathRing::capacity() / 2);
-  if (!untold_ || (!soon && status.time_ns - told_ns_ < kTellEvery)) return false;
+  if (!untold_ || (!soon && status.time_ns / kTellEvery == told_ns_ / kTellEvery)) return false;
   untold_ = false;
   told_ns_ = status.time_ns;
   return true;

@@ -162,7 +162,7 @@ class MainParticipant final : public rtapi::Participant {
 
   void step(rtapi::Nanos now, rtapi::WaitSpec& next) override {
     print_messages();
-    if (orphaned_ || supervisor_.dead()) {
+    if (orphaned_ || is_orphaned_at(now)) {
       if (!orphaned_) orphaned_at_ = now;
       orphaned_ = true;
       // On the real clock there may be hardware: the others switch the machine off, and drivers write that.
@@ -196,6 +196,15 @@ class MainParticipant final : public rtapi::Participant {
   }
 
  private:
+  /// Not in each cycle of virtual time: it is a system call. While time stands a step looks each time, so a wait is ended by what it has to find.
+  [[nodiscard]] bool is_orphaned_at(rtapi::Nanos now) {
+    if (clock_.is_virtual() && now > stepped_at_ && now - looked_at_ < kLookEvery) {
+      stepped_at_ = now;
+      return false;
+    }
+    stepped_at_ = looked_at_ = now;
+    return supervisor_.dead();
+  }
   /// What realtime code has said since the last time.
   void print_messages() {
     (void)log_.drain();
@@ -210,8 +219,10 @@ class MainParticipant final : public rtapi::Participant {
   hal::RealtimeHost cycles_;
   rtapi::LogReader log_;
   static constexpr rtapi::Nanos kOrphanTime = 150 * rtapi::kMillisecond;
+  static constexpr rtapi::Nanos kLookEvery = 10 * rtapi::kMillisecond;
   bool orphaned_{false};
   rtapi::Nanos orphaned_at_{0};
+  rtapi::Nanos stepped_at_{-1}, looked_at_{-kLookEvery};
 };
 
 int fail(const rtapi::Error& error) {
