@@ -23,8 +23,8 @@ void RealtimeHost::look_at_threads(rtapi::Nanos now) {
 
 void RealtimeHost::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   if (server_ != nullptr) {
-    const bool cycles = std::any_of(due_.begin(), due_.end(),
-                                    [now](const Due& due) { return due.at <= now; });
+    const bool cycles =
+        std::any_of(due_.begin(), due_.end(), [now](const Due& due) { return due.at <= now; });
     if (!cycles || server_->was_told() || now - served_ >= kServeEvery) {
       served_ = now;
       if (!server_->serve_all()) next.wake_at(now);

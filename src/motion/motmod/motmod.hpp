@@ -111,7 +111,8 @@ class Motmod final : public hal::Component<Motmod> {
   static constexpr std::int32_t kNoKind = std::numeric_limits<std::int32_t>::min();
   std::int32_t refused_kind_{kNoKind};  ///< not asked for again until the pin changes
   bool pending_before_{false};
-  static constexpr std::int64_t kTellEvery = 10'000'000;  ///< ns, on whole multiples, at which task and io look anyway
+  static constexpr std::int64_t kTellEvery =
+      10'000'000;  ///< ns, on whole multiples, at which task and io look anyway
   std::int64_t told_ns_{0};
   bool untold_{false};  ///< something has changed since task was told to look
   double scale_{1};     ///< machine units in 1 mm

@@ -4,12 +4,17 @@
 #include <array>
 
 #include "motion/core/path/boxes.hpp"
+#include "motion/core/path/junction_shapes.hpp"
 #include "motion/core/path/reach.hpp"
 
 namespace kerf::motion::path {
 namespace {
 
 constexpr double kShrinkStep = 0.9;
+/// What has the least jerk is looked for near to the width that was foretold.
+constexpr double kFirstReach = 1.06, kFineStep = 0.98;
+/// Beside a straight only kinks that are less of the tolerance on the whole reach count as none.
+constexpr double kTangent = 0.02;
 /// Of three spans: the half-width of the middle one as a share of the whole; and how much of the kink is taken from both of its ends to the vertex,
 /// times l. The latter lets the blend swing out before and behind the vertex, with jerk as even as in a triangle.
 ///
@@ -17,6 +22,7 @@ constexpr double kShrinkStep = 0.9;
 /// all the way to both ends, so that the blend is outside of the vertex before and behind it by as much as inside at it.
 struct Shape {
   double plateau{0}, swing{0}, core{0};
+  const JunctionShape* least_jerk{nullptr};  ///< instead of all that
 };
 /// Nearly the least acceleration that a blend can have.
 constexpr Shape kEven{0.5, 0};
@@ -50,9 +56,9 @@ struct Blend {
   [[nodiscard]] const Piece* end() const noexcept { return piece.data() + count; }
 };
 
-/// q'' per kink and 1/l at places from the vertex on, as shares of l; the same before it. Linear between them.
+/// q'' per kink and 1/l at places from the vertex on, as shares of l; the same before it. Linear between them. `turn`: per jump of q'', the other way before it.
 struct Profile {
-  std::array<double, kMostBlendPieces / 2 + 1> at{}, bend{};
+  std::array<double, kMostBlendPieces / 2 + 1> at{}, bend{}, turn{};
   std::size_t last{0};
 };
 
@@ -61,14 +67,22 @@ double half_over(const JunctionSettings& settings) noexcept {
 }
 
 Profile profile_of(const Shape& shape) noexcept {
+  if (shape.least_jerk != nullptr) {
+    Profile p;
+    p.last = kJunctionKnotCount - 1;
+    std::copy(std::begin(kJunctionKnots), std::end(kJunctionKnots), p.at.begin());
+    std::copy(std::begin(shape.least_jerk->even), std::end(shape.least_jerk->even), p.bend.begin());
+    std::copy(std::begin(shape.least_jerk->odd), std::end(shape.least_jerk->odd), p.turn.begin());
+    return p;
+  }
   if (!(shape.core > 0))
-    return {{0, shape.plateau, 1}, {shape.swing / shape.plateau, -shape.swing, 0}, 2};
+    return {{0, shape.plateau, 1}, {shape.swing / shape.plateau, -shape.swing, 0}, {}, 2};
   const double r = shape.core, back = shape.plateau;
   // What is taken back on each side, about its middle: off outside at the ends of the core as much as inside at the vertex.
   const double middle = (r + back + 1) / 3;
   const double taken = kCoreOff * r / (2 * middle - r - 2 * kCoreOff * r);
   const double high = (1 + 2 * taken) / (r * (1 + kCorePlateau));
-  return {{0, kCorePlateau * r, r, back, 1}, {high, high, 0, -2 * taken / (1 - r), 0}, 4};
+  return {{0, kCorePlateau * r, r, back, 1}, {high, high, 0, -2 * taken / (1 - r), 0}, {}, 4};
 }
 
 /// Takes `reach` of both.
@@ -76,15 +90,22 @@ void make_blend(const Piece& a, const Piece& b, double reach, const Shape& shape
                 const JunctionSettings& settings, Blend& out) noexcept {
   const double l = reach + half_over(settings);  // its half-width
   const double sa = a.length - reach;
-  const Vec q0 = a.point(sa), t0 = a.first(sa), c0 = a.second(sa);
-  const Vec q1 = b.point(reach), t1 = b.first(reach), c1 = b.second(reach);
+  const Vec q0 = a.point(sa), t0 = a.first(sa);
+  const Vec q1 = b.point(reach), t1 = b.first(reach);
+  Vec c0 = a.second(sa), c1 = b.second(reach);
   const Vec kink = b.first(0) - a.first(a.length);
+  Vec jump;
+  if (shape.least_jerk != nullptr) {
+    jump = b.second(0) - a.second(a.length);
+    c0.add(0.5, jump);
+    c1.add(-0.5, jump);
+  }
   const double s1 = (1.0 - shape.plateau) * l, s2 = 2.0 * shape.plateau * l;
   // q'' is c0, m1, m2, c1 at the knots of three spans and linear between them. Unknown m1, m2 from
   //   area:   integral of q'' = t1 - t0
   //   moment: integral of (l - u) q'' = q1 - q0 - 2 l t0
-  // where a core has taken the kink on itself, from what is left of both.
-  const double cored = shape.core > 0 ? 1.0 : 0.0;
+  // where a core (or what has the least jerk) has taken the kink on itself, and the jump, from what is left of both.
+  const double cored = shape.core > 0 || shape.least_jerk != nullptr ? 1.0 : 0.0;
   const double area0 = s1 / 2, area1 = (s1 + s2) / 2;
   const double w0 = 2 * l, w1 = 2 * l - s1, w2 = s1;  // l - u at the knots; the last is 0
   const double mom0 = s1 / 6 * (2 * w0 + w1);
@@ -95,8 +116,8 @@ void make_blend(const Piece& a, const Piece& b, double reach, const Shape& shape
   Vec m1, m2;
   for (std::size_t i = 0; i < kAxes; ++i) {
     const double area = t1[i] - t0[i] - cored * kink[i] - area0 * (c0[i] + c1[i]);
-    const double moment =
-        q1[i] - q0[i] - 2 * l * t0[i] - cored * l * kink[i] - mom0 * c0[i] - mom3 * c1[i];
+    const double moment = q1[i] - q0[i] - 2 * l * t0[i] - cored * l * kink[i] +
+                          l * l / 2 * jump[i] - mom0 * c0[i] - mom3 * c1[i];
     m1[i] = (area * mom2 - moment * area1) / det;
     m2[i] = (moment * area1 - area * mom1) / det;
   }
@@ -111,15 +132,16 @@ void make_blend(const Piece& a, const Piece& b, double reach, const Shape& shape
     else
       bend = (m1 + m2) * 0.5 + (knot - (m1 + m2) * 0.5) * (at / shape.plateau);
     bend.add(profile.bend[k] / l, kink);
+    bend.add(behind ? profile.turn[k] : -profile.turn[k], jump);
     return bend;
   };
   out.count = 2 * profile.last;
-  Vec q = q0, t = t0, bend = c0;
+  Vec q = q0, t = t0, bend = bend_at(profile.last, false);
   for (std::size_t i = 0; i < out.count; ++i) {
     const bool behind = i >= profile.last;
     const std::size_t from = behind ? i - profile.last : profile.last - i;
     const std::size_t to = behind ? from + 1 : from - 1;
-    const Vec next = i + 1 == out.count ? c1 : bend_at(to, behind);
+    const Vec next = bend_at(to, behind);
     Piece& p = out.piece[i];
     p = Piece{};
     p.length = std::abs(profile.at[to] - profile.at[from]) * l;
@@ -210,12 +232,12 @@ double passing_time(const Piece& a, const Piece& b, const Blend& blend, double l
   return seconds;
 }
 
-double widest_blend(const Piece& a, const Piece& b, const Shape& shape,
+/// From l on, `step` nearer in each round.
+double widest_blend(const Piece& a, const Piece& b, const Shape& shape, double l, double step,
                     const JunctionSettings& settings, Blend& out) noexcept {
-  double l = std::min(settings.reach_a, settings.reach_b);
   // With nothing of its neighbours it could not go over a move.
   const double least = std::max(1e-9, kLeastOver * half_over(settings));
-  for (int round = 0; round < kMaxRounds && l > least; ++round, l *= kShrinkStep) {
+  for (int round = 0; round < kMaxRounds && l > least; ++round, l *= step) {
     make_blend(a, b, l, shape, settings, out);
     double share = worst_share(out, a, b, l, 1, settings);
     if (share <= kAim) share = worst_share(out, a, b, l, kSamples, settings);
@@ -224,9 +246,31 @@ double widest_blend(const Piece& a, const Piece& b, const Shape& shape,
       return l;
     }
     // The deviation grows with l to l^2: the root is never too far.
-    if (share > 2) l *= std::max(0.3, std::sqrt(1.0 / share)) / kShrinkStep;
+    if (share > 2) l *= std::max(0.3, std::sqrt(1.0 / share)) / step;
   }
   return 0;
+}
+
+JunctionNeeds needs_of(const Piece& a, const Piece& b, double reach,
+                       const JunctionSettings& settings) noexcept {
+  const AxisLimits& limits = settings.limits;
+  const Vec kink = b.first(0) - a.first(a.length), before = a.second(a.length),
+            behind = b.second(0), jump = behind - before;
+  const auto share = [](const Vec& v, const Vec& limit) {
+    double most = 0;
+    for (std::size_t i = 0; i < kAxes; ++i) most = std::max(most, std::abs(v[i]) / limit[i]);
+    return most;
+  };
+  JunctionNeeds needs;
+  needs.kink_off = settings.tolerance.share(kink) / kAim;
+  needs.jump_off = settings.tolerance.share(jump) / kAim;
+  needs.kink_acc = share(kink, limits.acc);
+  needs.jump_acc = share(jump, limits.acc);
+  needs.bend_acc = share((before + behind) * 0.5, limits.acc);
+  needs.kink_jerk = share(kink, limits.jerk);
+  needs.jump_jerk = share(jump, limits.jerk);
+  needs.reach = reach;
+  return needs;
 }
 
 }  // namespace
@@ -241,11 +285,11 @@ double blend_junction(const Piece& a, const Piece& b, const JunctionSettings& se
                : passing_time(a, b, blend, l, reach, settings.limits);
   };
   Blend best;
-  double l = widest_blend(a, b, kEven, settings, best);
+  double l = widest_blend(a, b, kEven, reach, kShrinkStep, settings, best);
   double least = l > 0 ? cost(best, l) : kNoLimit;
-  const auto compare = [&](const Shape& shape) {
+  const auto compare = [&](const Shape& shape, double from, double step) {
     Blend blend;
-    const double taken = widest_blend(a, b, shape, settings, blend);
+    const double taken = widest_blend(a, b, shape, from, step, settings, blend);
     if (!(taken > 0)) return;
     const double found = cost(blend, taken);
     if (found >= least) return;
@@ -253,12 +297,17 @@ double blend_junction(const Piece& a, const Piece& b, const JunctionSettings& se
     best = blend;
     l = taken;
   };
-  for (const Shape& shape : kShapes) compare(shape);
+  for (const Shape& shape : kShapes) compare(shape, reach, kShrinkStep);
   const double turn = settings.tolerance.share(b.first(0) - a.first(a.length));
   // Straight legs stay where they are programmed, as between two lines.
   const bool curved = !a.straight() && !b.straight();
   if (!settings.limits.jerks && curved && reach * turn > kCoreRoom)
-    for (const Shape& shape : kCoreShapes) compare(shape);
+    for (const Shape& shape : kCoreShapes) compare(shape, reach, kShrinkStep);
+  if (settings.limits.jerks && settings.over == nullptr && (curved || turn * reach < kTangent)) {
+    const JunctionChoice choice = choose_junction_shape(needs_of(a, b, reach, settings));
+    compare({kEven.plateau, 0, 0, &choice.shape}, std::min(reach, kFirstReach * choice.l),
+            kFineStep);
+  }
   if (l > 0)
     for (const Piece& p : best) out.push_back(p);
   return l;

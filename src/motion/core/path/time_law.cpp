@@ -30,7 +30,7 @@ constexpr double kStopHere = 1.3;
 constexpr int kStopRounds = 2;
 /// Braking without the solver: steps on the way of a straight at least; and more of them where a stop takes that many times as long as there.
 constexpr double kBrakeSteps[] = {32, 80};
-constexpr double kBrakeEnough = 1.5;
+constexpr double kBrakeEnough = 1.25;
 /// Braking is tried from places of a law so far apart (of its time).
 constexpr double kLaterEvery = 0.12;
 /// A stop that took more passes, or the solver, is tried nearer by this factor and again, down to that one; not when it takes less than so many
