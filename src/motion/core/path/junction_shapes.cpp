@@ -61,7 +61,7 @@ constexpr JunctionShape shape_of(const Entry& entry) {
   s.odd[1] = entry.odd[0];
   s.odd[2] = entry.odd[1];
   s.odd[4] = 0.5;
-  for (const std::size_t k : {1, 2, 4}) moment -= s.odd[k] * weight(k, 1);
+  for (const std::size_t k : {1UL, 2UL, 4UL}) moment -= s.odd[k] * weight(k, 1);
   s.odd[3] = moment / weight(3, 1);
   return s;
 }
