@@ -67,14 +67,8 @@ double half_over(const JunctionSettings& settings) noexcept {
 }
 
 Profile profile_of(const Shape& shape) noexcept {
-  if (shape.least_jerk != nullptr) {
-    Profile p;
-    p.last = kJunctionKnotCount - 1;
-    std::copy(std::begin(kJunctionKnots), std::end(kJunctionKnots), p.at.begin());
-    std::copy(std::begin(shape.least_jerk->even), std::end(shape.least_jerk->even), p.bend.begin());
-    std::copy(std::begin(shape.least_jerk->odd), std::end(shape.least_jerk->odd), p.turn.begin());
-    return p;
-  }
+  if (const JunctionShape* least = shape.least_jerk)
+    return {kJunctionKnots, least->even, least->odd, kJunctionKnots.size() - 1};
   if (!(shape.core > 0))
     return {{0, shape.plateau, 1}, {shape.swing / shape.plateau, -shape.swing, 0}, {}, 2};
   const double r = shape.core, back = shape.plateau;
@@ -287,7 +281,7 @@ double blend_junction(const Piece& a, const Piece& b, const JunctionSettings& se
   Blend best;
   double l = widest_blend(a, b, kEven, reach, kShrinkStep, settings, best);
   double least = l > 0 ? cost(best, l) : kNoLimit;
-  const auto compare = [&](const Shape& shape, double from, double step) {
+  const auto compare = [&](const Shape& shape, double from, double step = kShrinkStep) {
     Blend blend;
     const double taken = widest_blend(a, b, shape, from, step, settings, blend);
     if (!(taken > 0)) return;
@@ -297,12 +291,12 @@ double blend_junction(const Piece& a, const Piece& b, const JunctionSettings& se
     best = blend;
     l = taken;
   };
-  for (const Shape& shape : kShapes) compare(shape, reach, kShrinkStep);
+  for (const Shape& shape : kShapes) compare(shape, reach);
   const double turn = settings.tolerance.share(b.first(0) - a.first(a.length));
   // Straight legs stay where they are programmed, as between two lines.
   const bool curved = !a.straight() && !b.straight();
   if (!settings.limits.jerks && curved && reach * turn > kCoreRoom)
-    for (const Shape& shape : kCoreShapes) compare(shape, reach, kShrinkStep);
+    for (const Shape& shape : kCoreShapes) compare(shape, reach);
   if (settings.limits.jerks && settings.over == nullptr && (curved || turn * reach < kTangent)) {
     const JunctionChoice choice = choose_junction_shape(needs_of(a, b, reach, settings));
     compare({kEven.plateau, 0, 0, &choice.shape}, std::min(reach, kFirstReach * choice.l),

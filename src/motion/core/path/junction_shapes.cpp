@@ -35,13 +35,17 @@ constexpr Entry kTable[] = {
     {{1.3439, 1.0726, 0.457}, {0.5083, 0.5083}},   {{3.0097, 2.0456, -1.5402}, {0.5516, 0.5485}},
 };
 constexpr std::size_t kShapes = std::size(kTable);
+constexpr std::size_t kSpans = kJunctionKnots.size() - 1;
 /// Places from the vertex on at which deviations are looked at.
 constexpr std::size_t kPlaces = 12;
+
+/// std::abs is not constexpr in C++20.
+constexpr double magnitude(double v) { return v < 0 ? -v : v; }
 
 /// What a function that is linear between the knots adds to its integral (order 0) and to its first moment (order 1) by its value at knot k.
 constexpr double weight(std::size_t k, int order) {
   double sum = 0;
-  for (std::size_t i = 0; i + 1 < kJunctionKnotCount; ++i) {
+  for (std::size_t i = 0; i < kSpans; ++i) {
     if (i != k && i + 1 != k) continue;
     const double a = kJunctionKnots[i], b = kJunctionKnots[i + 1], at = k == i ? a : b;
     // Simpson's rule, exact here.
@@ -67,9 +71,9 @@ constexpr JunctionShape shape_of(const Entry& entry) {
 }
 
 /// How far the path is off at x when q'' is off by f behind it: the integral of (t - x) f(t) from x to 1.
-constexpr double off_at(const double (&f)[kJunctionKnotCount], double minus, double x) {
+constexpr double off_at(const std::array<double, kSpans + 1>& f, double minus, double x) {
   double sum = 0;
-  for (std::size_t i = 0; i + 1 < kJunctionKnotCount; ++i) {
+  for (std::size_t i = 0; i < kSpans; ++i) {
     const double k0 = kJunctionKnots[i], k1 = kJunctionKnots[i + 1];
     if (k1 <= x) continue;
     const double a = std::max(k0, x), b = k1, m = (a + b) / 2;
@@ -78,16 +82,14 @@ constexpr double off_at(const double (&f)[kJunctionKnotCount], double minus, dou
     };
     sum += (b - a) / 6 * (value(a) + 4 * value(m) + value(b));
   }
-  return sum < 0 ? -sum : sum;
+  return magnitude(sum);
 }
 
 struct Response {
   JunctionShape shape;
   double even_off[kPlaces]{}, odd_off[kPlaces]{};
-  double even_slope[4]{}, odd_slope[4]{};
+  double even_slope[kSpans]{}, odd_slope[kSpans]{};
 };
-
-constexpr double size(double v) { return v < 0 ? -v : v; }
 
 constexpr std::array<Response, kShapes> responses() {
   std::array<Response, kShapes> out{};
@@ -99,10 +101,10 @@ constexpr std::array<Response, kShapes> responses() {
       r.even_off[k] = off_at(r.shape.even, 0, x);
       r.odd_off[k] = off_at(r.shape.odd, 0.5, x);
     }
-    for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t i = 0; i < kSpans; ++i) {
       const double over = 1 / (kJunctionKnots[i + 1] - kJunctionKnots[i]);
-      r.even_slope[i] = size(r.shape.even[i + 1] - r.shape.even[i]) * over;
-      r.odd_slope[i] = size(r.shape.odd[i + 1] - r.shape.odd[i]) * over;
+      r.even_slope[i] = magnitude(r.shape.even[i + 1] - r.shape.even[i]) * over;
+      r.odd_slope[i] = magnitude(r.shape.odd[i + 1] - r.shape.odd[i]) * over;
     }
   }
   return out;
@@ -122,11 +124,11 @@ JunctionChoice choose_junction_shape(const JunctionNeeds& needs) noexcept {
       if (l * (c1 + c2 * l) > 1) l = 2 / (c1 + std::sqrt(c1 * c1 + 4 * c2));
     }
     double jerk = 0, acc = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t i = 0; i < kSpans; ++i) {
       jerk = std::max(
           jerk, needs.kink_jerk * r.even_slope[i] / (l * l) + needs.jump_jerk * r.odd_slope[i] / l);
-      acc = std::max(
-          acc, needs.kink_acc * size(r.shape.even[i]) / l + needs.jump_acc * size(r.shape.odd[i]));
+      acc = std::max(acc, needs.kink_acc * magnitude(r.shape.even[i]) / l +
+                              needs.jump_acc * magnitude(r.shape.odd[i]));
     }
     const double speed =
         std::min(1 / std::cbrt(jerk + 1e-30), 1 / std::sqrt(acc + needs.bend_acc + 1e-30));

@@ -8,17 +8,17 @@
 // passed at 0.97 of the best speed at worst and at all of it in the mean; with as many knots as one likes another 1 to 4 % could be had.
 #pragma once
 
+#include <array>
 #include <cstddef>
 
 namespace kerf::motion::path {
 
 /// x of the knots from the vertex on.
-inline constexpr double kJunctionKnots[] = {0, 0.2, 0.5, 0.8, 1};
-inline constexpr std::size_t kJunctionKnotCount = 5;
+inline constexpr std::array<double, 5> kJunctionKnots{0, 0.2, 0.5, 0.8, 1};
 
 /// E and O at the knots.
 struct JunctionShape {
-  double even[kJunctionKnotCount]{}, odd[kJunctionKnotCount]{};
+  std::array<double, kJunctionKnots.size()> even{}, odd{};
 };
 
 /// What meets, each as a share of what is allowed: `kink` times mm are deviations as shares of the tolerance, and so on.
