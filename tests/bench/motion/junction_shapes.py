@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Makes the table of src/motion/core/path/junction_shapes.cpp: shapes of q'' with the least jerk where two curves meet.
 
-Usage: junction_shapes.py [--count N]        (Debian: python3-scipy)
+Usage: junction_shapes.py [--count N]                    (Debian: python3-scipy)
+       junction_shapes.py --least KINK JUMP P REACH     the least jerk of any curve: kink [rad], jump [1/mm], P and reach [mm], by 40 knots a side
 
 A blend from -l to l has to lead from one curve to another: q' jumps by `kink` and q'' by `jump` at its middle. q'' is linear between knots at
 shares of l, so jerk is the steepest slope. For a kink, a jump and an l the least jerk within the tolerance (1 here) is a linear program in the
@@ -10,15 +11,17 @@ tolerance is all that counts down to those with little room; then the N shapes a
 Prints the rows of the table, and how near to the best speed they are (speed is the cube root of jerk).
 """
 import argparse
+import sys
 
 import numpy as np
 from scipy.optimize import linprog
 
-KNOTS = np.array([0, 0.2, 0.5, 0.8, 1.0])
+KNOTS = np.linspace(0, 1, 41) if "--least" in sys.argv else np.array([0, 0.2, 0.5, 0.8, 1.0])
+LAST = len(KNOTS) - 1
 STEPS = np.diff(KNOTS)
 PLACES = np.linspace(0, 1, 21)[:-1]
 FINE = np.linspace(0, 1, 2001)
-HATS = [np.interp(FINE, KNOTS, row) for row in np.eye(5)]
+HATS = [np.interp(FINE, KNOTS, row) for row in np.eye(LAST + 1)]
 
 
 def offs(values):
@@ -30,8 +33,8 @@ def offs(values):
     return np.array(out)
 
 
-OFF = np.array([offs(row) for row in np.eye(5)])
-OFF_HALF = offs(np.full(5, 0.5))
+OFF = np.array([offs(row) for row in np.eye(LAST + 1)])
+OFF_HALF = offs(np.full(LAST + 1, 0.5))
 AREA = np.array([np.trapz(h, FINE) for h in HATS])
 MOMENT = np.array([np.trapz(FINE * h, FINE) for h in HATS])
 SIGNS = [(a, b) for a in (1, -1) for b in (1, -1)]
@@ -48,18 +51,19 @@ def solve(kink, jump, l):
 
     for k in range(len(PLACES)):
         # Over |even| + |odd|, which is what the deviation comes to on one side of the vertex or the other.
-        row(kink * l * OFF[:4, k],
-            (jump * l * l * OFF[1:4, k], jump * l * l * (0.5 * OFF[4, k] - OFF_HALF[k])), 0.0, 1.0)
-    for i in range(4):
-        even, odd, constant = np.zeros(5), np.zeros(5), 0.0
+        row(kink * l * OFF[:LAST, k],
+            (jump * l * l * OFF[1:LAST, k], jump * l * l * (0.5 * OFF[LAST, k] - OFF_HALF[k])), 0.0, 1.0)
+    for i in range(LAST):
+        even, odd = np.zeros(LAST + 1), np.zeros(LAST + 1)
         even[i], even[i + 1], odd[i], odd[i + 1] = -1, 1, -1, 1
-        constant = 0.5 * odd[4]
-        row(even[:4] * kink / l**2 / STEPS[i], (odd[1:4] * jump / l / STEPS[i], constant * jump / l / STEPS[i]), -1.0, 0.0)
-    equal = np.zeros((2, 8))
-    equal[0, :4], equal[1, 4:7] = AREA[:4], MOMENT[1:4]
-    found = linprog(np.eye(8)[7], A_ub=np.array(rows), b_ub=right, A_eq=equal, b_eq=[0.5, 0.25 - 0.5 * MOMENT[4]],
-                    bounds=[(None, None)] * 7 + [(0, None)], method="highs")
-    return (found.fun, found.x[:7]) if found.status == 0 else (np.inf, None)
+        constant = 0.5 * odd[LAST]
+        row(even[:LAST] * kink / l**2 / STEPS[i], (odd[1:LAST] * jump / l / STEPS[i], constant * jump / l / STEPS[i]), -1.0, 0.0)
+    size = 2 * LAST  # even at all knots but the last, odd at all but both ends, and the jerk
+    equal = np.zeros((2, size))
+    equal[0, :LAST], equal[1, LAST:-1] = AREA[:LAST], MOMENT[1:LAST]
+    found = linprog(np.eye(size)[-1], A_ub=np.array(rows), b_ub=right, A_eq=equal, b_eq=[0.5, 0.25 - 0.5 * MOMENT[LAST]],
+                    bounds=[(None, None)] * (size - 1) + [(0, None)], method="highs")
+    return (found.fun, found.x[:-1]) if found.status == 0 else (np.inf, None)
 
 
 def least_jerk(shape, kink, jump, reach):
@@ -75,7 +79,13 @@ def least_jerk(shape, kink, jump, reach):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--count", type=int, default=40, help="rows of the table")
-    count = parser.parse_args().count
+    parser.add_argument("--least", type=float, nargs=4, metavar=("KINK", "JUMP", "P", "REACH"), help="only the least jerk of one case")
+    args = parser.parse_args()
+    if args.least:
+        kink, jump, p, reach = args.least
+        print("%.4f" % (p * min(solve(kink / p, jump / p, reach * share)[0] for share in np.linspace(0.3, 1, 15))))
+        return
+    count = args.count
     cases = []
     for jump in [0, 0.03, 0.06, 0.12, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64, None]:
         kink, jump = (0, 1) if jump is None else (1, jump)

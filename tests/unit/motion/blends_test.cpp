@@ -391,7 +391,8 @@ TEST(Blends, AShallowKinkBetweenArcsSwingsOutToBendLess) {
 }
 
 TEST(Blends, ArcsMeetWithNearlyTheLeastJerkThatThereIs) {
-  // The least of any curve within P on 2 mm of both arcs, by a linear program with 160 places (kink, jump of curvature 0.5/mm or none).
+  // The least of any curve within P on 2 mm of both arcs, by a linear program (kink, jump of curvature 0.5/mm or none):
+  // tests/bench/motion/junction_shapes.py --least KINK JUMP P 2.
   struct Case {
     double kink, tolerance;
     bool turns;
