@@ -87,6 +87,22 @@ function(kerf_comp_component name)
   add_custom_target(component_${name} ALL DEPENDS ${out})
 endfunction()
 
+# What nearly every test reads before its own first line, compiled once a preset: a third of the time that tests take to build.
+# A program, as tests are, so that its options are theirs; only its headers are used.
+function(_kerf_test_headers target)
+  if(NOT TARGET kerf_test_headers)
+    file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/test_headers.cpp CONTENT "int main() {}\n")
+    add_executable(kerf_test_headers EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/test_headers.cpp)
+    _kerf_common(kerf_test_headers)
+    target_link_libraries(kerf_test_headers PRIVATE GTest::gtest_main GTest::gmock)
+    target_precompile_headers(kerf_test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h>
+      <algorithm> <cmath> <filesystem> <fstream> <functional> <map> <memory> <sstream> <string> <vector>)
+  endif()
+  target_precompile_headers(${target} REUSE_FROM kerf_test_headers)
+  # GCC forgets that these are system headers, and what it thinks of their strings is wrong.
+  target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread)
+endfunction()
+
 # kerf_test(name SOURCES ... [LINK ...] [LABELS fast hal ...] [TIMEOUT s])  one GoogleTest program, one CTest entry.
 function(kerf_test name)
   cmake_parse_arguments(A "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
@@ -95,6 +111,7 @@ function(kerf_test name)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_link_libraries(${name} PRIVATE ${A_LINK} GTest::gtest_main GTest::gmock)
   target_sources(${name} PRIVATE $<TARGET_OBJECTS:kerf_hang_watch>)
+  _kerf_test_headers(${name})
   target_compile_definitions(${name} PRIVATE KERF_SOURCE_DIR="${PROJECT_SOURCE_DIR}" KERF_BUILD_DIR="${CMAKE_BINARY_DIR}")
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   if(NOT A_LABELS)
