@@ -1,12 +1,11 @@
 // Kinematics of modules in C: those that export kinematicsForward and its companions (src/hal/capi/include/kinematics.h). Such
-// functions know nothing of threads, so only the servo cycle calls them; the planner's questions go there and come back.
+// functions know nothing of threads, so only the servo cycle calls them; the planner's questions go there and come back (AskedKinematics).
 #pragma once
 
 #include <cstdint>
 
 #include "hal/component.hpp"
 #include "motion/api/kinematics.hpp"
-#include "rtapi/sync/cell.hpp"
 
 namespace kerf::motion {
 
@@ -63,51 +62,6 @@ class CKinematics final : public Kinematics {
   double unit_mm_{1};
   // What the functions tell each other about several solutions.
   mutable Flags forward_flags_{0}, inverse_flags_{0};
-};
-
-/// The same for the planner: inverse() answers what the servo cycle has worked out, and notes what it has not. Until complete() is
-/// true the planner asks all of it again.
-class AskedKinematics final : public Kinematics {
- public:
-  explicit AskedKinematics(const Kinematics& served) noexcept : served_(served) {}
-
-  [[nodiscard]] KinematicsType type() const noexcept override { return served_.type(); }
-  [[nodiscard]] std::int32_t joints() const noexcept override { return served_.joints(); }
-  [[nodiscard]] bool forward(const JointVector&, Pose&) const noexcept override { return false; }
-  [[nodiscard]] bool inverse(const Pose& world, JointVector& joint) const noexcept override;
-  [[nodiscard]] std::int32_t axis_of_joint(std::int32_t joint) const noexcept override {
-    return served_.axis_of_joint(joint);
-  }
-  [[nodiscard]] std::uint32_t axis_mask() const noexcept override { return served_.axis_mask(); }
-  [[nodiscard]] std::int32_t kinds() const noexcept override { return served_.kinds(); }
-  [[nodiscard]] std::int32_t kind() const noexcept override { return served_.kind(); }
-  [[nodiscard]] bool complete() const noexcept override;
-  [[nodiscard]] bool answers_at_once() const noexcept override { return false; }
-
-  /// @rt. In each servo cycle: works out some of what is asked; `joint`: where the machine stands. True: all of it is there now.
-  bool serve(const JointVector& joint) noexcept;
-
- private:
-  static constexpr std::size_t kMost = 1024;  ///< of one move: three for each sample and some
-  static constexpr std::size_t kPerCycle = 32;
-
-  [[nodiscard]] bool in_flight() const noexcept { return answered_.observe() != asked_.get(); }
-
-  const Kinematics& served_;
-  // Written by the planner while nothing is in flight, but for the answers.
-  mutable Pose question_[kMost];
-  JointVector answer_[kMost];
-  bool has_answer_[kMost];
-  mutable std::size_t known_{0}, count_{0}, cursor_{0};
-  mutable bool missing_{false};
-  mutable std::int32_t kind_of_answers_{0};
-  mutable JointVector last_{};
-  mutable rtapi::Word<std::uint64_t> asked_{0};  ///< number of the round of questions
-  rtapi::Word<std::uint64_t> answered_{0};
-  // The servo cycle's own.
-  std::uint64_t round_{0};
-  std::size_t next_{0};
-  JointVector start_{};
 };
 
 }  // namespace kerf::motion

@@ -315,10 +315,7 @@ void Motmod::motion_controller(const hal::Period& period) noexcept {
 }
 
 void Motmod::answer_planner() noexcept {
-  if (asked_ == nullptr) return;
-  JointVector joint{};
-  for (std::size_t j = 0; j < controller_->joints(); ++j) joint[j] = controller_->joint(j).pos_cmd;
-  if (asked_->serve(joint)) link_->cell.notify();
+  if (asked_ != nullptr && asked_->serve()) link_->cell.notify();
 }
 
 void Motmod::publish() noexcept {

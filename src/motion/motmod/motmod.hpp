@@ -5,6 +5,7 @@
 
 #include "hal/component.hpp"
 #include "motion/core/controller.hpp"
+#include "motion/core/planner/asked_kinematics.hpp"
 #include "motion/motmod/args.hpp"
 #include "motion/motmod/c_homing.hpp"
 #include "motion/motmod/c_kinematics.hpp"

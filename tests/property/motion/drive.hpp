@@ -10,7 +10,9 @@ namespace kerf::motion::test {
 
 struct Drive {
   explicit Drive(const bench::Program& moves, double jerk, bool laws = true)
-      : program(moves), rig(bench::moved_by(moves.machine)) {
+      : Drive(moves, jerk, laws, bench::moved_by(moves.machine)) {}
+  Drive(const bench::Program& moves, double jerk, bool laws, const RigKinematics& moved_by)
+      : program(moves), rig(moved_by) {
     bench::set_limits(rig.config, moves.machine, jerk);
     rig.config.time_laws = laws;
     rig.apply_config();

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "motion/motmod/c_kinematics.hpp"
+#include "motion/core/planner/asked_kinematics.hpp"
 
 namespace kerf::motion {
 namespace {
@@ -37,7 +37,6 @@ class Doubling final : public Kinematics {
 struct Asking {
   Doubling real;
   AskedKinematics asked{real};
-  JointVector here{};
   /// Asks for n places from `first` on; true: complete, and `sum` is of real answers.
   bool ask(int n, double first = 0) {
     all = true;
@@ -52,7 +51,7 @@ struct Asking {
   /// Servo cycles until the answers are there.
   int cycles() {
     int n = 1;
-    while (!asked.serve(here) && n < 1000) ++n;
+    while (!asked.serve() && n < 1000) ++n;
     return n;
   }
   bool all{true};
@@ -64,7 +63,7 @@ TEST(AskedKinematics, AnswersAreWorkedOutByTheServoCycleAlone) {
   EXPECT_FALSE(a.ask(100));
   EXPECT_EQ(a.real.calls, 0) << "never in the planner's thread";
   EXPECT_FALSE(a.ask(100)) << "asked again before they are there";
-  EXPECT_EQ(a.cycles(), 4) << "32 a cycle";
+  EXPECT_EQ(a.cycles(), 2) << "64 a cycle";
   EXPECT_EQ(a.real.calls, 100);
   EXPECT_TRUE(a.ask(100));
   EXPECT_TRUE(a.all);
@@ -76,22 +75,28 @@ TEST(AskedKinematics, AnswersAreWorkedOutByTheServoCycleAlone) {
 
 TEST(AskedKinematics, ACycleWithoutQuestionsDoesNothing) {
   Asking a;
-  EXPECT_FALSE(a.asked.serve(a.here));
+  EXPECT_FALSE(a.asked.serve());
   EXPECT_EQ(a.real.calls, 0);
   EXPECT_TRUE(a.asked.complete());
 }
 
-TEST(AskedKinematics, TheFirstSearchBeginsWhereTheMachineStandsAndEachNextAtTheOneBefore) {
+TEST(AskedKinematics, TheFirstSearchBeginsWhereItsQuestionSaysAndEachNextAtTheAnswerBefore) {
   Asking a;
-  a.here[0] = 7;
-  EXPECT_FALSE(a.ask(1, 50));
+  JointVector near{};
+  near[0] = 7;
+  EXPECT_TRUE(a.asked.inverse({.x = 50}, near));
+  EXPECT_FALSE(a.asked.complete());
   a.cycles();
   EXPECT_EQ(a.real.began_at, 7);
-  Asking b;
-  b.here[0] = 7;
-  EXPECT_FALSE(b.ask(2, 50));
-  b.cycles();
-  EXPECT_DOUBLE_EQ(b.real.began_at, 100);
+  JointVector other{};
+  other[0] = 9;
+  EXPECT_TRUE(a.asked.inverse({.x = 50}, near));
+  EXPECT_EQ(near[0], 100);
+  EXPECT_TRUE(a.asked.inverse({.x = 51}, near));
+  EXPECT_TRUE(a.asked.inverse({.x = 52}, other));
+  EXPECT_FALSE(a.asked.complete());
+  a.cycles();
+  EXPECT_EQ(a.real.began_at, 102) << "at the answer for 51, which began at the one for 50";
 }
 
 TEST(AskedKinematics, APlaceOutOfReachIsNoAnswer) {
@@ -116,16 +121,16 @@ TEST(AskedKinematics, AnswersOfOneKindAreNoneOfAnother) {
 
 TEST(AskedKinematics, MoreThanThereIsRoomForAreNeverSaidToBeComplete) {
   Asking a;
-  constexpr int kTooMany = 1500;
+  constexpr int kTooMany = 3000;
   for (int round = 0; round < 200; ++round) {
     EXPECT_FALSE(a.ask(kTooMany, -20));
-    (void)a.asked.serve(a.here);
+    (void)a.asked.serve();
   }
   // What does fit still works.
-  for (int round = 0; round < 200 && !a.ask(900, -20); ++round) (void)a.asked.serve(a.here);
-  EXPECT_TRUE(a.ask(900, -20) || [&] {
+  for (int round = 0; round < 200 && !a.ask(1800, -20); ++round) (void)a.asked.serve();
+  EXPECT_TRUE(a.ask(1800, -20) || [&] {
     a.cycles();
-    return a.ask(900, -20);
+    return a.ask(1800, -20);
   }());
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "motion/core/controller.hpp"
+#include "motion/core/planner/asked_kinematics.hpp"
 #include "motion/core/planner/planner.hpp"
 
 namespace kerf::motion::test {
@@ -55,6 +56,8 @@ class RigKinematics final : public Kinematics {
   KinematicsType kind{KinematicsType::identity};
   const Kinematics* module{nullptr};
   bool core_xy{false};  ///< joints 0 and 1 move X+Y and X-Y
+  bool later{
+      false};  ///< the planner's questions are answered in servo cycles, as those to modules in C are
 
  private:
   std::vector<int> axes_;
@@ -83,7 +86,9 @@ struct Rig {
         spans(std::make_unique<SpanRing>()),
         faults_in(std::make_unique<FaultRing>()),
         slots(std::make_unique<PlanSlots>()),
-        planner(kinematics, *spans, *slots, *faults_in),
+        asked(moved_by.later ? std::make_unique<AskedKinematics>(kinematics) : nullptr),
+        planner(asked != nullptr ? static_cast<const Kinematics&>(*asked) : kinematics, *spans,
+                *slots, *faults_in),
         controller(std::make_unique<Controller>(kinematics, *spans, *slots, *faults_in,
                                                 kinematics.joints(), 2)) {
     if (!planner.create(memory)) std::abort();
@@ -124,6 +129,7 @@ struct Rig {
     }
     orders.path_ring_empty = path->empty();
     controller->step(in, orders, kPeriod, now_ns);
+    if (asked != nullptr) (void)asked->serve();
     now_ns += 1'000'000;
     for (const auto& f : controller->faults()) faults.push_back(f);
     for (std::size_t j = 0; j < controller->joints(); ++j) {
@@ -199,6 +205,7 @@ struct Rig {
   std::unique_ptr<FaultRing> faults_in;
   std::unique_ptr<PlanSlots> slots;
   HeapMemory memory;
+  std::unique_ptr<AskedKinematics> asked;
   Planner planner;
   std::unique_ptr<Controller> controller;
   Inputs in;

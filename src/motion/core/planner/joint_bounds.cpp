@@ -34,6 +34,11 @@ constexpr double kNoTwist = 3e-4;
 constexpr double kMostX = 1.5, kLeastRate = 0.1;
 constexpr double kLimitTolerance = 1e-6;
 constexpr int kLooks = 5;
+/// Fourth differences at kStep of what is computed in closed form are rounding, some 1e-13 of joints of 1000 mm.
+constexpr double kRough = 1e-11, kRoughOf = 100;
+/// After so many tries stretches are halved a lot; so few of them fit into what can be asked at once however often that is.
+constexpr int kManyTries = 8;
+constexpr std::size_t kFew = 4;
 
 double square(double x) noexcept { return x * x; }
 
@@ -55,11 +60,11 @@ void shorten(const Piece& piece, double from, double& to) noexcept {
 void JointBounds::configure(const MachineConfig& config, const path::AxisLimits& axes) noexcept {
   joints_ = static_cast<std::size_t>(joints_of(kinematics_.joints(), config));
   axes_ = axes;
+  moved_ = axes_of(kinematics_.axis_mask(), config);
   // A joint that several axes move has what their external offsets leave; `axes` have it already.
   double rest = 1;
   for (std::size_t i = 0; i < path::kAxes; ++i)
-    if ((axes_of(kinematics_.axis_mask(), config) >> i & 1U) != 0)
-      rest = std::min(rest, 1 - config.axis[i].offset_av_ratio);
+    if ((moved_ >> i & 1U) != 0) rest = std::min(rest, 1 - config.axis[i].offset_av_ratio);
   for (std::size_t j = 0; j < joints_; ++j) {
     const JointConfig& c = config.joint[j];
     low_[j] = c.min_limit;
@@ -197,6 +202,62 @@ bool JointBounds::curve_of(const Piece& piece, double from, double& to,
     look(piece, from + (to - from) / 4, at[1]);
     look(piece, from + (to - from) * 3 / 4, at[3]);
   }
+}
+
+bool JointBounds::tell(const path::Buffer<Piece>& pieces, Cursor& at,
+                       path::Buffer<Told>& out) noexcept {
+  const JointVector here = near_;
+  const std::size_t were = out.size();
+  const std::size_t most = were + (at.tries < kManyTries ? kTogether : kFew);
+  Cursor next{at.piece, at.from};
+  // As if each were foretold: that is so of most, and their answers come together.
+  while (next.piece < pieces.size() && out.size() < most) {
+    const Piece& piece = pieces[next.piece];
+    Told told;
+    told.piece = next.piece;
+    told.from = next.from;
+    told.to = piece.length;
+    told.foretold = curve_of(piece, told.from, told.to, told.curve);
+    told.creep = creep_;
+    out.push_back(told);
+    if (told.to < piece.length)
+      next.from = told.to;
+    else
+      next = {next.piece + 1, 0};
+  }
+  if (kinematics_.complete()) {
+    at = next;
+    return true;
+  }
+  near_ = here;
+  ++at.tries;
+  out.truncate(were);
+  return false;
+}
+
+bool JointBounds::smooth_at(const Vec& at) noexcept {
+  constexpr int kAround = 2;
+  constexpr double kWeight[] = {1, -4, 6, -4, 1};
+  bool smooth = true;
+  for (std::size_t i = 0; i < path::kAxes; ++i) {
+    if ((moved_ >> i & 1U) == 0) continue;
+    JointVector fourth{}, largest{};
+    for (int k = -kAround; k <= kAround; ++k) {
+      Vec place = at;
+      place[i] += k * kStep;
+      JointVector joint = near_;
+      if (!kinematics_.inverse(to_pose(place), joint)) smooth = false;
+      for (std::size_t j = 0; j < joints_; ++j) {
+        fourth[j] += kWeight[k + kAround] * joint[j];
+        largest[j] = std::max(largest[j], std::abs(joint[j]));
+      }
+    }
+    for (std::size_t n = 0; n < mixed_count_; ++n) {
+      const std::size_t j = mixed_[n];
+      smooth = smooth && std::abs(fourth[j]) <= kRough * std::max(1.0, largest[j] / kRoughOf);
+    }
+  }
+  return smooth;
 }
 
 void JointBounds::set_creep(const Place (&at)[kPlaces], bool solved) noexcept {

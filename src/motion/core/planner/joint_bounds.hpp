@@ -34,6 +34,30 @@ class JointBounds {
     double cap{0};  ///< of x
   };
   [[nodiscard]] const Creep& creep() const noexcept { return creep_; }
+
+  /// A stretch of a path, as curve_of() has it.
+  struct Told {
+    std::size_t piece{0};
+    double from{0}, to{0};
+    bool foretold{false};
+    path::JointCurve curve;
+    Creep creep;
+  };
+  /// How far tell() has come.
+  struct Cursor {
+    std::size_t piece{0};
+    double from{0};
+    int tries{0};
+  };
+  /// Appends the stretches of a path that follow, at most kTogether, for kinematics that answer later (Kinematics::complete). False: answers are
+  /// awaited, nothing was appended, and the same is to be asked again.
+  static constexpr std::size_t kTogether = 32;
+  [[nodiscard]] bool tell(const path::Buffer<path::Piece>& pieces, Cursor& at,
+                          path::Buffer<Told>& out) noexcept;
+  /// Whether differences tell anything of these kinematics around a place. Answers that come from a search are as rough as its last step, and next to
+  /// a pole they change too much.
+  [[nodiscard]] bool smooth_at(const path::Vec& at) noexcept;
+
   /// Of each of the pieces that follow where the path has come to.
   void bends_of(const path::Buffer<path::Piece>& pieces, path::JointBends* out) noexcept;
 
@@ -57,6 +81,7 @@ class JointBounds {
 
   const Kinematics& kinematics_;
   std::size_t joints_{0};
+  std::uint32_t moved_{0};                            ///< axes
   std::size_t mixed_[kMaxJoints]{}, mixed_count_{0};  ///< joints that are not an axis each
   path::JointCurve::Row mixed_limit_[kMaxJoints]{};   ///< of them
   Creep creep_;

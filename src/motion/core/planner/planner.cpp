@@ -13,7 +13,9 @@ namespace {
 /// Items in one turn: the caller looks for stops between turns.
 constexpr int kItemsPerTurn = 64;
 constexpr std::size_t kBodies = std::variant_size_v<PathItems::Variant>;
-constexpr std::size_t kMoves = 1024;                            ///< pending at most
+constexpr std::size_t kMoves = 1024;  ///< pending at most
+constexpr std::size_t kTold =
+    2048;  ///< stretches kept until they are sent, of kinematics that answer later
 constexpr std::size_t kEvents = 1024;                           ///< between them
 constexpr std::size_t kPendingBlocks = PlanSlots::kBlocks / 2;  ///< that they are made of
 /// An arc with its blend, or five knots a corner and what feeds divide, of at most two lines for each move (coarse.hpp).
@@ -75,13 +77,14 @@ bool Planner::create(path::Memory& memory) noexcept {
   bool joints = kinematics_.kinds() > 1;
   for (std::int32_t j = 0; j < kinematics_.joints(); ++j)
     joints = joints || kinematics_.axis_of_joint(j) < 0;
-  joints = joints && kinematics_.answers_at_once();
+  const bool later = joints && !kinematics_.answers_at_once();
   return moves_.create(memory, kMoves) && meta_.create(memory, kMoves) &&
          blocks_.create(memory, kPendingBlocks) && events_.create(memory, kEvents) &&
          pieces_.create(memory, kPieces) && boxes_.create(memory, kPieces) &&
          sent_.create(memory, kSpans) && program_path_.create(memory, kMoves) &&
-         (!joints || (bends_.create(memory, kPieces) && curves_.create(memory, kCurves))) &&
-         laws_.create(memory, joints);
+         (!joints || (bends_.create(memory, kPieces) && curves_.create(memory, kCurves) &&
+                      unreached_.create(memory, kPieces))) &&
+         (!later || told_.create(memory, kTold)) && laws_.create(memory, joints);
 }
 
 void Planner::configure(const MachineConfig& config) noexcept {
@@ -90,9 +93,11 @@ void Planner::configure(const MachineConfig& config) noexcept {
   limits_ = limits.axes;
   stop_s_ = stop_seconds();
   plain_ = limits.plain;
-  mixed_ = !plain_ && kinematics_.answers_at_once();
+  mixed_ = !plain_;
   if (mixed_) joint_bounds_.configure(config, limits_);
   mixed_ = mixed_ && curves_.size() + curves_.room() > 0 && joint_bounds_.few_enough();
+  asks_ = mixed_ && !kinematics_.answers_at_once();
+  felt_ = false;
   curves_.assign(kCurves, path::JointCurve{});
   laws_.configure(limits_, config.time_laws && (plain_ || mixed_) && limits_.jerks, stop_s_);
   guide_ = mixed_ ? guide() : limits_;
@@ -163,8 +168,12 @@ Planner::Waits Planner::take_items(PathRing& in, const ServoView& view, std::uin
   }
   shift_ = view.shift;
   for (int n = 0; n < kItemsPerTurn; ++n) {
+    if (committing_ != Committing::nothing) {
+      if (!go_on_committing()) return Waits::servo;
+      continue;
+    }
     if (sending_ > 0 || events_sending_ > 0) {
-      if (!send()) return Waits::room;
+      if (!send()) return awaits_answers_ ? Waits::servo : Waits::room;
       continue;
     }
     const PathItem* item = in.front();
@@ -188,6 +197,7 @@ Planner::Waits Planner::take_items(PathRing& in, const ServoView& view, std::uin
         in.pop();
         break;
       case Take::wait_room: return Waits::room;
+      case Take::wait_answers: return Waits::servo;
       case Take::wait_servo:
         // What is pending must not wait for what cannot come yet.
         if (moves_.empty()) return Waits::servo;
@@ -233,6 +243,8 @@ void Planner::forget() noexcept {
   merge_.end();
   pieces_.clear();
   sending_ = events_sending_ = events_sent_ = 0;
+  committing_ = Committing::nothing;
+  asked_ = {};
   laws_.forget();
   slots_.gate.pass([&] { slots_.pending.publish(0); });
   due_ = false;
@@ -316,6 +328,7 @@ bool Planner::may_move(const ServoView& view) noexcept {
     begins_ = true;
     joint_ = view.joint;
     joint_bounds_.begin(joint_);
+    felt_ = false;
   }
   return true;
 }
@@ -498,13 +511,18 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
     due_ = true;
     return Take::wait_room;
   }
+  if (asks_ && !felt_) {
+    rough_ = !joint_bounds_.smooth_at(path::to_vec(end_));
+    if (!kinematics_.complete()) return Take::wait_answers;
+    felt_ = true;
+  }
   // Judged as a whole: what follows a spindle, and what cannot be looked at in stretches.
-  const bool alone = !plain_ && (!mixed_ || sync != nullptr);
+  const bool alone = !plain_ && (!mixed_ || (asks_ && rough_) || sync != nullptr);
   JointVector joint = joint_;
   const bool within =
       alone ? limits_of(item, curve, speed, traverse, meta, joint, fault)
             : within_soft_limits(curve, kinematics_, config_, skew_, shift_, joint, fault);
-  if (!kinematics_.complete()) return Take::wait_servo;
+  if (!kinematics_.complete()) return Take::wait_answers;
   if (!within) return refuse(item, fault);
   // The first feed move after a change of a spindle waits for it at rest; at constant surface speed also the first after a rapid.
   const bool css = std::any_of(std::begin(css_), std::end(css_), [](bool on) { return on; });
@@ -529,7 +547,8 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   if (indexer >= 0) (void)event(item, IndexerSpan{indexer, true});
   if (config_.path_check) note(move, item.seq);
   const bool may_merge = kind == MotionKind::feed && sync == nullptr && !alone &&
-                         curve.shape == Curve::Shape::line && merge_mm_ > 0 && !single_step_;
+                         curve.shape == Curve::Shape::line && merge_mm_ > 0 && !single_step_ &&
+                         !asks_;  // the longer line would be another question
   end_ = curve.end;
   joint_ = joint;
   if (item.apart != 0) merge_.end();

@@ -21,6 +21,9 @@
 
 namespace kerf::motion {
 
+/// Two places on the path nearer than this are one (sigma).
+inline constexpr double kOnePlace = 1e-7;
+
 class Planner {
  public:
   /// What must change before run() can do more.
@@ -94,7 +97,9 @@ class Planner {
   void set_tap(Tap* tap) noexcept { tap_ = tap; }
 
  private:
-  enum class Take { done, wait_room, wait_servo };
+  enum class Take { done, wait_room, wait_servo, wait_answers };
+  /// What of a commit() waits for answers about joints.
+  enum class Committing { nothing, reach, bends };
   /// What the path does not know of a move.
   struct Meta {
     double even_acc{0}, even_jerk{0},
@@ -182,17 +187,29 @@ class Planner {
   [[nodiscard]] double commanded_rps(std::int32_t spindle) const noexcept;
   void bound_sync(PathSpan& body, const Meta& meta, double begin) noexcept;
 
-  // send.cpp: pieces, spans and the pass from the end
+  // commit.cpp: pending moves become pieces
   void commit_if_due(bool more_items, std::int64_t now_ns) noexcept;
   void commit(std::size_t moves, bool hand_over) noexcept;
+  void make_path() noexcept;
+  /// False: answers about joints are awaited. Nothing is sent and no item taken until they have come.
+  [[nodiscard]] bool go_on_committing() noexcept;
+  [[nodiscard]] bool reach_is_known() noexcept;
+  [[nodiscard]] bool bends_are_known() noexcept;
   void make_pieces(std::size_t moves, path::ProgramPath::End end) noexcept;
   void make_halved(std::size_t moves, path::ProgramPath::End end) noexcept;
   [[nodiscard]] bool ends_in_short_lines() const noexcept;
+  void find_out_of_reach(std::size_t first, std::size_t end) noexcept;
   [[nodiscard]] bool stop_out_of_reach(std::size_t moves, bool everywhere) noexcept;
   [[nodiscard]] std::size_t hand_over_at() const noexcept;
+  [[nodiscard]] double stop_seconds() const noexcept;
+  [[nodiscard]] double seconds_ahead(double enough) const noexcept;
+  [[nodiscard]] double seconds_pending(double enough) const noexcept;
+
+  // send.cpp: spans and the pass from the end
   [[nodiscard]] bool send() noexcept;
   [[nodiscard]] bool send_events(double sigma) noexcept;
-  [[nodiscard]] double mixed_end(const path::Piece& piece, double from) noexcept;
+  [[nodiscard]] bool next_curve(const path::Piece& piece, double from, double& to) noexcept;
+  [[nodiscard]] bool mixed_end(const path::Piece& piece, double from, double& to) noexcept;
   void bound_mixed(PathSpan& body, double from, double to) noexcept;
   [[nodiscard]] bool send_stretch(const path::Piece& piece, double from, double to) noexcept;
   [[nodiscard]] bool room_for_blocks(std::size_t count) noexcept;
@@ -203,9 +220,6 @@ class Planner {
   void finish_sending() noexcept;
   void plan(bool all) noexcept;
   [[nodiscard]] bool plan_ramps(std::uint64_t n, int& unchanged) noexcept;
-  [[nodiscard]] double stop_seconds() const noexcept;
-  [[nodiscard]] double seconds_ahead(double enough) const noexcept;
-  [[nodiscard]] double seconds_pending(double enough) const noexcept;
 
   const Kinematics& kinematics_;
   SpanRing& spans_;
@@ -218,6 +232,10 @@ class Planner {
   bool plain_{true};        ///< each joint is one axis: limits along the path; else ...
   bool mixed_{
       false};  ///< ... joint_bounds_ of each stretch; if this is false too, each move by itself
+  bool asks_{
+      false};  ///< mixed_, of kinematics that answer later: everything is asked until that was answered
+  bool rough_{false};  ///< ... and differences tell nothing: each move by itself
+  bool felt_{false};   ///< whether they do was asked here
   JointBounds joint_bounds_;
   path::JointCurve curve_;  ///< of what is being sent
   bool foretold_{false};    ///< it tells how joints move there
@@ -260,6 +278,16 @@ class Planner {
   bool due_{false};                   ///< the path has to stand at the end of what is pending
 
   // being sent
+  Committing committing_{Committing::nothing};
+  std::size_t committed_{0};               ///< moves that commit() was told
+  int rounds_{0};                          ///< of path::ProgramPath::make
+  path::Buffer<std::uint32_t> unreached_;  ///< pieces that joints cannot follow
+  JointBounds::Cursor asked_;
+  path::Buffer<JointBounds::Told> told_;
+  bool forgotten_{false};  ///< some of what was told had no room
+  std::size_t next_told_{0};
+  JointBounds::Creep creep_;
+  bool awaits_answers_{false};
   path::ProgramPath program_path_;
   path::Buffer<path::Piece> pieces_;
   path::Boxes boxes_;                     ///< of the pieces, with jerk limits

@@ -1,4 +1,4 @@
-// Pending moves become pieces of path, pieces become spans, and the pass from the end says how fast each may be left.
+// Pieces of path become spans, and the pass from the end says how fast each may be left.
 #include <algorithm>
 #include <cmath>
 
@@ -8,28 +8,10 @@
 namespace kerf::motion {
 namespace {
 
-/// No new item for this long: whoever makes them may have no more.
-constexpr std::int64_t kSettle = 5'000'000;  // ns
-/// What the machine still has to drive when the path is ended for want of more.
-constexpr double kLeastAhead = 0.1;  // s
-/// With less than this and its stopping time ahead of the machine, and that much pending, the path is handed over while more moves come: who
-/// makes them just as fast as they are driven never fills the buffer.
-constexpr double kShortAhead = 0.2, kWorthHandingOver = 0.05;  // s
-constexpr std::int64_t kSteady = 5 * kSettle;                  ///< and they have come for this long
-/// Machines that stop even slower begin to brake before they get the next part of a path.
-constexpr double kLongestStop = 2;  // s
-/// Two places on the path nearer than this are one (sigma).
-constexpr double kSamePlace = 1e-7;
 /// What rounding may have added up to at the end of a path (mm, degrees).
 constexpr double kSamePoint = 1e-6;
 /// Moves and events that end or stand so near to the end of a stretch are there (sigma, s at the feed): no law can be found over slivers.
 constexpr double kSliver = 3e-4, kSliverTime = 5e-4;
-/// Of the pending moves, the last ones stay when the path is handed over: they may still be joined with what comes.
-constexpr double kHandOverFrom = 0.5;
-/// Half of such a line is more than any kink is spread over.
-constexpr double kLongLine = 2 * path::PathSettings{}.widest;
-/// With fewer pending moves a hand-over gives no room worth having.
-constexpr std::size_t kHandOverLeast = 16;
 /// A stretch that takes longer is divided where moves end, so that the shown line is right.
 constexpr double kLineLag = 0.01;  // s
 constexpr double kRounding = 1.0 - 1e-7;
@@ -56,205 +38,15 @@ double even_acc(const path::JointCurve& curve, double acc) noexcept {
 }
 
 double sliver_of(const path::Piece& piece) noexcept {
-  return std::clamp(kSliverTime * piece.feed.speed, kSamePlace, kSliver);
+  return std::clamp(kSliverTime * piece.feed.speed, kOnePlace, kSliver);
 }
 
 }  // namespace
 
-void Planner::commit_if_due(bool more_items, std::int64_t now_ns) noexcept {
-  if (moves_.empty()) {
-    if (!events_.empty()) commit(0, false);
-    return;
-  }
-  if (due_) {
-    // Up to the last place where the path has to stand; what is behind may still grow.
-    std::size_t n = moves_.size();
-    while (n > 0 && !moves_[n - 1].stop_at_end) --n;
-    if (n > 0) return commit(n, false);
-    due_ = false;
-  }
-  // Many outputs on the path fill the events before the moves.
-  const bool events_full = events_.full() && moves_.size() >= kHandOverLeast;
-  if (moves_.full() || blocks_.full() || events_full) return commit(moves_.size(), true);
-  if (pending_since_ns_ == 0) pending_since_ns_ = now_ns;
-  if (more_items) return;
-  const double short_ahead = kShortAhead + stop_s_;
-  if (now_ns - pending_since_ns_ >= kSteady && now_ns - last_item_ns_ < kSettle &&
-      moves_.size() >= kHandOverLeast && seconds_pending(kWorthHandingOver) > kWorthHandingOver &&
-      seconds_ahead(short_ahead) < short_ahead)
-    return commit(moves_.size(), true);
-  wake_ns_ = last_item_ns_ + kSettle;
-  if (now_ns < wake_ns_) return;
-  // What was handed over ends in the middle of a move, where nobody wants to brake.
-  const double least = kLeastAhead + (handed_over_ ? stop_s_ : 0.0);
-  if (seconds_ahead(least) > least) {
-    wake_ns_ = now_ns + kSettle;
-    return;
-  }
-  moves_.back().stop_at_end = true;
-  commit(moves_.size(), false);
-}
-
-/// From the largest speed that is allowed, in the slowest axis.
-double Planner::stop_seconds() const noexcept {
-  double longest = 0;
-  for (std::size_t i = 0; i < path::kAxes; ++i) {
-    if (!(limits_.acc[i] > 0)) continue;
-    const double vel = std::min(limits_.vel[i], i < 3 ? limits_.path_vel : path::kNoLimit);
-    if (!(vel < path::kNoLimit)) continue;
-    const double ramp = limits_.jerk[i] > 0 ? limits_.acc[i] / limits_.jerk[i] : 0;
-    longest = std::max(longest, vel / limits_.acc[i] + ramp);
-  }
-  return std::min(longest, kLongestStop);
-}
-
-/// Of the pending moves at their feeds; counts no farther than `enough`.
-double Planner::seconds_pending(double enough) const noexcept {
-  double seconds = 0;
-  for (const path::Move& move : moves_) {
-    seconds += move.piece.length / move.piece.feed.speed;
-    if (seconds > enough) break;
-  }
-  return seconds;
-}
-
-/// Of what the servo has, at the speeds that are wanted; counts no farther than `enough`.
-double Planner::seconds_ahead(double enough) const noexcept {
-  const std::uint64_t popped = slots_.gate.pass([&] { return spans_.popped(); });
-  double seconds = 0;
-  for (std::uint64_t n = next_number_; n-- > 0 && next_number_ - n <= kSpans;) {
-    const Sent& s = sent_[n % kSpans];
-    if (s.place < popped) break;
-    const double x = wanted_x(s.speed, scale_);
-    if (!(x > 0)) return path::kNoLimit;
-    seconds += s.length / std::sqrt(x);
-    if (seconds > enough || s.begins) break;
-  }
-  return seconds;
-}
-
-/// Of the later pending moves the longest: half of it is driven straight, whatever follows.
-std::size_t Planner::hand_over_at() const noexcept {
-  const std::size_t n = moves_.size(), led = program_path_.led();
-  const std::size_t first = std::max(
-      static_cast<std::size_t>(static_cast<double>(n) * kHandOverFrom), led > 0 ? led - 1 : 0);
-  std::size_t best = first;
-  for (std::size_t i = first; i + 2 < n; ++i)
-    if (moves_[i].piece.length > moves_[best].piece.length) best = i;
-  return best;
-}
-
-/// Whether none of the later moves is so long, or an arc, that the curve may be cut in its middle as if it went on there.
-bool Planner::ends_in_short_lines() const noexcept {
-  const std::size_t first = hand_over_at();
-  return limits_.jerks && moves_[first].piece.length < kLongLine &&
-         std::all_of(moves_.begin() + first, moves_.end(),
-                     [](const path::Move& m) { return m.piece.straight() && !m.piece.feed.sync; });
-}
-
-/// Makes pieces of the first `moves` pending moves. `hand_over`: of as many of them as have room behind them, for more moves will come.
-void Planner::commit(std::size_t moves, bool hand_over) noexcept {
-  pending_since_ns_ = 0;
-  pieces_.clear();
-  handed_over_ = hand_over;
-  halved_ = false;
-  sending_ = moves;
-  if (hand_over) {
-    // Where lines are short the curve bends all along. So it is cut where it bends, and what follows goes on from there.
-    sending_ = 0;
-    if (ends_in_short_lines()) {
-      // The last one grows while more lines become part of it.
-      const std::size_t known = merge_.count() > 0 ? moves - 1 : moves;
-      make_halved(known, path::ProgramPath::End::cut);
-      sending_ = program_path_.cut(
-          moves_.begin(), known,
-          static_cast<std::size_t>(static_cast<double>(known) * kHandOverFrom), pieces_);
-    }
-    if (sending_ == 0) {
-      sending_ = hand_over_at() + 1;
-      halved_ = true;
-      make_halved(sending_, path::ProgramPath::End::part);
-    }
-  } else if (moves > 0) {
-    make_pieces(moves, path::ProgramPath::End::here);
-  }
-  if (moves > 0) {
-    program_path_.settle();
-    if (mixed_ && limits_.jerks) joint_bounds_.bends_of(pieces_, bends_.begin());
-    if ((plain_ || mixed_) && limits_.jerks)
-      boxes_.make(pieces_, limits_, mixed_ ? bends_.begin() : nullptr);
-    if (halved_) {
-      path::Piece& last = moves_[sending_ - 1].piece;
-      last = path::part_of(last, last.length / 2, last.length);
-    }
-  }
-  if (sending_ >= moves_.size()) merge_.end();
-  const std::size_t last = halved_ ? sending_ - 1 : sending_;
-  events_sending_ = 0;
-  while (events_sending_ < events_.size() && events_[events_sending_].after <= last)
-    ++events_sending_;
-  events_sent_ = piece_ = stretch_ = move_ = blocks_done_ = 0;
-  sigma_ = piece_sigma_ = 0;
-  thread_end_move_ = 0;
-  curved_ = false;
-  first_new_ = next_number_;
-}
-
-/// Pieces of the first `moves`, of the last of them only of its first half.
-void Planner::make_halved(std::size_t moves, path::ProgramPath::End end) noexcept {
-  const path::Piece whole = moves_[moves - 1].piece;
-  moves_[moves - 1].piece = path::part_of(whole, 0, whole.length / 2);
-  make_pieces(moves, end);
-  moves_[moves - 1].piece = whole;
-}
-
-void Planner::make_pieces(std::size_t moves, path::ProgramPath::End end) noexcept {
-  double sigma = 0;
-  blocks_sending_ = 0;
-  for (std::size_t i = 0; i < moves; ++i) {
-    // What is handed over in its middle ends farther on.
-    for (std::uint32_t n = 0; n < meta_[i].blocks; ++n, ++blocks_sending_)
-      blocks_[blocks_sending_].sigma_end = sigma + blocks_[blocks_sending_].way;
-    meta_[i].sigma_end = sigma += moves_[i].piece.length;
-  }
-  constexpr int kRounds = 4;
-  for (int round = 0;; ++round) {
-    pieces_.clear();
-    program_path_.make(moves_.begin(), moves, pieces_, end);
-    if (!mixed_ || round > kRounds || !stop_out_of_reach(moves, round == kRounds)) return;
-  }
-}
-
-/// Blends leave the programmed path, and where that is the end of what the joints reach, the path stops at the corner instead. True: at some.
-bool Planner::stop_out_of_reach(std::size_t moves, bool everywhere) noexcept {
-  bool any = false;
-  double begin = 0;
-  for (const path::Piece& piece : pieces_) {
-    const double end = begin + piece.length;
-    const bool blend = piece.shape == path::Piece::Shape::cubic && !piece.straight();
-    if (blend && !joint_bounds_.reaches(piece, skew_)) {
-      any = true;
-      // The corners within it, else the next one.
-      bool found = false;
-      for (std::size_t m = 0; m + 1 < moves; ++m) {
-        const double corner = meta_[m].sigma_end;
-        if (!everywhere && (corner < begin - kSamePlace || (corner > end && found))) continue;
-        // Of what is driven already the rest goes on as it was looked at before.
-        if (moves_[m].joined)
-          program_path_.keep_lead();
-        else
-          moves_[m].stop_at_end = true;
-        found = true;
-      }
-    }
-    begin = end;
-  }
-  return any;
-}
-
-/// False: no room in the ring.
+/// False: no room in the ring, or answers about joints are awaited.
 bool Planner::send() noexcept {
   bool all = true;
+  awaits_answers_ = false;
   while (true) {
     if (!send_events(sigma_)) {
       all = false;
@@ -271,7 +63,10 @@ bool Planner::send() noexcept {
     double to = piece.length;
     bool last = true;
     if (mixed_ && !whole) {
-      to = mixed_end(piece, from);
+      if (!mixed_end(piece, from, to)) {
+        all = false;
+        break;
+      }
       last = to >= piece.length;
     } else {
       const int n = whole ? 1 : path::divisions(piece);
@@ -318,7 +113,7 @@ bool Planner::send_events(double sigma) noexcept {
     const bool at_end = piece_ >= pieces_.size();
     if (!at_end && e.after > 0) {
       // What needs a standing machine waits for the very end.
-      const double near = moves_[e.after - 1].stop_at_end ? kSamePlace : sliver_of(pieces_[piece_]);
+      const double near = moves_[e.after - 1].stop_at_end ? kOnePlace : sliver_of(pieces_[piece_]);
       if (meta_[e.after - 1].sigma_end > sigma + near) return true;
     }
     if (!slots_.gate.pass([&] { return spans_.push(e.span); })) return false;
@@ -381,8 +176,8 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
     if (limits_.jerks) {
       path::Box box = boxes_[piece_];
       if (mixed_ && !foretold_) {
-        box = joint_bounds_.creep().box;
-        speed.cap = joint_bounds_.creep().cap;
+        box = creep_.box;
+        speed.cap = creep_.cap;
         axis_cap = 0;
       } else if (mixed_) {
         speed.cap = axis_cap = std::min(axis_cap, path::velocity_cap(curve_, from, to));
@@ -447,23 +242,52 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   return true;
 }
 
-/// Where a stretch ends that begins at `from`, where kinematics mix axes.
-double Planner::mixed_end(const path::Piece& piece, double from) noexcept {
-  const bool within =
-      curved_ && from >= curve_.from && from < curve_.from + curve_.length - kSamePlace;
-  double to = piece.length;
-  if (!within) {
+/// How joints move along the stretch that begins at `from`. False: that is not known yet.
+bool Planner::next_curve(const path::Piece& piece, double from, double& to) noexcept {
+  if (!asks_) {
     foretold_ = joint_bounds_.curve_of(piece, from, to, curve_);
+    creep_ = joint_bounds_.creep();
+    return true;
+  }
+  const auto passed = [&](const JointBounds::Told& told) {
+    return told.piece < piece_ || (told.piece == piece_ && told.to <= from + kOnePlace);
+  };
+  while (true) {
+    while (next_told_ < told_.size() && passed(told_[next_told_])) ++next_told_;
+    if (next_told_ < told_.size()) break;
+    told_.clear();
+    next_told_ = 0;
+    if (asked_.piece != piece_ || std::abs(asked_.from - from) > kOnePlace) asked_ = {piece_, from};
+    if (!joint_bounds_.tell(pieces_, asked_, told_)) return false;
+  }
+  const JointBounds::Told& told = told_[next_told_];
+  foretold_ = told.foretold;
+  curve_ = told.curve;
+  creep_ = told.creep;
+  to = told.to;
+  return true;
+}
+
+/// Where a stretch ends that begins at `from`, where kinematics mix axes. False: answers are awaited.
+bool Planner::mixed_end(const path::Piece& piece, double from, double& to) noexcept {
+  const bool within =
+      curved_ && from >= curve_.from && from < curve_.from + curve_.length - kOnePlace;
+  to = piece.length;
+  if (!within) {
+    if (!next_curve(piece, from, to)) {
+      awaits_answers_ = true;
+      return false;
+    }
     if (!foretold_) curve_.from = from, curve_.length = to - from;
     curved_ = true;
   }
   const double end = curve_.from + curve_.length;
   // What rounding leaves is no stretch.
-  to = piece.length - end <= kSamePlace ? piece.length : end;
-  if (limits_.jerks || !foretold_) return to;
+  to = piece.length - end <= kOnePlace ? piece.length : end;
+  if (limits_.jerks || !foretold_) return true;
   const double cap =
       std::min(path::axis_cap(piece, from, to, limits_), path::velocity_cap(curve_, from, to));
-  if (piece.straight() && evenly(curve_, cap)) return to;
+  if (piece.straight() && evenly(curve_, cap)) return true;
   // Limited in acceleration x is linear on a stretch: there are as many as let it bend.
   double step = std::min(path::even_step(curve_, path::even_x(curve_, cap)),
                          piece.length / path::divisions(piece));
@@ -474,14 +298,15 @@ double Planner::mixed_end(const path::Piece& piece, double from) noexcept {
     step = std::min({step, piece.length / kLeastPerStraight, ramp / kPerRamp});
   }
   const double parts = std::ceil((to - from) / std::max(step, kShortestStep) - 1e-9);
-  return parts > 1 ? from + (to - from) / parts : to;
+  if (parts > 1) to = from + (to - from) / parts;
+  return true;
 }
 
 /// The same, limited in acceleration: what bounds the stretch.
 void Planner::bound_mixed(PathSpan& body, double from, double to) noexcept {
   if (!foretold_) {
-    body.speed.cap = joint_bounds_.creep().cap;
-    body.even_acc = joint_bounds_.creep().box.acc;
+    body.speed.cap = creep_.cap;
+    body.even_acc = creep_.box.acc;
     return;
   }
   const path::Piece& piece = body.piece;
@@ -500,10 +325,10 @@ void Planner::bound_mixed(PathSpan& body, double from, double to) noexcept {
 bool Planner::send_blocks(double begin, double end, std::size_t& done, Span& span, PathSpan& body,
                           Sent& sent) noexcept {
   // Blocks that are as good as nothing end with the one before.
-  while (done + 1 < blocks_sending_ && blocks_[done].sigma_end <= begin + kSamePlace) ++done;
+  while (done + 1 < blocks_sending_ && blocks_[done].sigma_end <= begin + kOnePlace) ++done;
   const std::size_t first = std::min(done, blocks_sending_ - 1);
   std::size_t last = first;
-  while (last + 1 < blocks_sending_ && blocks_[last].sigma_end < end - kSamePlace) ++last;
+  while (last + 1 < blocks_sending_ && blocks_[last].sigma_end < end - kOnePlace) ++last;
   const Block& own = blocks_[first];
   span.seq = own.seq;
   span.tag = own.tag;
@@ -525,7 +350,7 @@ bool Planner::send_blocks(double begin, double end, std::size_t& done, Span& spa
     }
     body.done_seq = blocks_[last - 1].seq;
   }
-  for (done = last; done < blocks_sending_ && blocks_[done].sigma_end <= end + kSamePlace; ++done) {
+  for (done = last; done < blocks_sending_ && blocks_[done].sigma_end <= end + kOnePlace; ++done) {
     body.done_seq = blocks_[done].seq;
     sent.block_end = true;
   }

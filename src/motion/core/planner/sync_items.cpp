@@ -107,7 +107,7 @@ Planner::Take Planner::take_tap(const PathItem& item, const TapMove& tap,
   const double fastest = v * std::max(tap.return_factor, 1.0);
   JointVector joint = joint_;
   const bool within = limits_of(item, curve, std::max(fastest, 1e-3), false, meta, joint, fault);
-  if (!kinematics_.complete()) return Take::wait_servo;
+  if (!kinematics_.complete()) return Take::wait_answers;
   if (!within) return refuse(item, fault);
   stop_here();
   const path::Vec from = path::to_vec(curve.start), to = path::to_vec(curve.end);
