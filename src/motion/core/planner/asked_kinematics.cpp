@@ -2,7 +2,7 @@
 
 namespace kerf::motion {
 
-bool AskedKinematics::inverse(const Pose& world, JointVector& joint) const noexcept {
+bool AskedKinematics::answer_of(const Pose& world, JointVector& joint) const noexcept {
   if (in_flight()) {
     missing_ = true;
     joint = last_;
@@ -31,7 +31,7 @@ bool AskedKinematics::inverse(const Pose& world, JointVector& joint) const noexc
   return true;
 }
 
-bool AskedKinematics::complete() const noexcept {
+bool AskedKinematics::all_answered() const noexcept {
   cursor_ = 0;
   if (!missing_) {
     if (!in_flight()) known_ = count_ = 0;

@@ -20,14 +20,17 @@ class AskedKinematics final : public Kinematics {
   [[nodiscard]] KinematicsType type() const noexcept override { return served_.type(); }
   [[nodiscard]] std::int32_t joints() const noexcept override { return served_.joints(); }
   [[nodiscard]] bool forward(const JointVector&, Pose&) const noexcept override { return false; }
-  [[nodiscard]] bool inverse(const Pose& world, JointVector& joint) const noexcept override;
+  // Inline, as all of its virtual functions: this library is built without type information, which others may need of it.
+  [[nodiscard]] bool inverse(const Pose& world, JointVector& joint) const noexcept override {
+    return answer_of(world, joint);
+  }
   [[nodiscard]] std::int32_t axis_of_joint(std::int32_t joint) const noexcept override {
     return served_.axis_of_joint(joint);
   }
   [[nodiscard]] std::uint32_t axis_mask() const noexcept override { return served_.axis_mask(); }
   [[nodiscard]] std::int32_t kinds() const noexcept override { return served_.kinds(); }
   [[nodiscard]] std::int32_t kind() const noexcept override { return served_.kind(); }
-  [[nodiscard]] bool complete() const noexcept override;
+  [[nodiscard]] bool complete() const noexcept override { return all_answered(); }
   [[nodiscard]] bool answers_at_once() const noexcept override { return false; }
 
   /// @rt. In each servo cycle: works out some of what is asked. The first search of a round begins at the joints that came with its first question,
@@ -38,6 +41,8 @@ class AskedKinematics final : public Kinematics {
   static constexpr std::size_t kMost = 2048;  ///< what is asked together
   static constexpr std::size_t kPerCycle = 64;
 
+  [[nodiscard]] bool answer_of(const Pose& world, JointVector& joint) const noexcept;
+  [[nodiscard]] bool all_answered() const noexcept;
   [[nodiscard]] bool in_flight() const noexcept { return answered_.observe() != asked_.get(); }
 
   const Kinematics& served_;
