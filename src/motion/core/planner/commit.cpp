@@ -218,7 +218,10 @@ bool Planner::bends_are_known() noexcept {
   if (!limits_.jerks || committing_ == Committing::nothing) return true;
   while (asked_.piece < pieces_.size()) {
     // What cannot be kept until it is sent is asked for twice.
-    if (told_.room() < JointBounds::kTogether) told_.clear(), forgotten_ = true;
+    if (told_.room() < JointBounds::kTogether) {
+      told_.clear();
+      forgotten_ = true;
+    }
     const std::size_t known = told_.size();
     if (!joint_bounds_.tell(pieces_, asked_, told_)) return false;
     for (const JointBounds::Told* told = told_.begin() + known; told != told_.end(); ++told)
