@@ -78,6 +78,19 @@ TEST_P(OddMoves, OfAMillionthOfAMillimetreAndLess) {
   drive(moves, 12, 10);
 }
 
+/// What is too short to be driven may stand beside the place that a speck before it has led to.
+TEST_P(OddMoves, NothingBehindASpeck) {
+  std::string moves;
+  for (int i = 1; i <= 12; ++i) {
+    const double x = 10 + i, speck = 1e-6 * (0.6 + 0.3 * i);
+    moves += line("G1 X%.10f Y%.10f\n", x, 10);
+    moves += line("G1 X%.10f Y%.10f\n", x + speck, 10);
+    moves += line("G1 X%.10f Y%.10f\n", x + speck + 5e-10, 10);
+    if (i % 3 == 0) moves += line("G1 X%.10f Y%.10f\n", x, 10.5);
+  }
+  drive(moves + "G1 X23 Y10\n", 23, 10);
+}
+
 TEST_P(OddMoves, ArcsOfAKilometre) {
   drive("G2 X20 Y10 R1000000\nG3 X30 Y10 R1000000\nG1 X31\nG2 X31.001 Y10 R1000000\n", 31.001, 10);
 }

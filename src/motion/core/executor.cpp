@@ -300,7 +300,9 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
       blocked(PathWait::indexer_unlocked, indexer_);
       return Outcome::blocked;
     }
-    if (!same_place(move.point ? move.end : to_pose(move.piece.point(move.from)), pose_)) {
+    // A point leads nowhere and the planner goes on from before it: it may stand beside the place, as a blend or a sliver of path have it.
+    const bool leads = !move.point || move.probe;
+    if (leads && !same_place(move.point ? move.end : to_pose(move.piece.point(move.from)), pose_)) {
       raise(faults, Fault::path_starved_internal, -1, 0, 0, span.tag);
       fail_path(span);
       return Outcome::done;
@@ -334,8 +336,10 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
       return probe_is_there(span, move, in, faults);
   }
   if (move.point) {
-    if (rests) pose_ = move.end;
-    if (move.probe) ++place_number_;
+    if (move.probe) {
+      if (rests) pose_ = move.end;
+      ++place_number_;
+    }
     finish(span, move.done_seq);
     return Outcome::done;
   }

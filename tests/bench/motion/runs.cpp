@@ -48,8 +48,8 @@ double processor_now() {
   return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec) * 1e-9;
 }
 
-void set_up(Rig& rig, Machine machine, double jerk) {
-  set_limits(rig.config, machine, jerk);
+void set_up(Rig& rig, Machine machine, double jerk, double path_jerk = 0) {
+  set_limits(rig.config, machine, jerk, path_jerk);
   rig.config.path_check = false;  // times are those of a machine as it comes
   rig.apply_config();
   rig.ready();
@@ -166,7 +166,7 @@ class PlannerParts {
 
 RunResult run(const Program& program, const RunOptions& options) {
   SpindleRig rig(moved_by(program.machine));
-  set_up(rig, program.machine, options.jerk);
+  set_up(rig, program.machine, options.jerk, options.path_jerk);
   rig.acceleration = 0;  // of the spindle: it is at speed at once
   const auto joints = static_cast<std::size_t>(rig.kinematics.joints());
   RunResult out;

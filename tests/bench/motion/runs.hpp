@@ -18,6 +18,7 @@ struct RunOptions {
   std::uint64_t seed{1};
   bool deviation{false};  ///< measure it too, which costs time
   bool record{false};     ///< keep the commanded positions
+  double path_jerk{0};    ///< along the path too [mm/s3]; 0: not limited
 };
 
 struct RunResult {

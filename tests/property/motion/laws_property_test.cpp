@@ -120,12 +120,39 @@ TEST(TimeLaws, CornersAreBlendedWhereThatIsFasterThanToStop) {
       {bench::corner(150, 10, 0.05, 100), 0.98},
   };
   for (const Case& c : cases) {
-    const double ours = bench::run(c.program, {50000}).seconds,
-                 stops = bench::run(with_stops(c.program), {50000}).seconds;
-    std::printf("%-26s P%-5g %.3f s, with stops %.3f s: %.3f\n", c.program.name.c_str(),
-                c.program.p_mm, ours, stops, ours / stops);
-    // Times are whole cycles.
-    EXPECT_LE(ours, c.most * stops + 0.002) << c.program.name << ", P" << c.program.p_mm;
+    for (const double path_jerk : {0.0, 50000.0}) {
+      const bench::RunOptions limits{.jerk = 50000, .path_jerk = path_jerk};
+      const double ours = bench::run(c.program, limits).seconds,
+                   stops = bench::run(with_stops(c.program), limits).seconds;
+      std::printf("%-26s P%-5g %.3f s, with stops %.3f s: %.3f\n", c.program.name.c_str(),
+                  c.program.p_mm, ours, stops, ours / stops);
+      // Times are whole cycles.
+      EXPECT_LE(ours, c.most * stops + 0.002)
+          << c.program.name << ", P" << c.program.p_mm << ", along the path " << path_jerk;
+    }
+  }
+}
+
+/// [TRAJ]MAX_LINEAR_JERK counts on straights and where the path leads on. Corners are the joints' alone: there the way slows down while sigma does not.
+TEST(TimeLaws, AJerkAlongThePathHoldsStraightsBackAndNoCorners) {
+  const double jerk = 50000;
+  bench::ProgramWriter writer("diagonal", 0.05, 100);
+  writer.line({.x = 6, .y = 6});
+  const bench::Program diagonal = writer.done();
+  // Both joints have the half of the square of what the path has.
+  EXPECT_NEAR(bench::run(diagonal, {.jerk = jerk, .path_jerk = jerk}).seconds,
+              bench::run(diagonal, {.jerk = jerk / std::sqrt(2.0)}).seconds, 0.002);
+  for (const auto& program : curves()) {
+    Drive drive(program, true, jerk);
+    drive.rig.config.traj_max_jerk_mm_s3 = jerk;
+    drive.rig.apply_config();
+    drive.finish();
+    drive.expect_limits();
+    const double with = bench::run(program, {.jerk = jerk, .path_jerk = jerk}).seconds,
+                 without = bench::run(program, {.jerk = jerk}).seconds;
+    std::printf("%-30s %.3f s, along the path too %.3f s: %.3f\n", program.name.c_str(), without,
+                with, with / without);
+    EXPECT_LE(with, 1.02 * without) << program.name;
   }
 }
 

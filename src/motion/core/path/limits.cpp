@@ -11,6 +11,7 @@ constexpr double kArcStep = 0.05;          ///< rad
 constexpr double kLongestStretch = 0.02;   ///< s at the programmed feed
 constexpr int kLeastPerArc = 4;            ///< an arc between two stops speeds up and brakes
 constexpr double kShortestStretch = 5e-4;  ///< s: dividing further buys nothing
+constexpr double kLeadsOn = 0.99;          ///< |q'| over the largest: a cubic that turns by 16 degrees
 
 double square(double x) noexcept { return x * x; }
 
@@ -81,6 +82,15 @@ double straight_acc(const Piece& piece, const AxisLimits& limits) noexcept {
     if (piece.b[i] != 0) acc = std::min(acc, limits.acc[i] / std::abs(piece.b[i]));
   const double xyz = norm3(piece.b, 0);
   return xyz > 0 ? std::min(acc, limits.path_acc / xyz) : acc;
+}
+
+double jerk_slope(const Piece& piece) noexcept {
+  const double begin = norm3(piece.first(0), 0);
+  if (piece.straight() || piece.shape == Piece::Shape::arc) return begin;
+  const double middle = norm3(piece.first(piece.length / 2), 0),
+               end = norm3(piece.first(piece.length), 0);
+  const double most = std::max({begin, middle, end});
+  return std::min({begin, middle, end}) >= kLeadsOn * most ? most : 0.0;
 }
 
 void rows_of(const Piece& piece, double s0, double s1, const AxisLimits& limits,

@@ -24,7 +24,7 @@ struct AxisLimits {
   Vec vel, acc, jerk;
   double path_vel{kNoLimit};   ///< mm/s in XYZ (or UVW): [TRAJ]MAX_LINEAR_VELOCITY
   double path_acc{kNoLimit};   ///< mm/s2 along straights in XYZ
-  double path_jerk{kNoLimit};  ///< mm/s3 along the path in XYZ: [TRAJ]MAX_LINEAR_JERK
+  double path_jerk{kNoLimit};  ///< mm/s3 along the path in XYZ (`jerk_slope`): [TRAJ]MAX_LINEAR_JERK
   double turn_vel{kNoLimit};   ///< deg/s of moves of rotary axes only
   bool jerks{false};           ///< any jerk is limited: the path is driven by boxes (boxes.hpp)
 };
@@ -53,6 +53,9 @@ struct Rows {
 [[nodiscard]] double slope_of(const Piece& piece, double s0, double s1) noexcept;
 /// Straights only: the largest |u|.
 [[nodiscard]] double straight_acc(const Piece& piece, const AxisLimits& limits) noexcept;
+/// |q'| in XYZ where a jerk along the path is what sigma's is: on straights and arcs, and on cubics that lead on (splines, short lines that nearly do).
+/// 0 elsewhere: in a corner sigma runs on evenly whatever the way does, and what its jerk asks of the machine is the axes' alone.
+[[nodiscard]] double jerk_slope(const Piece& piece) noexcept;
 /// The acceleration rows of [s0, s1], s1 > s0.
 void rows_of(const Piece& piece, double s0, double s1, const AxisLimits& limits,
              Rows& out) noexcept;

@@ -104,7 +104,9 @@ void straight_limits(const Piece& piece, double s, const AxisLimits& limits, dou
   const double xyz = norm3(p, 0);
   if (xyz <= 0) return;
   if (piece.straight()) acc = std::min(acc, limits.path_acc / xyz);
-  jerk = std::min(jerk, limits.path_jerk / xyz);
+  if (limits.path_jerk >= kNoLimit) return;
+  const double slope = jerk_slope(piece);
+  if (slope > 0) jerk = std::min(jerk, limits.path_jerk / slope);
 }
 
 bool LawRows::create(Memory& memory, std::size_t intervals,
@@ -423,9 +425,7 @@ bool LawRows::make_rows(std::size_t i) noexcept {
                    joint[joints++] = p;
                    acc_rows(p.p0, p.p1, p.p2, p.e0, p.e1, limit.acc, !same);
                  });
-  const double xyz = limits_.path_jerk < kNoLimit
-                         ? std::max({norm3(d.p0, 0), norm3(d.p1, 0), norm3(d.p2, 0)})
-                         : 0.0;
+  const double slope = limits_.path_jerk < kNoLimit ? jerk_slope(piece) : 0.0;
   for (int k = 0; k < 3; ++k) {
     int count = 0;
     for (std::size_t j = 0; j < kAxes; ++j) {
@@ -443,9 +443,9 @@ bool LawRows::make_rows(std::size_t i) noexcept {
       const JointPart& p = joint[j];
       jerk_row(k, p.p0, p.p1, p.p2, p.e0, p.e1, k == 0 ? p.c0 : k == 1 ? p.c1 : p.c2, limit);
     }
-    if (xyz > 0) {
+    if (slope > 0) {
       ++count;
-      row(xyz * ww, -2 * xyz * ww, xyz * ww, limits_.path_jerk);
+      row(slope * ww, -2 * slope * ww, slope * ww, limits_.path_jerk);
     }
     in.jerks = count;
   }
@@ -505,7 +505,8 @@ double LawRows::rest_cap(std::size_t i, double way, bool start) const noexcept {
   double acc_path = 0, jerk_path = 0;
   straight_limits(stretch, in.from, limits_, acc_path, jerk_path);
   if (piece.straight()) acc = std::max(acc, 2 / (3 * way) / acc_path);
-  if (limits_.path_jerk < kNoLimit) jerk = std::max(jerk, 2 / (9 * way * way) / jerk_path);
+  if (limits_.path_jerk < kNoLimit && jerk_slope(piece) > 0)
+    jerk = std::max(jerk, 2 / (9 * way * way) / jerk_path);
   // What arcs leave out: see kArcStep.
   const double reserve =
       piece.shape == Piece::Shape::arc || stretch.joints != nullptr ? 0.995 : 1.0;
