@@ -8,8 +8,9 @@
 namespace kerf::motion {
 namespace {
 
-/// A bound missed by less than this is met: rounding of where we are (mm, degrees; and a share of the way).
-constexpr double kRounding = 1e-13;
+/// A bound missed by less than this is met: rounding of where we are (mm, degrees; and a share of the way). Less of it: a stop is met at even jerk, where
+/// a way of 1e-13 mm is 3 microseconds that are left out, and that is a jerk too large.
+constexpr double kRounding = 1e-15;
 /// The same for whether it can be met at all: what was just met stays so.
 constexpr double kStillMet = 1e-8;
 constexpr double kShare = 1e-14;
