@@ -10,8 +10,8 @@
 namespace kerf::motion {
 namespace {
 
-/// Spans begun in one cycle. More would be stretches far below what a cycle drives; the rest of the cycle is lost then, not the path.
-constexpr int kSpansPerCycle = 64;
+/// Spans begun in one cycle. More would be stretches far below what a cycle drives; the rest of the cycle is lost then, which is a jerk, not the path.
+constexpr int kSpansPerCycle = 512;
 /// Stretches shorter than this (sigma) are passed at the speed they are entered with.
 constexpr double kNoStretch = 1e-10;
 /// An x below this is a standstill that rounding has missed (1e-7 mm/s).

@@ -156,6 +156,32 @@ TEST(TimeLaws, AJerkAlongThePathHoldsStraightsBackAndNoCorners) {
   }
 }
 
+/// A way of 3 mm in lines of micrometres, straight or hardly bent: once the path stood behind each of them.
+TEST(TimeLaws, LinesOfMicrometresTakeNoLongerThanTheirWay) {
+  for (const double step : {0.0005, 0.001, 0.002, 0.005})
+    for (const bool exact : {false, true}) {
+      bench::ProgramWriter one("line", 0.01, 100, false), many("micrometres", 0.01, 100, false);
+      one.line({.x = 3, .y = 1});
+      const int lines = static_cast<int>(std::lround(3 / step));
+      for (int i = 1; i <= lines; ++i) {
+        const double x = 3.0 * i / lines;
+        many.line({.x = x, .y = x / 3 + (exact ? 0.0 : 0.002 * x * (x - 3))});
+      }
+      const bench::Program line = one.done();
+      bench::Program parts = many.done();
+      if (exact)
+        for (auto& item : parts.items)
+          if (auto* control = std::get_if<PathControl>(&item))
+            control->mode = PathControl::Mode::exact_path;
+      Drive whole(line, true), drive(parts, true);
+      const int least = whole.finish(), cycles = drive.finish();
+      drive.expect_limits();
+      std::printf("%g mm%s: %d cycles, in one line %d\n", step, exact ? " in exact path mode" : "",
+                  cycles, least);
+      EXPECT_LE(cycles, 1.15 * least) << step;
+    }
+}
+
 /// Where a feed changes and where an output stands a hair before the end of a stretch: a sliver of path, over which no law was found.
 TEST(TimeLaws, AreFoundThroughFeedsAndOutputs) {
   for (const double step : {0.35, 0.05}) {

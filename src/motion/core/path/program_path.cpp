@@ -131,7 +131,8 @@ bool ProgramPath::stands_behind(const Move* moves, std::size_t first, std::size_
   if (joint == Joint::stop || joint == Joint::pass || !settings_.limits.jerks || moves[i].joined)
     return joint == Joint::stop;
   const auto tiny = [&](std::size_t k) { return moves[k].piece.length < kTinyEnd; };
-  if (tiny(i) && i == first) return true;
+  // A stream of tiny lines is a curve like any other.
+  if (tiny(i) && i == first && !tiny(i + 1)) return true;
   return tiny(i + 1) &&
          ((i + 2 == count && !goes_on) ||
           (i + 2 < count && joint_between(moves[i + 1], moves[i + 2]) == Joint::stop));

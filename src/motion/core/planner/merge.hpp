@@ -16,6 +16,8 @@ class Merge {
   /// Of P: what merging may take of it.
   static constexpr double kShareOfTolerance = 0.2;
   static constexpr std::size_t kMost = 32;  ///< lines in one
+  /// mm: points so near to a line are on it, in exact path mode and without Q too.
+  static constexpr double kSameLine = 1e-7;
 
   /// Nothing can be added any more until begin().
   void end() noexcept { count_ = 0; }

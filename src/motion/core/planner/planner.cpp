@@ -414,9 +414,12 @@ Planner::Take Planner::take(const PathItem& item, const ServoView& view) noexcep
           [&](const PathControl& m) {
             mode_ = mode_of(m);
             const bool blends = mode_.corners == path::PathMode::Corners::blend;
+            // A line in parts is the line, whatever Q is.
             merge_mm_ = blends ? std::min(std::max(m.naive_cam_tolerance_mm, 0.0),
                                           Merge::kShareOfTolerance * mode_.tolerance.mm)
                                : 0.0;
+            if (mode_.corners != path::PathMode::Corners::exact_stop)
+              merge_mm_ = std::max(merge_mm_, Merge::kSameLine);
             return event(item, m);
           },
           [&](const OverrideEnable& m) { return event(item, m); },
@@ -623,7 +626,7 @@ bool Planner::merge_line(const Block& block, const path::Piece& line, const Meta
 void Planner::share_tolerance() noexcept {
   const std::size_t n = moves_.size();
   const double off = meta_[n - 1].merged_off_mm;
-  moves_[n - 1].mode.tolerance.mm = meta_[n - 1].tolerance_mm - off;
+  moves_[n - 1].mode.tolerance.mm = std::max(meta_[n - 1].tolerance_mm - off, 0.0);
   if (n < 2) return;
   const Meta& before = meta_[n - 2];
   moves_[n - 2].mode.tolerance.mm =
