@@ -13,8 +13,11 @@ using spline::Vec;
 
 constexpr double kNothing = 1e-6;  ///< mm; shorter than this there is no direction to be had
 constexpr int kCells = 64;         ///< of the table of lengths, in each knot span
-constexpr int kMostPieces = 2048;  ///< in one run
-constexpr int kChecks = 6;         ///< places of each piece that are compared with the curve
+constexpr std::size_t kMostPieces = 2048;  ///< in one run
+constexpr double kShortestPiece =
+    1e-3;                         ///< mm; a bend that needs shorter ones is a cusp to a machine
+constexpr double kGrowth = 2.01;  ///< of neighbouring pieces
+constexpr int kChecks = 6;        ///< places of each piece that are compared with the curve
 /// How far |q'| may be from 1: speeds are true within it.
 constexpr double kEven = 1e-3;
 
@@ -83,45 +86,98 @@ class Run {
   bool cusp_{false};
 };
 
-/// The clamped spline of n pieces of even length. False: too far from the curve.
-bool fit(const Run& run, int n, double tolerance_mm, std::vector<CubicPiece>& out) {
-  const auto count = static_cast<std::size_t>(n);
-  const double h = run.length() / n;
-  std::vector<Vec> point(count + 1), tangent(count + 1), bend(count + 1);
-  for (std::size_t i = 0; i <= count; ++i)
-    run.place(h * static_cast<double>(i), point[i], tangent[i]);
-  // Second derivatives m: 2 m0 + m1 = r0, m(i-1) + 4 mi + m(i+1) = ri, and like the first at the end.
-  std::vector<double> upper(count + 1);
-  const double k = 6 / h;
-  upper[0] = 0.5;
-  bend[0] = 0.5 * (k * ((1 / h) * (point[1] - point[0]) - tangent[0]));
-  for (std::size_t i = 1; i <= count; ++i) {
-    const bool last = i == count;
-    const Vec right = last ? k * (tangent[i] - (1 / h) * (point[i] - point[i - 1]))
-                           : (k / h) * (point[i + 1] - 2.0 * point[i] + point[i - 1]);
-    const double pivot = (last ? 2.0 : 4.0) - upper[i - 1];
-    upper[i] = 1 / pivot;
-    bend[i] = (1 / pivot) * (right - bend[i - 1]);
+/// The clamped spline through the curve at `knots` (lengths); false at each piece that is too far from it or not by its length.
+class Fit {
+ public:
+  Fit(const Run& run, const std::vector<double>& knots) : run_(run), knot_(knots) {
+    const std::size_t last = knots.size() - 1;
+    point_.resize(last + 1);
+    bend_.resize(last + 1);
+    Vec begin, tangent, end;
+    for (std::size_t i = 0; i <= last; ++i) {
+      run.place(knots[i], point_[i], tangent);
+      if (i == 0) begin = tangent;
+      if (i == last) end = tangent;
+    }
+    // Second derivatives m: h(i-1) m(i-1) + 2 (h(i-1) + h(i)) mi + h(i) m(i+1) = 6 (slope(i) - slope(i-1)), at the ends with the curve's tangents.
+    std::vector<double> upper(last + 1);
+    for (std::size_t i = 0; i <= last; ++i) {
+      const double before = i > 0 ? h(i - 1) : 0.0, behind = i < last ? h(i) : 0.0;
+      const Vec right = 6.0 * ((i < last ? slope(i) : end) - (i > 0 ? slope(i - 1) : begin));
+      const double pivot = 2 * (before + behind) - (i > 0 ? before * upper[i - 1] : 0.0);
+      upper[i] = behind / pivot;
+      bend_[i] = (1 / pivot) * (i > 0 ? right - before * bend_[i - 1] : right);
+    }
+    for (std::size_t i = last; i-- > 0;) bend_[i] = bend_[i] - upper[i] * bend_[i + 1];
   }
-  for (std::size_t i = count; i-- > 0;) bend[i] = bend[i] - upper[i] * bend[i + 1];
-  const std::size_t before = out.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec first = (1 / h) * (point[i + 1] - point[i]) - (h / 6) * (2.0 * bend[i] + bend[i + 1]);
-    const Vec third = (1 / h) * (bend[i + 1] - bend[i]);
+  [[nodiscard]] double h(std::size_t i) const { return knot_[i + 1] - knot_[i]; }
+  [[nodiscard]] bool is_near(std::size_t i, double tolerance_mm) const {
+    const Vec first = this->first(i), third = (1 / h(i)) * (bend_[i + 1] - bend_[i]);
     for (int c = 1; c < kChecks; ++c) {
-      const double s = h * c / kChecks;
+      const double s = h(i) * c / kChecks;
       Vec there, direction;
-      run.place(h * static_cast<double>(i) + s, there, direction);
-      const Vec q = point[i] + s * first + (s * s / 2) * bend[i] + (s * s * s / 6) * third;
-      const Vec slope = first + s * bend[i] + (s * s / 2) * third;
-      if (!(norm(q - there) <= tolerance_mm) || !(std::fabs(norm(slope) - 1) <= kEven)) {
-        out.resize(before);
+      run_.place(knot_[i] + s, there, direction);
+      const Vec q = point_[i] + s * first + (s * s / 2) * bend_[i] + (s * s * s / 6) * third;
+      const Vec along = first + s * bend_[i] + (s * s / 2) * third;
+      if (!(norm(q - there) <= tolerance_mm) || !(std::fabs(norm(along) - 1) <= kEven))
         return false;
+    }
+    return true;
+  }
+  [[nodiscard]] CubicPiece piece(std::size_t i) const {
+    const Vec first = this->first(i);
+    return {point_[i + 1].x, point_[i + 1].y, first.x, first.y, bend_[i].x, bend_[i].y, h(i)};
+  }
+
+ private:
+  [[nodiscard]] Vec slope(std::size_t i) const { return (1 / h(i)) * (point_[i + 1] - point_[i]); }
+  [[nodiscard]] Vec first(std::size_t i) const {
+    return slope(i) - (h(i) / 6) * (2.0 * bend_[i] + bend_[i + 1]);
+  }
+
+  const Run& run_;
+  const std::vector<double>& knot_;
+  std::vector<Vec> point_, bend_;
+};
+
+/// Pieces that are not near are halved, and those that are more than twice as long as their neighbours, so that a tight bend makes short pieces where
+/// it is and nowhere else. False: too many, or too short.
+bool fit(const Run& run, double tolerance_mm, std::vector<CubicPiece>& out) {
+  std::vector<double> knots{0, run.length()};
+  for (;;) {
+    const Fit spline(run, knots);
+    const std::size_t count = knots.size() - 1;
+    std::vector<char> halve(count);
+    bool good = true;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (spline.is_near(i, tolerance_mm)) continue;
+      halve[i] = 1;
+      good = false;
+    }
+    if (good) {
+      for (std::size_t i = 0; i < count; ++i) out.push_back(spline.piece(i));
+      return true;
+    }
+    const auto length = [&](std::size_t i) { return spline.h(i) / (halve[i] != 0 ? 2 : 1); };
+    for (bool more = true; more;) {
+      more = false;
+      for (std::size_t i = 0; i < count; ++i) {
+        const double beside =
+            std::min(i > 0 ? length(i - 1) : 1e99, i + 1 < count ? length(i + 1) : 1e99);
+        if (halve[i] != 0 || length(i) <= kGrowth * beside) continue;
+        halve[i] = 1;
+        more = true;
       }
     }
-    out.push_back({point[i + 1].x, point[i + 1].y, first.x, first.y, bend[i].x, bend[i].y, h});
+    std::vector<double> next{0};
+    for (std::size_t i = 0; i < count; ++i) {
+      if (halve[i] != 0 && spline.h(i) < 2 * kShortestPiece) return false;
+      if (halve[i] != 0) next.push_back((knots[i] + knots[i + 1]) / 2);
+      next.push_back(knots[i + 1]);
+    }
+    if (next.size() > kMostPieces) return false;
+    knots = std::move(next);
   }
-  return true;
 }
 
 }  // namespace
@@ -134,9 +190,7 @@ std::vector<CubicPiece> spline_cubics(const interp::NurbsCurve& curve, double to
     const Run run(curve, first, std::min(first + step, curve.spans()));
     if (!(run.length() > kNothing)) continue;
     if (run.has_cusp()) return {};
-    int n = 1;
-    while (n <= kMostPieces && !fit(run, n, tolerance_mm, out)) n *= 2;
-    if (n > kMostPieces) return {};
+    if (!fit(run, tolerance_mm, out)) return {};
   }
   return out;
 }

@@ -231,6 +231,26 @@ TEST(Spline, cubics_follow_it_by_its_length_and_with_its_curvature) {
   EXPECT_TRUE(spline_cubics(NurbsCurve(point, 3)).empty());
 }
 
+/// Elsewhere pieces stay long: the servo cycle has to pass them all.
+TEST(Spline, a_tight_bend_makes_short_cubics_only_where_it_is) {
+  const double x = -33.7116, y = 25.2517, to_x = -34.3913, to_y = 26.1173;
+  const SplinePoint points[] = {
+      {x, y}, {x + 1.8311, y - 1.6101}, {to_x + 0.9688, to_y - 1.7569}, {to_x, to_y}};
+  const auto pieces = spline_cubics(NurbsCurve(points, 4));
+  ASSERT_FALSE(pieces.empty());
+  double shortest = 1e9, longest = 0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    shortest = std::min(shortest, pieces[i].length);
+    longest = std::max(longest, pieces[i].length);
+    if (i > 0) {
+      EXPECT_LT(pieces[i].length, 2.1 * pieces[i - 1].length);
+      EXPECT_LT(pieces[i - 1].length, 2.1 * pieces[i].length);
+    }
+  }
+  EXPECT_LT(pieces.size(), 120U);
+  EXPECT_LT(shortest, 0.2 * longest);
+}
+
 TEST(Spline, becomes_moves_in_machine_coordinates_with_the_feed) {
   std::deque<TaskItem> list;
   ToolConfig tools;

@@ -11,7 +11,7 @@ constexpr double kArcStep = 0.05;          ///< rad
 constexpr double kLongestStretch = 0.02;   ///< s at the programmed feed
 constexpr int kLeastPerArc = 4;            ///< an arc between two stops speeds up and brakes
 constexpr double kShortestStretch = 5e-4;  ///< s: dividing further buys nothing
-constexpr double kLeadsOn = 0.99;          ///< |q'| over the largest: a cubic that turns by 16 degrees
+constexpr double kLeadsOn = 0.99;  ///< |q'| over the largest: a cubic that turns by 16 degrees
 
 double square(double x) noexcept { return x * x; }
 

@@ -22,11 +22,12 @@ inline constexpr double kNoLimit = 1e99;
 /// What each axis can do; kNoLimit where it has no limit of that kind.
 struct AxisLimits {
   Vec vel, acc, jerk;
-  double path_vel{kNoLimit};   ///< mm/s in XYZ (or UVW): [TRAJ]MAX_LINEAR_VELOCITY
-  double path_acc{kNoLimit};   ///< mm/s2 along straights in XYZ
-  double path_jerk{kNoLimit};  ///< mm/s3 along the path in XYZ (`jerk_slope`): [TRAJ]MAX_LINEAR_JERK
-  double turn_vel{kNoLimit};   ///< deg/s of moves of rotary axes only
-  bool jerks{false};           ///< any jerk is limited: the path is driven by boxes (boxes.hpp)
+  double path_vel{kNoLimit};  ///< mm/s in XYZ (or UVW): [TRAJ]MAX_LINEAR_VELOCITY
+  double path_acc{kNoLimit};  ///< mm/s2 along straights in XYZ
+  double path_jerk{
+      kNoLimit};              ///< mm/s3 along the path in XYZ (`jerk_slope`): [TRAJ]MAX_LINEAR_JERK
+  double turn_vel{kNoLimit};  ///< deg/s of moves of rotary axes only
+  bool jerks{false};          ///< any jerk is limited: the path is driven by boxes (boxes.hpp)
 };
 
 /// -1 <= a x0 + b x1 <= 1

@@ -255,7 +255,8 @@ class Planner {
   bool placed_{false}, refusing_{false};
   bool probing_{false};  ///< moves behind a probe move wait until it has ended, wherever that is
   path::PathMode mode_;
-  double merge_mm_{Merge::kSameLine};  ///< G64 Q, or what counts as one line without it; 0: lines are not merged
+  double merge_mm_{
+      Merge::kSameLine};  ///< G64 Q, or what counts as one line without it; 0: lines are not merged
   path::Tolerance noted_tolerance_;  ///< of the move noted last
   Merge merge_;                      ///< the last pending move, while more may be merged with it
   double speed_rpm_
