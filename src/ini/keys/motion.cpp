@@ -57,7 +57,9 @@ constexpr Key kTrajRows[] = {
         .unit(kPerSecond2)
         .idle("without effect: [AXIS_L] and [JOINT_n]MAX_ACCELERATION bound rotary axes"),
     real("MAX_LINEAR_JERK",
-         "bound of the jerk along the path, and of linear joints and axes without MAX_JERK; 0 none")
+         "bound of the jerk along straights, arcs and what leads on like them, and of linear "
+         "joints and axes "
+         "without MAX_JERK; 0 none")
         .unit(kPerSecond3)
         .from(0)
         .otherwise("0"),

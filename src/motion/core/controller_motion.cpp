@@ -446,10 +446,12 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   // Pins that lead have no jerk limit.
   std::uint32_t led = 0;
   for (std::size_t j = 0; j < joints_; ++j) led |= is_posthome(j) ? 1U << j : 0U;
-  if (enabled_)
-    guard_.check(joints_, joint_, config_, dt, led, status_.current, faults_);
-  else  // just now: drives off is no motion
+  // Homing places joints.
+  const std::uint32_t may_jump = mode_ == MotionMode::free ? ~0U : led;
+  if (!enabled_)  // just now: drives off is no motion
     guard_.follow(joints_, joint_);
+  else if (!guard_.check(joints_, joint_, config_, dt, led, may_jump, status_.current, faults_))
+    disable();
   const bool on_path = mode_ == MotionMode::coordinated && !away_ && executor_.moving_item() &&
                        !executor_.retraces() && !executor_.follows_spindle();
   if (config_.path_check && on_path)

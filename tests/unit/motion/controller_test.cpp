@@ -736,6 +736,42 @@ TEST(Guard, ReportsTheFirstBreakOnce) {
   EXPECT_TRUE(rig.status().enabled);
 }
 
+/// Its joint is `slip` beside its axis.
+class Slipping final : public Kinematics {
+ public:
+  [[nodiscard]] KinematicsType type() const noexcept override { return KinematicsType::identity; }
+  [[nodiscard]] std::int32_t joints() const noexcept override { return 1; }
+  [[nodiscard]] bool forward(const JointVector& q, Pose& p) const noexcept override {
+    p.x = q[0] - slip;
+    return true;
+  }
+  [[nodiscard]] bool inverse(const Pose& p, JointVector& q) const noexcept override {
+    q[0] = p.x + slip;
+    return true;
+  }
+  [[nodiscard]] std::int32_t axis_of_joint(std::int32_t) const noexcept override { return 0; }
+  [[nodiscard]] std::uint32_t axis_mask() const noexcept override { return 1; }
+  double slip{0};
+};
+
+TEST(Guard, AJumpIsNotCommandedAndTheDrivesGoOff) {
+  Slipping slipping;
+  Rig rig(test::RigKinematics{slipping});
+  rig.ready();
+  rig.line({.x = 100}, 50);
+  rig.run(500);
+  ASSERT_GT(rig.status().vel_mm_s, 40);
+  const double before = rig.status().joint[0].pos_cmd;
+  slipping.slip = 3;
+  rig.run(1);
+  EXPECT_TRUE(rig.saw(Fault::limit_continuity));
+  EXPECT_FALSE(rig.status().enabled);
+  EXPECT_EQ(rig.status().joint[0].pos_cmd, before);
+  rig.run(300);
+  EXPECT_NEAR(rig.status().joint[0].pos_cmd, before, 1);
+  EXPECT_EQ(rig.faults.size(), 1U);
+}
+
 TEST(Controller, TellsTaskOnlyWhatIsNew) {
   Rig rig;
   rig.ready();
