@@ -178,6 +178,7 @@ TEST(Spline, cubics_follow_it_by_its_length_and_with_its_curvature) {
   for (int program = 0; program < 60; ++program) {
     std::vector<SplinePoint> points;
     const int order = 3 + program % 3;
+    points.reserve(static_cast<std::size_t>(order) + 3);
     for (int i = 0; i < order + program % 4; ++i)
       points.push_back({15.0 * i + size(rng) / 2, size(rng), program % 2 == 0 ? 1.0 : weight(rng)});
     const NurbsCurve curve(points, order);
