@@ -105,9 +105,9 @@ TEST(Spline, knots_are_uniform_and_clamped) {
   EXPECT_NEAR(curve.at(1).y, 1.5, 1e-12);
   EXPECT_NEAR(curve.at(3).x, 0, 1e-12);
   for (const double u : {0.3, 1.0, 1.7, 2.4}) {
-    constexpr double h = 1e-6;
-    EXPECT_NEAR(curve.at(u).dx, (curve.at(u + h).x - curve.at(u - h).x) / (2 * h), 1e-4) << u;
-    EXPECT_NEAR(curve.at(u).dy, (curve.at(u + h).y - curve.at(u - h).y) / (2 * h), 1e-4) << u;
+    constexpr double kH = 1e-6;
+    EXPECT_NEAR(curve.at(u).dx, (curve.at(u + kH).x - curve.at(u - kH).x) / (2 * kH), 1e-4) << u;
+    EXPECT_NEAR(curve.at(u).dy, (curve.at(u + kH).y - curve.at(u - kH).y) / (2 * kH), 1e-4) << u;
   }
 }
 
