@@ -58,8 +58,7 @@ constexpr Key kTrajRows[] = {
         .idle("without effect: [AXIS_L] and [JOINT_n]MAX_ACCELERATION bound rotary axes"),
     real("MAX_LINEAR_JERK",
          "bound of the jerk along straights, arcs and what leads on like them, and of linear "
-         "joints and axes "
-         "without MAX_JERK; 0 none")
+         "joints and axes without MAX_JERK; 0 none")
         .unit(kPerSecond3)
         .from(0)
         .otherwise("0"),

@@ -38,8 +38,8 @@ bool Guard::check(std::size_t joints, Joint* state, const MachineConfig& config,
     const double vel = std::abs(joint.vel_cmd), acc = std::abs(joint.acc_cmd);
     const double vel_limit = c.max_vel * kVelocityAllowance + kRounding * rate;
     const double acc_limit = c.max_acc * kAccelerationAllowance + kRounding * rate * rate;
-    // Either alone may come from limits that were lowered under way. What is no number counts too.
-    if (!(vel <= kJump * vel_limit) && !(acc <= kJump * acc_limit) && (may_jump >> j & 1U) == 0) {
+    // A speed alone may come from limits that were lowered under way. What is no number counts too.
+    if (!(acc * dt <= kJump * vel_limit) && (may_jump >> j & 1U) == 0) {
       raise(faults, Fault::limit_continuity, static_cast<std::int32_t>(j), vel, c.max_vel, tag);
       broken_ = true;
       moves = false;

@@ -16,7 +16,7 @@ class Guard {
   static constexpr double kVelocityAllowance = 1.0001;
   static constexpr double kAccelerationAllowance = 1.001;
   static constexpr double kJerkAllowance = 1.01;
-  /// A step of so many times of what velocity and acceleration allow is a jump: no motion leads there, so nobody has sent the joint there.
+  /// A change of speed within a cycle by so many times the largest speed is a jump: no motion leads there, so nobody has sent the joint there.
   static constexpr double kJump = 4;
 
   /// Forgets the latched break; the present positions are taken as at rest.

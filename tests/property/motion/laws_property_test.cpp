@@ -88,12 +88,15 @@ bench::Program first_moves(bench::Program program, std::size_t items) {
   return program;
 }
 
+bench::Program in_mode(PathControl::Mode mode, bench::Program program) {
+  for (auto& item : program.items)
+    if (auto* control = std::get_if<PathControl>(&item)) control->mode = mode;
+  return program;
+}
+
 /// The same program with a stop at each corner.
 bench::Program with_stops(bench::Program program) {
-  for (auto& item : program.items)
-    if (auto* control = std::get_if<PathControl>(&item))
-      control->mode = PathControl::Mode::exact_stop;
-  return program;
+  return in_mode(PathControl::Mode::exact_stop, std::move(program));
 }
 
 /// Beside stops at all corners: most that a blend may cost, and where blends are known to pay, what they take at most.
@@ -156,6 +159,24 @@ TEST(TimeLaws, AJerkAlongThePathHoldsStraightsBackAndNoCorners) {
   }
 }
 
+/// A rotary axis beside linear ones that alone are limited in jerk ([TRAJ]MAX_LINEAR_JERK does that): its ramps once ended beside theirs.
+TEST(TimeLaws, AnAxisWithoutAJerkLimitKeepsItsAcceleration) {
+  for (const double turn : {-44.7164, 10.0, 90.0})
+    for (const double p : {0.01, 0.1, 0.5}) {
+      bench::ProgramWriter writer("turn", p, 57.8);
+      for (const double x : {2.7, 3.7, 10.0}) {
+        writer.line({.x = x, .a = writer.at().a});
+        writer.line({.x = x, .a = writer.at().a + turn});
+      }
+      const bench::Program program = writer.done();
+      Drive drive(program, true, 96637);
+      drive.rig.config.joint[3].max_jerk = 0;
+      drive.rig.apply_config();
+      EXPECT_GT(drive.finish(), 0) << turn << ", P" << p;
+      drive.expect_limits();
+    }
+}
+
 /// A way of 3 mm in lines of micrometres, straight or hardly bent: once the path stood behind each of them.
 TEST(TimeLaws, LinesOfMicrometresTakeNoLongerThanTheirWay) {
   for (const double step : {0.0005, 0.001, 0.002, 0.005})
@@ -169,10 +190,7 @@ TEST(TimeLaws, LinesOfMicrometresTakeNoLongerThanTheirWay) {
       }
       const bench::Program line = one.done();
       bench::Program parts = many.done();
-      if (exact)
-        for (auto& item : parts.items)
-          if (auto* control = std::get_if<PathControl>(&item))
-            control->mode = PathControl::Mode::exact_path;
+      if (exact) parts = in_mode(PathControl::Mode::exact_path, std::move(parts));
       Drive whole(line, true), drive(parts, true);
       const int least = whole.finish(), cycles = drive.finish();
       drive.expect_limits();
