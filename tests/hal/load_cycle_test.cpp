@@ -172,7 +172,7 @@ class Spinners final : public HostDriver {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr long kSpareKb = 1L << 20;
 #else
-constexpr long kSpareKb = 2048;
+constexpr long kSpareKb = 512;
 #endif
 /// What this process holds from the allocator may grow by so much: less than a byte for each component loaded. (How many
 /// pages the allocator spreads it over depends on the order in which threads ended, so resident memory says nothing here.)
@@ -272,15 +272,18 @@ TEST(LoadCycle, NothingGrowsInRtapiApp) {
     const auto names = DlopenSource({std::string(KERF_BUILD_DIR) + "/components"}).names();
     ASSERT_GT(names.size(), 2U);
     const int all = rounds() / 40;
-    // Until every component has been everywhere in the arena, pages are new.
-    const int warm = all / 2;
-    Figures before;
+    // Until every component has been everywhere in the arena, pages are new. Then the least of a quarter of the rounds counts: the heap is a megabyte
+    // longer in some, when what came last was freed in another order, and short again in the next. What leaks is in all of them.
+    const int warm = all / 2, middle = all * 3 / 4;
+    Figures before, after;
     for (int round = 0; round < all; ++round) {
-      if (round == warm) before = figures();
       for (const auto& name : names)
         ASSERT_EQ(cycle_of(name, view, round % 2 == 0, ask), "") << name << ", round " << round;
+      Figures& now = round < middle ? before : after;
+      const std::size_t least = round == warm || round == middle ? SIZE_MAX : now.memory_kb;
+      now = figures();
+      now.memory_kb = std::min(now.memory_kb, least);
     }
-    const Figures after = figures();
     EXPECT_LE(after.arena, before.arena);
     EXPECT_LE(after.memory_kb, before.memory_kb + kSpareKb);
     EXPECT_EQ(after.descriptors, before.descriptors);
