@@ -107,6 +107,25 @@ TEST_F(TimeLawsMachine, KeepLimitsAndPathUnderAnOperatorsHands) {
   EXPECT_LE(jerk, kJerk * 1.01);
 }
 
+TEST_F(TimeLawsMachine, AnOverrideThatSwingsDownToNothingDoesNotHoldItBack) {
+  start();
+  // Two long lines with a corner between them, slow for what the machine can do: 0.6 mm/s.
+  const auto id = m->start_program(m->write_program(
+      "G21 G90 G54 G64 P0.01\nG0 X10 Y10\nG1 X11.2 Y10.9 F36\nG1 X10.3 Y12.3\nM2\n"));
+  const auto begun = m->now();
+  // From 0 to 2 and back in 0.8 s, as a knob does it: a step each 10 ms.
+  for (int i = 0; i < 3000 && m->outcome(id).state != task::CommandState::done; ++i) {
+    m->send({"feed-override", std::to_string(0.01 * std::round(60 * (1 - std::cos(i * 0.0785))))});
+    m->run_for(0.01);
+  }
+  ASSERT_EQ(m->outcome(id).state, task::CommandState::done) << m->errors();
+  const double seconds = static_cast<double>(m->now() - begun) * 1e-9;
+  // 3.17 mm at 0.36 mm/s in the mean, and the rapid.
+  EXPECT_LT(seconds, 12);
+  EXPECT_EQ(m->errors(), "");
+  EXPECT_LE(jerk, kJerk * 1.01);
+}
+
 TEST_F(TimeLawsMachine, AnAbortAtAnyMomentStandsSoonAndNothingIsLeft) {
   start();
   std::mt19937_64 random(6);

@@ -14,9 +14,9 @@ constexpr int kMostPerCubic = 16;
 constexpr double kRestShare = 0.1, kRestOfPiece = 1.0 / 40;
 /// A node nearer than this share of a step to the end of a stretch is left out.
 constexpr double kTooNear = 0.3, kNearHead = 0.03;
-/// At the start from a moving state x may change by this share within the first step; steps are halved there, so that an older law stays
-/// one that the new grid can express.
-constexpr double kFirstChange = 0.25, kFineGrowth = 0.5;
+/// At the start from a moving state x may change by this share within the first step; steps are divided there, from fine to wide, so that an older law
+/// stays one that the new grid can express. None is finer than rounding (mm).
+constexpr double kFirstChange = 0.25, kFineGrowth = 0.5, kFinest = 1e-11;
 
 /// A jerk row in which b2 counts less than that beside b1 bounds u, not w.
 constexpr double kNoW = 1e-3;
@@ -194,10 +194,11 @@ void LawRows::divide(std::size_t k) noexcept {
   const auto next = [&](double node) {
     // The last one ends in even jerk, of which a part is nothing that the grid expresses.
     const bool stops = k + 1 == used_ && node == s.to;
-    const double most = k > 0 || stops ? kNoLimit : fine_ + kFineGrowth * (at - s.from);
-    const double parts = std::ceil((node - at) / most - 1e-9), begin = at;
-    for (double p = 1; p < parts && room_; ++p) {
-      const double to = begin + (node - begin) * p / parts;
+    while (k == 0 && !stops && room_) {
+      const double most = fine_ + kFineGrowth * (at - s.from),
+                   parts = std::ceil((node - at) / most - 1e-9);
+      if (parts <= 1) break;
+      const double to = at + (parts <= kEvenParts ? (node - at) / parts : most);
       push(k, at, to);
       at = to;
     }
@@ -246,8 +247,13 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
   };
   if (x0 <= 0)
     head.first = at_rest(head, head.from);
-  else
-    fine_ = kFirstChange * x0 / std::max(2 * std::abs(u0), 1e-99);
+  else {
+    // Where it is slow for what jerk can do, the way on which jerk makes that speed: beyond it x grows by a power 4/3 of the way.
+    straight_limits(head, head.from, limits_, acc, jerk);
+    const double from_rest = std::sqrt(2 * x0 * std::sqrt(x0) / (9 * jerk));
+    fine_ = std::max(std::min(kFirstChange * x0 / std::max(2 * std::abs(u0), 1e-99), from_rest),
+                     kFinest);
+  }
   tail.last = at_rest(tail, tail.to);
 }
 
