@@ -8,7 +8,6 @@ namespace {
 
 /// Rounding of unit conversion must not refuse a move to the limit itself (mm, degrees).
 constexpr double kLimitTolerance = 1e-6;
-constexpr double kSoonestAcc = 1e-4;  ///< s
 /// Share of the straight-line acceleration that a curve keeps for speeding up when the feed cannot be had whole.
 constexpr double kTangentialShare = 0.6;
 constexpr double kSampleAngle = 0.1;  ///< rad between samples of an arc
@@ -268,8 +267,6 @@ PathLimits path_limits_of(const Kinematics& kinematics, const MachineConfig& con
     out.axes.jerks = out.axes.jerks || out.axes.jerk[i] < path::kNoLimit;
   for (std::int32_t j = 0; j < joints_of(kinematics.joints(), config); ++j)
     out.axes.jerks = out.axes.jerks || config.joint[j].max_jerk > 0;
-  // Where others are limited an axis without a limit reaches its acceleration within a part of a cycle, not at once: ramps without length would end
-  // beside those of the others.
   for (std::size_t i = 0; out.axes.jerks && i < rtapi::kAxes; ++i)
     if (out.axes.acc[i] < path::kNoLimit)
       out.axes.jerk[i] = std::min(out.axes.jerk[i], out.axes.acc[i] / kSoonestAcc);

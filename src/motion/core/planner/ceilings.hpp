@@ -22,6 +22,10 @@ namespace kerf::motion {
   return config.joints > 0 && config.joints < kinematics_joints ? config.joints : kinematics_joints;
 }
 
+/// Where other jerks are limited, an axis or a joint without a limit reaches its acceleration within a part of a cycle, not at once (s): ramps without
+/// length would end beside those of the others.
+inline constexpr double kSoonestAcc = 1e-4;
+
 /// What limits smooth paths of a machine whose joints each move one axis.
 struct PathLimits {
   path::AxisLimits

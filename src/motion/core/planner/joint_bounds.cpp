@@ -77,7 +77,9 @@ void JointBounds::configure(const MachineConfig& config, const path::AxisLimits&
     path::JointCurve::Row& row = mixed_limit_[mixed_count_];
     row.vel = rest * c.max_vel * kVelShare;
     row.acc = rest * c.max_acc * kAccShare;
-    row.jerk = c.max_jerk > 0 ? rest * c.max_jerk * kJerkShare : kNoLimit;
+    row.jerk = c.max_jerk > 0 ? rest * c.max_jerk * kJerkShare
+               : axes.jerks   ? row.acc / kSoonestAcc
+                              : kNoLimit;
     mixed_[mixed_count_++] = j;
   }
   near_ = JointVector{};
