@@ -69,6 +69,21 @@ TEST(ThreadOnALathe, G33IsTheSameThreadAtEachSpeedAndInEachPass) {
   EXPECT_EQ(m->motion().faults, 0U) << m->errors();
 }
 
+TEST(ThreadOnATable, ItsMovesAreOneThreadWhereKinematicsMixAxesToo) {
+  auto m = homed("xyzac-trt/xyzac-trt.ini");
+  ASSERT_TRUE(m->mdi("G21 G90 G64 P0.05 S600 M3")) << m->errors();
+  ASSERT_TRUE(m->mdi("G0 X20 Y10 Z-60 A10 C20")) << m->errors();
+  double slowest = 1e9;
+  m->on_cycle([&](const motion::MotionStatus& s) {
+    if (s.sync_in_step && s.pos_cmd.z > -99) slowest = std::min(slowest, s.vel_mm_s);
+  });
+  const auto reply = m->run_text("G33 Z-72.34567 K0.5\nG33 Z-90 K0.5\nG33 Z-100 K0.5\nM2\n");
+  m->on_cycle({});
+  EXPECT_EQ(reply.state, task::CommandState::done) << reply.text << m->errors();
+  EXPECT_GT(slowest, 4.5);  // 5 mm/s, without a stop between its moves
+  EXPECT_EQ(m->motion().faults, 0U) << m->errors();
+}
+
 TEST(ThreadOnALathe, G76CutsAllItsPassesInOneGroove) {
   auto m = lathe();
   std::vector<double> depths;

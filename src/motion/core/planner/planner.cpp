@@ -519,12 +519,13 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
     if (!kinematics_.complete()) return Take::wait_answers;
     felt_ = true;
   }
-  // Judged as a whole: what follows a spindle, and what cannot be looked at in stretches.
-  const bool alone = !plain_ && (!mixed_ || (asks_ && rough_) || sync != nullptr);
+  // What cannot be looked at in stretches is judged as a whole, and stands alone. What follows a spindle is judged so too, for what it has to be refused for.
+  const bool alone = !plain_ && (!mixed_ || (asks_ && rough_));
+  const bool as_a_whole = alone || (mixed_ && sync != nullptr);
   JointVector joint = joint_;
   const bool within =
-      alone ? limits_of(item, curve, speed, traverse, meta, joint, fault)
-            : within_soft_limits(curve, kinematics_, config_, skew_, shift_, joint, fault);
+      as_a_whole ? limits_of(item, curve, speed, traverse, meta, joint, fault)
+                 : within_soft_limits(curve, kinematics_, config_, skew_, shift_, joint, fault);
   if (!kinematics_.complete()) return Take::wait_answers;
   if (!within) return refuse(item, fault);
   // The first feed move after a change of a spindle waits for it at rest; at constant surface speed also the first after a rapid.
@@ -534,8 +535,9 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   path::Move move;
   move.piece =
       piece_of(curve, traverse && speed == 0 ? path::kNoLimit : speed, traverse, guide_.vel);
-  if (alone) unstretch(curve, move.piece);
+  if (as_a_whole) unstretch(curve, move.piece);
   if (sync != nullptr && !join_thread(*sync, move.piece, meta, fault)) return refuse(item, fault);
+  if (!alone) meta.even_acc = meta.even_jerk = meta.cap = 0;
   if (per_rev_.spindle >= 0 && !traverse && probe == nullptr && sync == nullptr) {
     move.piece.feed.per_rev = static_cast<std::int8_t>(per_rev_.spindle);
     move.piece.feed.rps = per_rev_.rps;
