@@ -13,6 +13,7 @@
 #include "bench/motion/families.hpp"
 #include "bench/motion/runs.hpp"
 #include "motion/core/path/time_law.hpp"
+#include "motion/core/ramp.hpp"
 #include "property/motion/random_program.hpp"
 #include "unit/motion/rig.hpp"
 
@@ -333,6 +334,54 @@ TEST(TimeLaw, BrakesWithoutTheSolverFromAllStatesOfALaw) {
     // On the relief one of twenty needs the second braking, along the law's own slope.
     EXPECT_GE(brakes, 0.98 * states) << program.name;
   }
+}
+
+/// What speed changes and cruising between them take on a straight, from `start` to rest.
+double straight_time(double v, double a, double wish, double length,
+                     const motion::RampLimits& limits) {
+  const motion::Ramp up = motion::ramp_to({v, a}, wish, limits),
+                     down = motion::ramp_to({wish, 0}, 0, limits);
+  const double rest = length - up.distance({v, a}) - down.distance({wish, 0});
+  return up.duration() + down.duration() + rest / wish;
+}
+
+TEST(TimeLaw, GoesOnFromStatesThatAreSlowForWhatJerkCanDo) {
+  // As an override leaves them that is turned down to nothing and up again.
+  motion::test::HeapMemory heap;
+  TimeLaw law;
+  ASSERT_TRUE(law.create(heap, 1024));
+  std::mt19937_64 random(31);
+  const auto log_uniform = [&](double low, double high) {
+    return std::exp(std::uniform_real_distribution<double>(std::log(low), std::log(high))(random));
+  };
+  const int count = 400;
+  int failed = 0;
+  double worst = 0;
+  for (int n = 0; n < count; ++n) {
+    const motion::RampLimits most{log_uniform(100, 5000), log_uniform(1000, 1e6)};
+    path::AxisLimits limits;
+    for (std::size_t j = 0; j < rtapi::kAxes; ++j)
+      limits.vel[j] = 200, limits.acc[j] = most.acc, limits.jerk[j] = most.jerk;
+    limits.jerks = true;
+    const double wish = log_uniform(1e-3, 20), v = wish * log_uniform(1e-4, 1);
+    // It can level out below the wish and above 0.
+    const double a = std::uniform_real_distribution<double>(-0.6, 0.6)(random) *
+                     std::min(most.acc, std::sqrt(2 * most.jerk * std::min(v, wish - v)));
+    const double length = log_uniform(1, 100);
+    const double straight = straight_time(v, a, wish, length, most);
+    const path::Piece piece = path::straight_piece({}, {{1}}, length, {});
+    law.begin(limits);
+    ASSERT_TRUE(law.add(0, piece, 0, length, length, 4e4, wish * wish, 4));
+    if (law.solve({v * v, a}) != TimeLaw::Result::ok) {
+      ++failed;
+      continue;
+    }
+    worst = std::max(worst, (law.seconds() - straight) / straight);
+  }
+  std::printf("%d of %d not found; at most %.4f longer than on a straight\n", failed, count, worst);
+  // Nearly all of the rest had all but stopped, braking.
+  EXPECT_LE(failed, count / 50);
+  EXPECT_LT(worst, 0.1);
 }
 
 TEST(TimeLaw, TakesShortWindowsAndAxesWithoutLimits) {

@@ -46,6 +46,8 @@ constexpr double kFirstMu = 1;
 /// Of the time in which acceleration builds up.
 constexpr double kRounding = 0.4;
 constexpr int kRoundings = 2;
+/// Of the sum over the window.
+constexpr double kRoundedSum = 1e-12;
 /// From a moving state: shares of acceleration and jerk, what counts as reached, and what x keeps of itself over an interval.
 constexpr double kTrackAcc = 0.85, kTrackJerk = 0.6, kTracked = 0.03, kMostDrop = 0.4;
 
@@ -150,6 +152,8 @@ void TimeLaw::round_off() noexcept {
     // Without a jerk limit it may jump.
     if (!(acc < kNoLimit && jerk < kNoLimit)) continue;
     const double h = std::min({wide, way_[i] / 2, (way_[n] - way_[i]) / 2});
+    // Of a difference of sums rounding would leave nothing.
+    if (2 * h * x_[i] < kRoundedSum * sums_[n]) continue;
     const double mean = (integral(high, way_[i] + h) - integral(low, way_[i] - h)) / (2 * h);
     x_[i] = std::min(x_[i], mean);
   }

@@ -26,6 +26,11 @@ constexpr double kHardlyLess = 0.9;
 /// Weights of the barrier (relative to the time) down to which a law goes before it begins to brake for wishes, and with which it begins.
 constexpr double kRough = 0.1, kRecentre = 1;
 
+/// What is lost counts against this much of the time at most (s): a law that takes minutes, at a feed near 0, must not lose seconds at its start.
+/// Rounding may not let it come so near; then so many more steps have to do.
+constexpr double kFarthest = 1;
+constexpr int kMore = 6;
+
 // Of one number, or of each of two.
 template <class V>
 V larger(V a, V b) noexcept {
@@ -583,6 +588,7 @@ bool LawNewton::run(const Aim& aim) noexcept {
   start_slacks(mu);
   look_and_build(0, 0);
   bool gives_up = aim.soon;       // until the limits are kept
+  int more = 0;                   // steps after a result that is near enough
   double worst[kPatience + 1]{};  // after each of the last steps
   for (; iterations_ < aim.iterations; ++iterations_) {
     if (!factor_and_solve(mu)) return false;
@@ -591,7 +597,8 @@ bool LawNewton::run(const Aim& aim) noexcept {
     const double now = time_, step = std::min(primal_, dual_);
     const bool settled = std::abs(now - before) < 3e-3 * now;
     before = now;
-    if (!waits_ && sum_ < aim.gap * now && worst_ < aim.violation && settled && step > 0.3)
+    if (!waits_ && sum_ < aim.gap * now && worst_ < aim.violation && settled && step > 0.3 &&
+        (sum_ < aim.gap * std::min(now, kFarthest) || ++more > kMore))
       return true;
     if (!std::isfinite(now) || primal_ < kStalled) return false;
     gives_up = gives_up && worst_ >= aim.violation;
@@ -611,7 +618,8 @@ bool LawNewton::run(const Aim& aim) noexcept {
     mu = shrink * sum_ / terms;
     if (waits_) mu = std::max(mu, kRough * now / terms);
   }
-  return false;
+  // Near enough, by steps too small to be sure of.
+  return !waits_ && sum_ < aim.gap * before && worst_ < aim.violation;
 }
 
 }  // namespace kerf::motion::path
