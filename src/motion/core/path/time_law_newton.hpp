@@ -17,7 +17,7 @@ class LawNewton {
  public:
   struct Aim {
     double acc{0.998}, jerk{0.998};  ///< shares of the limits
-    double gap{5e-3};                ///< how near to the least time, relative; of a long one to its first second
+    double gap{5e-3};  ///< how near to the least time, relative; of a long one to its first second
     double violation{1e-3};
     double mu{1e-2};  ///< first weight of the barrier, relative to the time
     int iterations{60};
