@@ -91,6 +91,17 @@ TEST_P(OddMoves, NothingBehindASpeck) {
   drive(moves + "G1 X23 Y10\n", 23, 10);
 }
 
+TEST_P(OddMoves, ATapBehindASpeck) {
+  std::string moves = "S600 M3\n";
+  for (int i = 1; i <= 3; ++i) {
+    const double x = 10 + i, speck = 0.4e-6 * i;
+    moves += line("G1 X%.10f Y%.10f\n", x, 10);
+    moves += line("G1 X%.10f Y%.10f\n", x + speck, 10);
+    moves += line("G1 X%.10f Y%.10f\nG33.1 Z-15 K0.5\n", x + speck + 1e-9, 10);
+  }
+  drive(moves + "M5\nG1 X14 Y10\n", 14, 10);
+}
+
 TEST_P(OddMoves, ArcsOfAKilometre) {
   drive("G2 X20 Y10 R1000000\nG3 X30 Y10 R1000000\nG1 X31\nG2 X31.001 Y10 R1000000\n", 31.001, 10);
 }

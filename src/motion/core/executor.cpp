@@ -35,13 +35,6 @@ double factor(double value, double most) noexcept {
   return value > 0 ? std::min(value, most) : 0.0;
 }
 
-bool same_place(const Pose& a, const Pose& b) noexcept {
-  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-    if (!(std::abs(a[i] - b[i]) <= kSamePlace)) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 void Executor::place(const Pose& pose) noexcept {
@@ -290,6 +283,13 @@ bool Executor::run_orient(const Span& span, const SpindleChange& change, const P
   return true;
 }
 
+bool Executor::stands_at(const Pose& place) const noexcept {
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    if (!(std::abs(place[i] - pose_[i]) <= kSamePlace)) return false;
+  }
+  return true;
+}
+
 Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, const PathInputs& in,
                                        FaultList& faults) noexcept {
   const bool rests = at_rest();
@@ -302,7 +302,7 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
     }
     // A point leads nowhere and the planner goes on from before it: it may stand beside the place, as a blend or a sliver of path have it.
     const bool leads = !move.point || move.probe;
-    if (leads && !same_place(move.point ? move.end : to_pose(move.piece.point(move.from)), pose_)) {
+    if (leads && !stands_at(move.point ? move.end : to_pose(move.piece.point(move.from)))) {
       raise(faults, Fault::path_starved_internal, -1, 0, 0, span.tag);
       fail_path(span);
       return Outcome::done;

@@ -146,6 +146,8 @@ class Executor {
   [[nodiscard]] bool held_before_sync(const PathInputs& in) noexcept;
   [[nodiscard]] Outcome wait_for_spindle(const Span& span, const Synchroniser::Wish& wish,
                                          FaultList& faults) noexcept;
+  /// As near as specks of path that were too short to be driven leave it.
+  [[nodiscard]] bool stands_at(const Pose& place) const noexcept;
   Outcome begin_tap(const Span& span, const TapSpan& tap, const PathInputs& in,
                     FaultList& faults) noexcept;
   void run_tap(const Span& span, const TapSpan& tap, const PathInputs& in, double dt,

@@ -157,7 +157,7 @@ Executor::Outcome Executor::begin_tap(const Span& span, const TapSpan& tap, cons
     sync_.end_thread();
     thread_seq_ = span.seq;
   }
-  if (!(tap.begin == pose_)) {
+  if (!stands_at(tap.begin)) {
     raise(faults, Fault::path_starved_internal, -1, 0, 0, span.tag);
     fail_path(span);
     return Outcome::done;
