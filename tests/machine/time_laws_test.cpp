@@ -107,6 +107,30 @@ TEST_F(TimeLawsMachine, KeepLimitsAndPathUnderAnOperatorsHands) {
   EXPECT_LE(jerk, kJerk * 1.01);
 }
 
+TEST_F(TimeLawsMachine, KeepTheProgrammedFeedHoweverSlowItIs) {
+  start();
+  for (const double feed : {1.0, 5.0, 30.0, 200.0, 1000.0}) {
+    ASSERT_TRUE(m->mdi("G0 X10 Y10")) << m->errors();
+    double fastest = 0;
+    m->on_cycle([&](const motion::MotionStatus& s) { fastest = std::max(fastest, s.vel_mm_s); });
+    // As far as the corners are concerned: P0.01 rounds off 0.02 mm of the way at most.
+    const double size = feed < 10 ? 0.2 : 5, way = (5.831 + 7.810 + 7.071) / 5 * size;
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "G21 G90 G54 G64 P0.01\nF%g\nG91\nG1 X%g Y%g\nG1 X%g Y%g\nG1 X%g Y%g\nM2\n", feed,
+                  size, 0.6 * size, size, 1.2 * size, -1.4 * size, 0.2 * size);
+    const auto begun = m->now();
+    const auto reply = m->run_text(text);
+    m->on_cycle({});
+    ASSERT_EQ(reply.state, task::CommandState::done) << reply.text << m->errors();
+    const double seconds = static_cast<double>(m->now() - begun) * 1e-9;
+    EXPECT_LE(fastest, feed / 60 * 1.001) << "F" << feed;
+    EXPECT_LE(seconds, way / feed * 60 * 1.005 + 0.3) << "F" << feed;
+    EXPECT_GE(seconds, (way - 0.06) / feed * 60) << "F" << feed;
+  }
+  EXPECT_EQ(m->errors(), "");
+}
+
 TEST_F(TimeLawsMachine, AnOverrideThatSwingsDownToNothingDoesNotHoldItBack) {
   start();
   // Two long lines with a corner between them, slow for what the machine can do: 0.6 mm/s.

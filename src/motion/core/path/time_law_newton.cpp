@@ -11,8 +11,8 @@ constexpr double kToBound = 0.97;
 constexpr double kMostFall = 0.7;
 /// What is aimed at, so that x does not end up above the wish while the barrier still gives way.
 constexpr double kUnderWish = 0.999;
-/// A wish costs this many times what breaking it is worth.
-constexpr double kPrice = 2;
+/// Breaking a wish costs this many times what it is worth by itself: being faster there lets its surroundings be faster too.
+constexpr double kPrice = 4;
 /// First slack of a limit that does not hold, relative to the limit.
 constexpr double kFirstSlack = 0.3;
 constexpr double kLeastMultiplier = 1e-30;
@@ -61,7 +61,7 @@ V each(double x) noexcept {
 /// Of breaking a wish: as the time's own slope where x is, so that it outweighs it everywhere and drowns it nowhere.
 double LawNewton::price_of(const Bound& wish, double x) noexcept {
   const double at = std::max(wish.top, x);
-  return kPrice * wish.length / (2 * at * std::sqrt(at));
+  return kPrice * wish.worth / (2 * at * std::sqrt(at));
 }
 
 LawNewton::JerkSide::JerkSide(const double b[3], double share) noexcept {
@@ -122,13 +122,13 @@ void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) n
   right_[n_ - 1] = 0;
   // At first nothing is to brake for a wish.
   waits_ = sinks_ = false;
-  const auto add = [&](Buffer<Bound>& to, std::size_t i, double top, double length) {
+  const auto add = [&](Buffer<Bound>& to, std::size_t i, double top, double worth) {
     if (top >= kNoLimit) return;
     Bound c;
     c.i = i;
     c.top = c.wanted = top;
-    c.length = length;
-    if (length > 0 && top < x0 && patient) {
+    c.worth = worth;
+    if (worth > 0 && top < x0 && patient) {
       c.top = x0;
       waits_ = true;
     }
@@ -136,7 +136,7 @@ void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) n
   };
   for (std::size_t i = first_; i < last_; ++i) {
     add(at_middle_, i, rows[i].cap, 0);
-    if (rows[i].wish < kNoLimit) add(at_middle_, i, kUnderWish * rows[i].wish, rows[i].length);
+    if (rows[i].wish < kNoLimit) add(at_middle_, i, kUnderWish * rows[i].wish, worth_of(i));
   }
   for (std::size_t i = 1; i < n_; ++i) {
     const LawInterval &before = rows[i - 1], &after = rows[i];
@@ -146,8 +146,22 @@ void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) n
     if (rests_ && i == 1) cap = std::min(cap, rows.start_cap());
     if (i == n_ - 1) cap = std::min(cap, rows.stop_cap());
     add(at_node_, i, cap, 0);
-    if (wishes) add(at_node_, i, kUnderWish * wish, (before.length + after.length) / 2);
+    const double worth = std::max((before.length + after.length) / 2, 2 * worth_of_node(i));
+    if (wishes) add(at_node_, i, kUnderWish * wish, worth);
   }
+}
+
+/// What x is worth there: the time it takes falls by this / (2 x^1.5) a unit of it. Simpson's weights: an interval of length D takes D/6 (b0^-1/2 + 4 xm^-1/2 +
+/// b2^-1/2) and each of its three coefficients is worth a third of it; one with even jerk from or to rest 3 D x^-1/2.
+double LawNewton::worth_of_node(std::size_t i) const noexcept {
+  const double before = (*rows_)[i - 1].length, after = (*rows_)[i].length;
+  return (rests_ && i == 1 ? 3 * before : before / 3) + (i == n_ - 1 ? 3 * after : after / 3);
+}
+
+/// Of m, which the nodes at both ends of its interval follow.
+double LawNewton::worth_of(std::size_t i) const noexcept {
+  const double start = i > 0 ? right_[i] * worth_of_node(i) : 0;
+  return (*rows_)[i].length / 3 + start + left_[i + 1] * worth_of_node(i + 1);
 }
 
 void LawNewton::coefficients(std::size_t i, double b[3]) const noexcept {
@@ -234,7 +248,7 @@ void LawNewton::wish_truly(double mu) noexcept {
   for (Side* side : {&up_, &down_})
     for (std::size_t r = 0; r < all_rows_; ++r) side->z[r] = std::max(side->z[r], mu / side->s[r]);
   each_bound([&](Bound& c, double x) {
-    if (!(c.length > 0)) {
+    if (!(c.worth > 0)) {
       c.z = std::max(c.z, mu / c.s);
     } else if (c.wanted < c.top) {
       c.top = std::max(c.wanted, kSink * x);
@@ -264,7 +278,7 @@ void LawNewton::start_slacks(double mu) noexcept {
     }
   }
   each_bound([&](Bound& c, double x) {
-    if (c.length > 0) {
+    if (c.worth > 0) {
       start_wish(c, x);
     } else {
       c.s = std::max(c.top - x, kFirstSlack * c.top);
@@ -398,7 +412,7 @@ void LawNewton::add_at_node(std::size_t i, double h, double g, double by_mu) noe
 void LawNewton::prepare(Bound& c, double x, double primal, double dual) noexcept {
   c.s += primal * c.ds;
   c.z = std::max(c.z + dual * c.dz, kLeastMultiplier);
-  if (c.length > 0) {
+  if (c.worth > 0) {
     c.t += primal * c.dt;
     c.y = std::max(c.y - dual * c.dz, kLeastMultiplier);
     if (sinks_) c.top = std::min(c.top, std::max(c.wanted, kSink * x));
@@ -557,7 +571,7 @@ void LawNewton::step_sizes(double mu) noexcept {
     }
   }
   const auto bound = [&](Bound& c, double dx) {
-    if (c.length > 0) {
+    if (c.worth > 0) {
       c.dz = c.pull + mu * c.pull_mu + c.weight * dx;
       c.ds = mu / c.z - c.s - c.s / c.z * c.dz;
       c.dt = mu / c.y - c.t + c.t / c.y * c.dz;

@@ -54,7 +54,7 @@ class LawNewton {
   struct Bound {
     std::size_t i{0};  ///< of the middle or the node that x belongs to
     double top{0};
-    double length{0}, price{0}, wanted{kNoLimit};
+    double worth{0}, price{0}, wanted{kNoLimit};  ///< of a wish
     double s{1}, z{0};
     double t{0}, y{0};
     double off{0};                          ///< how far the slack is from the true one
@@ -100,6 +100,8 @@ class LawNewton {
   void step_row(std::size_t r, const double db[3], double mu, double dright, V& primal,
                 V& dual) noexcept;
 
+  [[nodiscard]] double worth_of_node(std::size_t i) const noexcept;
+  [[nodiscard]] double worth_of(std::size_t i) const noexcept;
   [[nodiscard]] static double price_of(const Bound& wish, double x) noexcept;
   static void start_wish(Bound& wish, double x) noexcept;
   void wish_truly(double mu) noexcept;

@@ -12,6 +12,9 @@ constexpr double kCubicRatio = 4;
 constexpr int kMostPerCubic = 16;
 /// Steps next to a stop: share of the way on which acceleration builds up, and of the piece: a later window is to have the same.
 constexpr double kRestShare = 0.1, kRestOfPiece = 1.0 / 40;
+/// And of the way on which jerk makes the speed that is wished, or a slow feed is reached much later than it could be; finer by whole powers of this, as
+/// the wish changes with each override.
+constexpr double kRestOfWish = 0.5, kCoarser = 8;
 /// A node nearer than this share of a step to the end of a stretch is left out.
 constexpr double kTooNear = 0.3, kNearHead = 0.03;
 /// At the start from a moving state x may change by this share within the first step; steps are divided there, from fine to wide, so that an older law
@@ -76,6 +79,11 @@ void for_each_joint(const LawStretch& s, double s0, double s1, F&& f) noexcept {
 /// The way on which a start reaches the largest acceleration.
 double rise(double acc, double jerk) noexcept {
   return acc < kNoLimit && jerk < kNoLimit ? acc * acc * acc / (6 * jerk * jerk) : kNoLimit;
+}
+
+/// The way on which even jerk makes x from rest.
+double from_rest(double x, double jerk) noexcept {
+  return x < kNoLimit ? std::sqrt(2 * x * std::sqrt(x) / (9 * jerk)) : kNoLimit;
 }
 
 }  // namespace
@@ -243,7 +251,10 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
   LawStretch &head = stretches_[0], &tail = stretches_[n - 1];
   const auto at_rest = [&](const LawStretch& s, double at) {
     straight_limits(s, at, limits_, acc, jerk);
-    return std::min({s.step, kRestShare * rise(acc, jerk), kRestOfPiece * s.piece.length});
+    double h = std::min({s.step, kRestShare * rise(acc, jerk), kRestOfPiece * s.piece.length});
+    const double slow = kRestOfWish * from_rest(std::min(s.wish, s.cap), jerk);
+    while (h > std::max(slow, kFinest)) h /= kCoarser;
+    return h;
   };
   if (x0 <= 0)
     head.first = at_rest(head, head.from);
