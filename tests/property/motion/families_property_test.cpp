@@ -102,6 +102,51 @@ TEST(Families, ACornerThatWasJoinedIsWhereItIs) {
   }
 }
 
+/// The largest share of the feed in force, of the move in execution or the one before it, at an override that does not change.
+double feed_share(const bench::Program& program, double jerk, double override_) {
+  Rig rig({0, 1, 2, 3});
+  bench::reference_machine(rig.config);
+  for (auto& j : rig.config.joint) j.max_jerk = jerk;
+  rig.apply_config();
+  rig.ready();
+  rig.intent.feed_override = override_;
+  std::size_t next = 0;
+  double before = 0, share = 0;
+  for (int cycle = 0; cycle < 4'000'000; ++cycle) {
+    while (next < program.items.size() && rig.push(program.items[next])) ++next;
+    rig.cycle();
+    const auto& s = rig.status();
+    const double wanted = s.requested_vel_mm_s * override_;
+    const bool feeds = s.kind == motion::MotionKind::feed || s.kind == motion::MotionKind::arc;
+    if (feeds && wanted > 0 && before > 0)
+      share = std::max(share, s.vel_mm_s / std::max(wanted, before));
+    before = feeds ? wanted : 0;
+    if (next == program.items.size() && s.executed_seq == rig.seq && s.path_empty) break;
+  }
+  EXPECT_TRUE(rig.faults.empty());
+  return share;
+}
+
+TEST(Families, KeepTheProgrammedFeed) {
+  const int count = motion::test::property_count(2);
+  double worst[2]{};
+  for (int i = 1; i <= count; ++i) {
+    const auto seed = static_cast<std::uint64_t>(i);
+    for (const bench::Program& program :
+         {bench::mixture(20, seed), bench::freeform(100, 0.01, 30, seed),
+          bench::inverse_time(15, 0.02, seed), bench::contour(8, 0.05, 50, seed)})
+      for (const double jerk : {0.0, 5000.0 * i, 50000.0})
+        for (const double scale : {0.1, 1.0}) {
+          const double share = feed_share(program, jerk, scale);
+          worst[jerk > 0 ? 1 : 0] = std::max(worst[jerk > 0 ? 1 : 0], share);
+          // With jerk limits what is told of a feed is a price, not a wall; it is passed for milliseconds where the feed or the path changes.
+          EXPECT_LE(share, jerk > 0 ? 1.05 : 1.0001)
+              << program.name << ", jerk " << jerk << ", override " << scale;
+        }
+  }
+  std::printf("at most %.4f of the feed in force, limited in jerk %.4f\n", worst[0], worst[1]);
+}
+
 TEST(Families, KeepJerkLimitsUnderChangingOverrides) {
   const int count = motion::test::property_count(2);
   for (int i = 1; i <= count && !testing::Test::HasFailure(); ++i) {
