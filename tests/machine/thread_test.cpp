@@ -84,6 +84,27 @@ TEST(ThreadOnATable, ItsMovesAreOneThreadWhereKinematicsMixAxesToo) {
   EXPECT_EQ(m->motion().faults, 0U) << m->errors();
 }
 
+TEST(ThreadOnALathe, AThreadThatBeginsInACornerIsBegunWithJerkLimitsToo) {
+  MachineOptions o;
+  o.ini = std::string(KERF_SOURCE_DIR) + "/configs/sim/lathe/lathe.ini";
+  o.replace = {{"[TRAJ]\n", "[TRAJ]\nMAX_LINEAR_JERK = 3000\n"}};
+  auto m = Machine::start(o);
+  ASSERT_TRUE(m->ready()) << m->errors();
+  ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+  // The way to the crest and the taper are one blend from the first move on, slower than the thread; it comes into step behind it.
+  double worst = 0;
+  m->on_cycle([&](const motion::MotionStatus& s) {
+    if (s.sync_in_step && s.pos_cmd.z < -10 && s.pos_cmd.z > -38)
+      worst = std::max(worst, std::abs(s.sync_lag_mm));
+  });
+  const auto reply = m->run_text(
+      "G8 G18 G21 G90 G97 G64 P0.2 S1000 M3\nG0 X11 Z5\n"
+      "G76 P1 Z-40 I-0.5 J0.3 K0.9 R1 Q29.5 H0 E6 L1\nM2\n");
+  m->on_cycle({});
+  EXPECT_EQ(reply.state, task::CommandState::done) << reply.text << m->errors();
+  EXPECT_LT(worst, 0.01);
+}
+
 TEST(ThreadOnALathe, G76CutsAllItsPassesInOneGroove) {
   auto m = lathe();
   std::vector<double> depths;

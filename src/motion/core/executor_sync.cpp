@@ -69,7 +69,7 @@ Executor::Outcome Executor::join_thread(const Span& span, const PathSpan& move,
     wish.per_rev = sync.per_rev;
     wish.acc = sync.acc;
     wish.jerk = sync.jerk;
-    wish.speed = std::sqrt(move.speed.cap);
+    wish.speed = sync.speed;
     wish.to_end = sync.to_end;
     wish.mm = sync.mm;
     wish.spindle = sync.spindle;

@@ -31,6 +31,7 @@ struct SyncBounds {
   double per_rev{0};  ///< sigma in one revolution; 0: the stretch follows no spindle
   double acc{0};      ///< of the whole move in sigma/s2, for planning how to come into step
   double jerk{0};     ///< the same in sigma/s3; 0: not limited
+  double speed{0};    ///< what the axes can do along the move in sigma/s, whatever corners ask for
   double mm{1};       ///< of one sigma
   double to_end{0};   ///< sigma from the start of the stretch to the end of the thread
   std::int32_t spindle{0};

@@ -69,6 +69,7 @@ bool Planner::join_thread(const SyncMove& sync, path::Piece& piece, Meta& meta,
   meta.sync.first = thread_first_;
   const double cap = meta.cap > 0 ? meta.cap : path::axis_cap(piece, 0, length, limits_);
   const double needed = thread_per_rev_ * commanded_rps(sync.spindle), most = std::sqrt(cap);
+  meta.sync.speed = most;
   if (needed <= most * kRounding) return true;
   fault.fault = Fault::sync_too_fast;
   fault.index = sync.spindle;
