@@ -261,9 +261,8 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
   else {
     // Where it is slow for what jerk can do, the way on which jerk makes that speed: beyond it x grows by a power 4/3 of the way.
     straight_limits(head, head.from, limits_, acc, jerk);
-    const double from_rest = std::sqrt(2 * x0 * std::sqrt(x0) / (9 * jerk));
-    fine_ = std::max(std::min(kFirstChange * x0 / std::max(2 * std::abs(u0), 1e-99), from_rest),
-                     kFinest);
+    const double change = kFirstChange * x0 / std::max(2 * std::abs(u0), 1e-99);
+    fine_ = std::max(std::min(change, from_rest(x0, jerk)), kFinest);
   }
   tail.last = at_rest(tail, tail.to);
 }
