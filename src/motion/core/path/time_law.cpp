@@ -118,7 +118,7 @@ void TimeLaw::guess_nodes(const Start& start, bool patient) noexcept {
   const auto grow = [&](std::size_t from, std::size_t to, std::size_t way_of) {
     rows_.straightest(way_of, acc, jerk);
     const double d = rows_[way_of].length, j = kGuessJerk * std::min(jerk, 1e12);
-    const double s = std::sqrt(2 * x_[from] * std::sqrt(x_[from]) / (9 * j)) + d;
+    const double s = way_from_rest(x_[from], j) + d;
     const double by_jerk = std::cbrt(20.25 * j * j * s * s * s * s);
     x_[to] = std::min({x_[to], by_jerk, x_[from] + 2 * kGuessAcc * acc * d});
   };

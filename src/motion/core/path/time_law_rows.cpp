@@ -81,12 +81,11 @@ double rise(double acc, double jerk) noexcept {
   return acc < kNoLimit && jerk < kNoLimit ? acc * acc * acc / (6 * jerk * jerk) : kNoLimit;
 }
 
-/// The way on which even jerk makes x from rest.
-double from_rest(double x, double jerk) noexcept {
+}  // namespace
+
+double way_from_rest(double x, double jerk) noexcept {
   return x < kNoLimit ? std::sqrt(2 * x * std::sqrt(x) / (9 * jerk)) : kNoLimit;
 }
-
-}  // namespace
 
 void straight_limits(const LawStretch& stretch, double s, const AxisLimits& limits, double& acc,
                      double& jerk) noexcept {
@@ -252,7 +251,7 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
   const auto at_rest = [&](const LawStretch& s, double at) {
     straight_limits(s, at, limits_, acc, jerk);
     double h = std::min({s.step, kRestShare * rise(acc, jerk), kRestOfPiece * s.piece.length});
-    const double slow = kRestOfWish * from_rest(std::min(s.wish, s.cap), jerk);
+    const double slow = kRestOfWish * way_from_rest(std::min(s.wish, s.cap), jerk);
     while (h > std::max(slow, kFinest)) h /= kCoarser;
     return h;
   };
@@ -262,7 +261,7 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
     // Where it is slow for what jerk can do, the way on which jerk makes that speed: beyond it x grows by a power 4/3 of the way.
     straight_limits(head, head.from, limits_, acc, jerk);
     const double change = kFirstChange * x0 / std::max(2 * std::abs(u0), 1e-99);
-    fine_ = std::max(std::min(change, from_rest(x0, jerk)), kFinest);
+    fine_ = std::max(std::min(change, way_from_rest(x0, jerk)), kFinest);
   }
   tail.last = at_rest(tail, tail.to);
 }

@@ -53,6 +53,8 @@ struct LawExcess {
   double vel{0}, acc{0}, jerk{0};
 };
 
+/// The way on which even jerk makes x from rest.
+[[nodiscard]] double way_from_rest(double x, double jerk) noexcept;
 /// Acceleration and jerk of sigma at a place as if the path went on straight there.
 void straight_limits(const Piece& piece, double s, const AxisLimits& limits, double& acc,
                      double& jerk) noexcept;

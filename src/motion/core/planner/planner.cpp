@@ -537,6 +537,7 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
       piece_of(curve, traverse && speed == 0 ? path::kNoLimit : speed, traverse, guide_.vel);
   if (as_a_whole) unstretch(curve, move.piece);
   if (sync != nullptr && !join_thread(*sync, move.piece, meta, fault)) return refuse(item, fault);
+  // It was judged, and is driven in stretches like any other path.
   if (!alone) meta.even_acc = meta.even_jerk = meta.cap = 0;
   if (per_rev_.spindle >= 0 && !traverse && probe == nullptr && sync == nullptr) {
     move.piece.feed.per_rev = static_cast<std::int8_t>(per_rev_.spindle);
