@@ -1,7 +1,10 @@
 #include "hal/client/session.hpp"
 
 #include <poll.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
+#include "rtapi/clock/join_clock.hpp"
 #include "rtapi/shm/socket.hpp"
 
 namespace kerf::hal {
@@ -34,12 +37,15 @@ void SocketSession::notify_host() {
 }
 
 Status SocketSession::wait(bool room) {
-  if (clock_ == nullptr) {
+  auto* const clock = clock_ != nullptr ? clock_ : rtapi::shim_clock(false);
+  if (clock == nullptr) {
     pollfd p{fd_, static_cast<short>(room ? POLLIN | POLLOUT : POLLIN), 0};
-    (void)::poll(&p, 1, -1);
+    // Not poll(): in a program that is not ready yet, libkerf_time.so would join the virtual clock for it, or not, as fast as the
+    // host happens to answer.
+    (void)::syscall(SYS_ppoll, &p, 1, nullptr, nullptr, 0);
     return {};
   }
-  if (clock_->stopped()) return rtapi::fail(Errc::cancelled, "stopped");
+  if (clock->stopped()) return rtapi::fail(Errc::cancelled, "stopped");
   rtapi::WaitSpec spec;
   spec.watch_fd(fd_);
   if (room) {
@@ -49,7 +55,7 @@ Status SocketSession::wait(bool room) {
     spec.watch_fd(room_fd_);
   }
   spec.holds_time = true;
-  clock_->wait(spec);
+  clock->wait(spec);
   return {};
 }
 
@@ -69,6 +75,8 @@ Result<bool> SocketSession::take_replies() {
 bool SocketSession::alive() { return take_replies().ok(); }
 
 Status SocketSession::post(std::span<const std::string> argv) {
+  // From here on others may act on the component's pins: on a virtual clock it has its turns from now, not from its first wait.
+  if (clock_ == nullptr && !argv.empty() && argv[0] == "comp-ready") (void)rtapi::shim_clock(true);
   const std::string packet = encode_request(next_id_, argv);
   if (packet.size() > rtapi::kMaxPacket) {
     return rtapi::fail(Errc::bad_argument,

@@ -1,5 +1,7 @@
 #include "rtapi/clock/join_clock.hpp"
 
+#include <dlfcn.h>
+
 #include "rtapi/clock/real_clock.hpp"
 #include "rtapi/clock/virtual_clock.hpp"
 #include "rtapi/shm/segment.hpp"
@@ -63,6 +65,12 @@ const Cell* clock_joins(const Segment& segment) {
 }
 
 std::unique_ptr<WaitClock> make_real_clock() { return std::make_unique<RealClock>(); }
+
+WaitClock* shim_clock(bool join) {
+  using Get = WaitClock*(bool);
+  static auto* const get = reinterpret_cast<Get*>(dlsym(RTLD_DEFAULT, "kerf_time_shim_clock"));
+  return get == nullptr ? nullptr : get(join);
+}
 
 std::unique_ptr<Clock> read_clock(Segment& segment) {
   ClockBlock* block = find_virtual(segment);

@@ -37,6 +37,10 @@ const Cell* clock_joins(const Segment& segment);
 /// A real clock without a segment.
 std::unique_ptr<WaitClock> make_real_clock();
 
+/// The virtual clock that libkerf_time.so, preloaded into this program, has joined or (`join`) joins for this thread; nullptr
+/// where there is none. It belongs to the thread and lives as long.
+WaitClock* shim_clock(bool join);
+
 /// A reader of the instance's time that never waits (halcmd, tools).
 std::unique_ptr<Clock> read_clock(Segment& segment);
 

@@ -1,7 +1,7 @@
 // libkerf_time.so, preloaded into `loadusr` programs of an instance on the virtual clock: their sleeps, poll time-outs and
 // CLOCK_MONOTONIC become virtual, and each thread that waits becomes a participant of the clock.
 //
-// A thread joins at its first wait. From then on it runs only when it has the baton, so what it does between two waits takes
+// A thread joins at its first wait, or when its component is ready (shim_clock()). From then on it runs only when it has the baton, so what it does between two waits takes
 // no virtual time. Waits that this file does not know (a futex, a blocking read) keep the baton for a second; then time goes
 // on without the program, which is named as not deterministic. Kerf's own programs join the clock themselves and are left
 // alone.
@@ -35,11 +35,36 @@ F* next_function(const char* name) {
 /// True while this thread is inside Kerf's code, which needs the real functions.
 thread_local bool inside = false;  // NOLINT(readability-identifier-naming): not a constant
 
-struct Guard {
+class Guard {
+ public:
   Guard() { inside = true; }
-  ~Guard() { inside = false; }
+  ~Guard() { inside = before_; }
   Guard(const Guard&) = delete;
   Guard& operator=(const Guard&) = delete;
+
+ private:
+  const bool before_{inside};
+};
+
+/// A thread's clock for Kerf's code outside this library, whose own waits must not come back here.
+class GuardedClock final : public kerf::rtapi::WaitClock {
+ public:
+  explicit GuardedClock(std::unique_ptr<kerf::rtapi::WaitClock> clock) : clock_(std::move(clock)) {}
+  ~GuardedClock() override {
+    const Guard guard;
+    clock_.reset();
+  }
+  [[nodiscard]] Nanos now() const noexcept override { return clock_->now(); }
+  [[nodiscard]] bool is_virtual() const noexcept override { return clock_->is_virtual(); }
+  void wait(const kerf::rtapi::WaitSpec& spec) override {
+    const Guard guard;
+    clock_->wait(spec);
+  }
+  void stop() noexcept override { clock_->stop(); }
+  [[nodiscard]] bool stopped() const noexcept override { return clock_->stopped(); }
+
+ private:
+  std::unique_ptr<kerf::rtapi::WaitClock> clock_;
 };
 
 /// True for Kerf's own programs: they stand in bin/ beside the folder of this library.
@@ -81,7 +106,7 @@ kerf::rtapi::WaitClock* joined_clock() {
   if (!clock && attached_segment() != nullptr) {
     auto joined = kerf::rtapi::join_clock(*attached_segment(), kerf::rtapi::Role::user_component,
                                           kerf::rtapi::process_name(getpid()), true);
-    if (joined.ok()) clock = std::move(*joined);
+    if (joined.ok()) clock = std::make_unique<GuardedClock>(std::move(*joined));
   }
   return clock.get();
 }
@@ -144,6 +169,13 @@ void kerf_time_shim_disable() {
   disabled = true;
   const Guard guard;
   thread_clock().reset();
+}
+
+/// What shim_clock() (rtapi/clock/join_clock.hpp) gives.
+kerf::rtapi::WaitClock* kerf_time_shim_clock(bool join) {
+  if (disabled) return nullptr;
+  const Guard guard;
+  return join ? joined_clock() : thread_clock().get();
 }
 
 int nanosleep(const timespec* wanted, timespec* left) {
