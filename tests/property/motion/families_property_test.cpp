@@ -147,6 +147,59 @@ TEST(Families, KeepTheProgrammedFeed) {
   std::printf("at most %.4f of the feed in force, limited in jerk %.4f\n", worst[0], worst[1]);
 }
 
+/// The fastest of the tool in XYZ, as a share of the one feed of a program of lines, turns and reversals of all sizes in wide blends; by the
+/// joints' positions.
+double tool_share(unsigned seed, double jerk) {
+  Rig rig({0, 1, 2, 3});
+  bench::reference_machine(rig.config);
+  for (auto& j : rig.config.joint) j.max_jerk = jerk;
+  rig.apply_config();
+  rig.ready();
+  motion::test::Random r(seed);
+  const double feed = r.log(0.3, 60);
+  rig.push(motion::PathControl{.tolerance_mm = r.log(0.01, 1), .naive_cam_tolerance_mm = 0.0});
+  motion::Pose at;
+  std::vector<motion::Pose> ends;
+  for (int i = 0; i < 60; ++i) {
+    const double size = r.log(0.005, std::min(feed, 10.0));
+    const bool turns = r.chance(0.3);
+    if (r.chance(0.4)) at.a += r.uniform(-size, size);
+    if (!turns && r.chance(0.6)) at.x += r.uniform(-size, size);
+    if (!turns) at.z += r.chance(0.5) ? size : -size;
+    ends.push_back(at);
+  }
+  double most = 0;
+  std::size_t next = 0;
+  motion::Pose before;
+  for (int cycle = 0; cycle < 400000; ++cycle) {
+    while (next < ends.size() && rig.line(ends[next], feed)) ++next;
+    rig.cycle();
+    const auto& joint = rig.status().joint;
+    const motion::Pose now{.x = joint[0].pos_cmd, .y = joint[1].pos_cmd, .z = joint[2].pos_cmd};
+    most = std::max(most, std::hypot(now.x - before.x, now.y - before.y, now.z - before.z));
+    before = now;
+    if (next == ends.size() && rig.status().executed_seq == rig.seq && rig.status().path_empty)
+      break;
+  }
+  EXPECT_TRUE(rig.faults.empty());
+  EXPECT_EQ(next, ends.size());
+  return most / Rig::kPeriod / feed;
+}
+
+TEST(Families, TheToolKeepsTheFeedInCornersAndBesideTurns) {
+  const int count = motion::test::property_count(8);
+  double worst[2]{};
+  for (int i = 1; i <= count; ++i) {
+    const auto seed = static_cast<unsigned>(i);
+    for (const double jerk : {0.0, 5000.0, 200000.0}) {
+      const double share = tool_share(seed, jerk);
+      worst[jerk > 0 ? 1 : 0] = std::max(worst[jerk > 0 ? 1 : 0], share);
+      EXPECT_LE(share, jerk > 0 ? 1.05 : 1.0001) << "seed " << seed << ", jerk " << jerk;
+    }
+  }
+  std::printf("the tool at most at %.4f of the feed, limited in jerk %.4f\n", worst[0], worst[1]);
+}
+
 TEST(Families, KeepJerkLimitsUnderChangingOverrides) {
   const int count = motion::test::property_count(2);
   for (int i = 1; i <= count && !testing::Test::HasFailure(); ++i) {

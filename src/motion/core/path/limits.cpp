@@ -66,7 +66,9 @@ double feed_cap(const Piece& piece, double s0, double s1) noexcept {
   const Feed& feed = piece.feed;
   if (feed.speed >= kNoLimit) return kNoLimit;
   if (feed.metric < 0) return square(feed.speed);
-  const double most = largest3(piece, s0, s1, static_cast<std::size_t>(feed.metric));
+  double most = largest3(piece, s0, s1, static_cast<std::size_t>(feed.metric));
+  // A blend of a turn with a move that turns back: while the axes that measure the feed all but stand, the tool must not be faster than it.
+  if (feed.metric > 0) most = std::max(most, largest3(piece, s0, s1, 0));
   return most > 0 ? square(feed.speed / most) : kNoLimit;
 }
 

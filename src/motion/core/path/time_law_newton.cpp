@@ -13,6 +13,10 @@ constexpr double kMostFall = 0.7;
 constexpr double kUnderWish = 0.999;
 /// Breaking a wish costs this many times what it is worth by itself: being faster there lets its surroundings be faster too.
 constexpr double kPrice = 4;
+/// A law that breaks wishes by more than this (of x) where it need not is gone on with at so many times their price, so often. A high price from the
+/// start would do too, but then one law of twelve from moving states is not found.
+constexpr double kBroken = 1.03, kDearer = 6;
+constexpr int kMostDearer = 2;
 /// First slack of a limit that does not hold, relative to the limit.
 constexpr double kFirstSlack = 0.3;
 constexpr double kLeastMultiplier = 1e-30;
@@ -79,7 +83,7 @@ LawNewton::JerkSide::JerkSide(const double b[3], double share) noexcept {
 bool LawNewton::create(Memory& memory, std::size_t intervals,
                        std::size_t rows_per_interval) noexcept {
   const std::size_t rows = intervals * rows_per_interval, n = intervals + 1;
-  for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_, &d0_, &d1_, &d2_, &by_mu_})
+  for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_, &d0_, &d1_, &d2_, &by_mu_, &kept_})
     if (!b->create(memory, n)) return false;
   // A limit and a wish each.
   for (Buffer<Bound>* b : {&at_middle_, &at_node_})
@@ -97,7 +101,7 @@ void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) n
   last_ = n_ - 1;
   x0_ = x0;
   rests_ = x0 <= 0;
-  for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_}) b->assign(n_ + 1, 0);
+  for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_, &kept_}) b->assign(n_ + 1, 0);
   all_rows_ = rows.a0.size();
   // Those next to rest count nowhere.
   for (Side* side : {&up_, &down_}) {
@@ -243,18 +247,38 @@ void LawNewton::start_wish(Bound& c, double x) noexcept {
   c.y = c.price - c.z;
 }
 
-void LawNewton::wish_truly(double mu) noexcept {
-  // Away from the bounds: what was worth being near to is no more.
+/// Away from the bounds: what was worth being near to is no more.
+void LawNewton::raise_multipliers(double mu) noexcept {
   for (Side* side : {&up_, &down_})
     for (std::size_t r = 0; r < all_rows_; ++r) side->z[r] = std::max(side->z[r], mu / side->s[r]);
+  each_bound([&](Bound& c, double) {
+    if (!(c.worth > 0)) c.z = std::max(c.z, mu / c.s);
+  });
+}
+
+void LawNewton::wish_truly(double mu) noexcept {
+  raise_multipliers(mu);
   each_bound([&](Bound& c, double x) {
-    if (!(c.worth > 0)) {
-      c.z = std::max(c.z, mu / c.s);
-    } else if (c.wanted < c.top) {
+    if (c.worth > 0 && c.wanted < c.top) {
       c.top = std::max(c.wanted, kSink * x);
       start_wish(c, x);
     }
   });
+}
+
+/// Where x was above the wish from the start on it comes down as fast as it can anyway.
+bool LawNewton::make_broken_wishes_dearer() noexcept {
+  bool any = false, below = false;
+  for (Bound& c : at_middle_) {
+    if (!(c.worth > 0)) continue;
+    const double x = m_[c.i];
+    below = below || x <= c.wanted;
+    if (!below || x <= kBroken * c.wanted) continue;
+    c.worth *= kDearer;
+    start_wish(c, x);
+    any = true;
+  }
+  return any;
 }
 
 void LawNewton::start_slacks(double mu) noexcept {
@@ -604,17 +628,33 @@ bool LawNewton::run(const Aim& aim) noexcept {
   bool gives_up = aim.soon;       // until the limits are kept
   int more = 0;                   // steps after a result that is near enough
   double worst[kPatience + 1]{};  // after each of the last steps
+  int dearer = 0;                 // how often a result was kept and gone on from
+  // Keeps the last result; where the steps after it lead nowhere, it stands.
+  const auto give_up = [&] {
+    if (dearer == 0) return false;
+    std::copy(kept_.begin(), kept_.begin() + n_, m_.begin());
+    set_nodes();
+    return true;
+  };
   for (; iterations_ < aim.iterations; ++iterations_) {
-    if (!factor_and_solve(mu)) return false;
+    if (!factor_and_solve(mu)) return give_up();
     step_sizes(mu);
     look_and_build(primal_, dual_);
     const double now = time_, step = std::min(primal_, dual_);
     const bool settled = std::abs(now - before) < 3e-3 * now;
     before = now;
     if (!waits_ && sum_ < aim.gap * now && worst_ < aim.violation && settled && step > 0.3 &&
-        (sum_ < aim.gap * std::min(now, kFarthest) || ++more > kMore))
-      return true;
-    if (!std::isfinite(now) || primal_ < kStalled) return false;
+        (sum_ < aim.gap * std::min(now, kFarthest) || ++more > kMore)) {
+      std::copy(m_.begin(), m_.begin() + n_, kept_.begin());
+      if (aim.soon || dearer == kMostDearer || !make_broken_wishes_dearer()) return true;
+      ++dearer;
+      more = 0;
+      mu = kRough * now / static_cast<double>(terms_);
+      raise_multipliers(mu);
+      look_and_build(0, 0);
+      continue;
+    }
+    if (!std::isfinite(now) || primal_ < kStalled) return give_up();
     gives_up = gives_up && worst_ >= aim.violation;
     std::copy(worst + 1, worst + kPatience + 1, worst);
     worst[kPatience] = worst_;
@@ -633,7 +673,7 @@ bool LawNewton::run(const Aim& aim) noexcept {
     if (waits_) mu = std::max(mu, kRough * now / terms);
   }
   // Near enough, by steps too small to be sure of.
-  return !waits_ && sum_ < aim.gap * before && worst_ < aim.violation;
+  return (!waits_ && sum_ < aim.gap * before && worst_ < aim.violation) || give_up();
 }
 
 }  // namespace kerf::motion::path

@@ -104,7 +104,9 @@ class LawNewton {
   [[nodiscard]] double worth_of(std::size_t i) const noexcept;
   [[nodiscard]] static double price_of(const Bound& wish, double x) noexcept;
   static void start_wish(Bound& wish, double x) noexcept;
+  void raise_multipliers(double mu) noexcept;
   void wish_truly(double mu) noexcept;
+  [[nodiscard]] bool make_broken_wishes_dearer() noexcept;
   void set_nodes() noexcept;
   template <class F>
   void each_bound(F&& f) noexcept;
@@ -140,6 +142,7 @@ class LawNewton {
 
   Buffer<double> m_, dm_, node_, left_, right_;  ///< node i = left m[i-1] + right m[i]
   Buffer<double> d0_, d1_, d2_;
+  Buffer<double> kept_;   ///< m_ of a result that is gone on from
   Buffer<double> by_mu_;  ///< dm_ holds the right side without mu
   Side up_, down_;        ///< v <= right, -v <= right
   std::size_t all_rows_{0};
