@@ -68,11 +68,17 @@ class Wanted {
   double feed_{0}, max_vel_{0};
 };
 
+/// What the feeds behind the end of a group are to bear on.
+enum class Behind { nothing, first_feed, feeds_of_next_group };
+
+[[nodiscard]] double highest_wanted_start(const PlanSlots& slots, std::uint64_t n,
+                                          const FeedScale& scale, double v) noexcept;
+
 /// Calls f(bound, hard speed) for what holds at the end of each span from `n` on, `left` ahead: caps of what follows, and acceleration 0 at
 /// the end of the group number `groups` or where the path stands. Ends when f gives false.
 template <class F>
 void for_each_bound(const PlanSlots& slots, std::uint64_t n, double left, int groups,
-                    const FeedScale* scale, bool stops_where_wanted, double horizon,
+                    const FeedScale* scale, bool stops_where_wanted, double horizon, Behind behind,
                     F&& f) noexcept {
   const Wanted wants(scale);
   int group = 1;
@@ -89,13 +95,20 @@ void for_each_bound(const PlanSlots& slots, std::uint64_t n, double left, int gr
       if (!f(RampBound{left, 0, true}, std::sqrt(hard))) return;
     }
     const Slot& next = slot_of(slots, k + 1);
+    const double cap = next.cap.get();
+    const double wanted = wants.on(next, cap);
     if (!same_group(slot_of(slots, k), next) && ++group > groups) {
+      // Feeds first: where both can't be, what is needed has the last word.
+      if (behind != Behind::nothing && left <= horizon) {
+        double v = std::sqrt(wanted);
+        if (behind == Behind::feeds_of_next_group)
+          v = highest_wanted_start(slots, k + 1, *scale, v);
+        if (!f(RampBound{left, v, false}, std::sqrt(cap))) return;
+      }
       const double level = std::sqrt(stops_where_wanted ? std::min(hard, soft) : hard);
       (void)f(RampBound{left, level, true}, level);
       return;
     }
-    const double cap = next.cap.get();
-    const double wanted = wants.on(next, cap);
     // What is no lower than what stands before it bears on nothing.
     if (cap < low_cap || wanted < low_wanted || left > horizon) {
       low_cap = std::min(low_cap, cap);
@@ -107,6 +120,20 @@ void for_each_bound(const PlanSlots& slots, std::uint64_t n, double left, int gr
     left += next.length.get();
   }
   (void)f(RampBound{left, 0, true}, 0.0);
+}
+
+/// The highest speed up to `v` with acceleration 0 at the start of span `n` from which the feeds of its group can be kept.
+double highest_wanted_start(const PlanSlots& slots, std::uint64_t n, const FeedScale& scale,
+                            double v) noexcept {
+  const Slot& first = slot_of(slots, n);
+  const RampLimits limits = limits_of(first);
+  for_each_bound(slots, n, first.length.get(), 1, &scale, false, longest_brake(v, limits),
+                 Behind::first_feed, [&](const RampBound& bound, double) {
+                   if (bound.left > longest_brake(v, limits)) return false;
+                   v = highest_start(v, bound, limits);
+                   return true;
+                 });
+  return v;
 }
 
 /// The least limits of the first `groups` groups. False: there are fewer. `first_end`: way to the end of the first one whose acceleration
@@ -139,6 +166,7 @@ Course course_for(const PlanSlots& slots, std::uint64_t n, double left, RampStat
                   bool stops_where_wanted) noexcept {
   CourseFinder finder(state, cap, dt, limits);
   for_each_bound(slots, n, left, groups, &scale, stops_where_wanted, finder.horizon(),
+                 Behind::feeds_of_next_group,
                  [&](const RampBound& bound, double hard) { return finder.add(bound, hard); });
   return finder.course();
 }
@@ -255,7 +283,7 @@ double highest_level_speed(const PlanSlots& slots, std::uint64_t number, bool wa
     if (!least_limits(slots, number, length, groups, 0, wanted, path::kNoLimit, limits, first_end))
       break;
     double v = cap;
-    for_each_bound(slots, number, length, groups, nullptr, wanted, path::kNoLimit,
+    for_each_bound(slots, number, length, groups, nullptr, wanted, path::kNoLimit, Behind::nothing,
                    [&](const RampBound& bound, double) {
                      if (bound.left > longest_brake(v, limits)) return false;
                      v = highest_start(v, bound, limits);
