@@ -62,6 +62,7 @@ int main(void) {
   printf("answer '%s'\n", text);
   printf("cycles %s\n", shared->cycles >= 30 ? "counted" : "lost");
   rtapi_shmem_delete(shmem, comp);
+  fflush(stdout);  /* before waitusr goes on */
   hal_exit(comp);
   return 0;
 }
