@@ -68,18 +68,16 @@ class Wanted {
   double feed_{0}, max_vel_{0};
 };
 
-/// What the feeds behind the end of a group are to bear on.
-enum class Behind { nothing, first_feed, feeds_of_next_group };
-
 [[nodiscard]] double highest_wanted_start(const PlanSlots& slots, std::uint64_t n,
                                           const FeedScale& scale, double v) noexcept;
 
 /// Calls f(bound, hard speed) for what holds at the end of each span from `n` on, `left` ahead: caps of what follows, and acceleration 0 at
-/// the end of the group number `groups` or where the path stands. Ends when f gives false.
+/// the end of the group number `groups` or where the path stands. Of the feeds behind that (`scale`; nullptr: none count) the first one,
+/// or with `next_feeds` all of the next group. Ends when f gives false.
 template <class F>
 void for_each_bound(const PlanSlots& slots, std::uint64_t n, double left, int groups,
-                    const FeedScale* scale, bool stops_where_wanted, double horizon, Behind behind,
-                    F&& f) noexcept {
+                    const FeedScale* scale, bool stops_where_wanted, double horizon,
+                    bool next_feeds, F&& f) noexcept {
   const Wanted wants(scale);
   int group = 1;
   double low_cap = path::kNoLimit, low_wanted = path::kNoLimit;  // of x
@@ -99,10 +97,9 @@ void for_each_bound(const PlanSlots& slots, std::uint64_t n, double left, int gr
     const double wanted = wants.on(next, cap);
     if (!same_group(slot_of(slots, k), next) && ++group > groups) {
       // Feeds first: where both can't be, what is needed has the last word.
-      if (behind != Behind::nothing && left <= horizon) {
+      if (scale != nullptr && left <= horizon) {
         double v = std::sqrt(wanted);
-        if (behind == Behind::feeds_of_next_group)
-          v = highest_wanted_start(slots, k + 1, *scale, v);
+        if (next_feeds) v = highest_wanted_start(slots, k + 1, *scale, v);
         if (!f(RampBound{left, v, false}, std::sqrt(cap))) return;
       }
       const double level = std::sqrt(stops_where_wanted ? std::min(hard, soft) : hard);
@@ -127,8 +124,8 @@ double highest_wanted_start(const PlanSlots& slots, std::uint64_t n, const FeedS
                             double v) noexcept {
   const Slot& first = slot_of(slots, n);
   const RampLimits limits = limits_of(first);
-  for_each_bound(slots, n, first.length.get(), 1, &scale, false, longest_brake(v, limits),
-                 Behind::first_feed, [&](const RampBound& bound, double) {
+  for_each_bound(slots, n, first.length.get(), 1, &scale, false, longest_brake(v, limits), false,
+                 [&](const RampBound& bound, double) {
                    if (bound.left > longest_brake(v, limits)) return false;
                    v = highest_start(v, bound, limits);
                    return true;
@@ -165,8 +162,7 @@ Course course_for(const PlanSlots& slots, std::uint64_t n, double left, RampStat
                   const FeedScale& scale, double dt, int groups, const RampLimits& limits,
                   bool stops_where_wanted) noexcept {
   CourseFinder finder(state, cap, dt, limits);
-  for_each_bound(slots, n, left, groups, &scale, stops_where_wanted, finder.horizon(),
-                 Behind::feeds_of_next_group,
+  for_each_bound(slots, n, left, groups, &scale, stops_where_wanted, finder.horizon(), true,
                  [&](const RampBound& bound, double hard) { return finder.add(bound, hard); });
   return finder.course();
 }
@@ -283,7 +279,7 @@ double highest_level_speed(const PlanSlots& slots, std::uint64_t number, bool wa
     if (!least_limits(slots, number, length, groups, 0, wanted, path::kNoLimit, limits, first_end))
       break;
     double v = cap;
-    for_each_bound(slots, number, length, groups, nullptr, wanted, path::kNoLimit, Behind::nothing,
+    for_each_bound(slots, number, length, groups, nullptr, wanted, path::kNoLimit, false,
                    [&](const RampBound& bound, double) {
                      if (bound.left > longest_brake(v, limits)) return false;
                      v = highest_start(v, bound, limits);

@@ -1,10 +1,10 @@
 // libkerf_time.so, preloaded into `loadusr` programs of an instance on the virtual clock: their sleeps, poll time-outs and
 // CLOCK_MONOTONIC become virtual, and each thread that waits becomes a participant of the clock.
 //
-// A thread joins at its first wait, or when its component is ready (shim_clock()). From then on it runs only when it has the baton, so what it does between two waits takes
-// no virtual time. Waits that this file does not know (a futex, a blocking read) keep the baton for a second; then time goes
-// on without the program, which is named as not deterministic. Kerf's own programs join the clock themselves and are left
-// alone.
+// A thread joins at its first wait, or when its component is ready (shim_clock()). From then on it runs only when it has the
+// baton, so what it does between two waits takes no virtual time. Waits that this file does not know (a futex, a blocking read)
+// keep the baton for a second; then time goes on without the program, which is named as not deterministic. Kerf's own programs
+// join the clock themselves and are left alone.
 #include <dlfcn.h>
 #include <errno.h>
 #include <poll.h>

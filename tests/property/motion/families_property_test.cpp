@@ -15,14 +15,20 @@ namespace {
 
 using motion::test::Rig;
 
+/// The reference machine with these jerk limits (0: none), by time laws or boxes; ready to run.
+void prepare(Rig& rig, double jerk, bool laws) {
+  bench::reference_machine(rig.config);
+  rig.config.time_laws = laws;
+  for (auto& j : rig.config.joint) j.max_jerk = jerk;
+  rig.apply_config();
+  rig.ready();
+}
+
 void run(const bench::Program& program, std::uint64_t seed, double jerk = 0) {
   SCOPED_TRACE(program.name + ", seed " + std::to_string(seed));
   Rig rig({0, 1, 2, 3});
-  bench::reference_machine(rig.config);
-  for (auto& j : rig.config.joint) j.max_jerk = jerk;
   rig.config.max_feed_override = 2;
-  rig.apply_config();
-  rig.ready();
+  prepare(rig, jerk, true);
   motion::test::Oracle oracle;
   std::mt19937_64 random(seed);
   std::size_t next = 0;
@@ -105,11 +111,7 @@ TEST(Families, ACornerThatWasJoinedIsWhereItIs) {
 /// The largest share of the feed in force, of the move in execution or the one before it, at an override that does not change.
 double feed_share(const bench::Program& program, double jerk, double override_, bool laws) {
   Rig rig({0, 1, 2, 3});
-  bench::reference_machine(rig.config);
-  rig.config.time_laws = laws;
-  for (auto& j : rig.config.joint) j.max_jerk = jerk;
-  rig.apply_config();
-  rig.ready();
+  prepare(rig, jerk, laws);
   rig.intent.feed_override = override_;
   std::size_t next = 0;
   double before = 0, share = 0;
@@ -156,11 +158,7 @@ TEST(Families, KeepTheProgrammedFeed) {
 /// joints' positions.
 double tool_share(unsigned seed, double jerk, bool laws) {
   Rig rig({0, 1, 2, 3});
-  bench::reference_machine(rig.config);
-  rig.config.time_laws = laws;
-  for (auto& j : rig.config.joint) j.max_jerk = jerk;
-  rig.apply_config();
-  rig.ready();
+  prepare(rig, jerk, laws);
   motion::test::Random r(seed);
   const double feed = r.log(0.3, 60);
   rig.push(motion::PathControl{.tolerance_mm = r.log(0.01, 1), .naive_cam_tolerance_mm = 0.0});
@@ -229,10 +227,7 @@ double five_thousand_blocks_a_second(double jerk, int ahead, bool merges) {
   constexpr double kStep = 0.02, kFeed = 100, kRadius = 40;
   constexpr int kPerCycle = 5, kCycles = 3000;
   Rig rig({0, 1, 2, 3});
-  bench::reference_machine(rig.config);
-  for (auto& j : rig.config.joint) j.max_jerk = jerk;
-  rig.apply_config();
-  rig.ready();
+  prepare(rig, jerk, true);
   rig.push(
       motion::PathControl{.tolerance_mm = 0.01, .naive_cam_tolerance_mm = merges ? 0.01 : 0.0});
   int sent = 0;

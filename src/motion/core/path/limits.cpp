@@ -67,7 +67,7 @@ double feed_cap(const Piece& piece, double s0, double s1) noexcept {
   if (feed.speed >= kNoLimit) return kNoLimit;
   if (feed.metric < 0) return square(feed.speed);
   double most = largest3(piece, s0, s1, static_cast<std::size_t>(feed.metric));
-  // A blend of a turn with a move that turns back: while the axes that measure the feed all but stand, the tool must not be faster than it.
+  // In a blend of a turn with a move that turns back the axes that measure the feed all but stand; the tool keeps it too.
   if (feed.metric > 0) most = std::max(most, largest3(piece, s0, s1, 0));
   return most > 0 ? square(feed.speed / most) : kNoLimit;
 }

@@ -645,8 +645,8 @@ bool LawNewton::run(const Aim& aim) noexcept {
     before = now;
     if (!waits_ && sum_ < aim.gap * now && worst_ < aim.violation && settled && step > 0.3 &&
         (sum_ < aim.gap * std::min(now, kFarthest) || ++more > kMore)) {
-      std::copy(m_.begin(), m_.begin() + n_, kept_.begin());
       if (aim.soon || dearer == kMostDearer || !make_broken_wishes_dearer()) return true;
+      std::copy(m_.begin(), m_.begin() + n_, kept_.begin());
       ++dearer;
       more = 0;
       mu = kRough * now / static_cast<double>(terms_);
