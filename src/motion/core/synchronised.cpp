@@ -38,6 +38,8 @@ constexpr double kLagShare = 0.25;
 constexpr double kLeastLag = 0.1;
 /// Turns after which an index pulse must have come.
 constexpr double kNoIndexAfter = 5;
+/// For so long a spindle that is said to be at its speed may be seen faster before a thread is refused (s).
+constexpr double kSettles = 0.5;
 /// Below this a spindle stands (revolutions per second).
 constexpr double kStands = 0.02;
 /// A tap that is stopped follows its spindle while that slows down at least so fast; after `kGrace` it has to have begun.
@@ -267,6 +269,17 @@ void Synchroniser::feed_speeds(double* rps) const noexcept {
   for (std::size_t n = 0; n < kMaxSpindles; ++n) rps[n] = feed_rps_[n];
 }
 
+Synchroniser::Need Synchroniser::need_of(const Wish& wish, double rps) const noexcept {
+  const double v = wish.per_rev * rps;
+  const bool jerks = wish.jerk > 0;
+  const double jerk = joining_jerk(wish.jerk, wish.acc, v, dt_);
+  const double joins = jerks ? joining_distance(v, kShare * wish.acc, kShare * jerk, dt_)
+                             : v * v / (2 * kShare * wish.acc);
+  const double in = joins + std::max(kTail, kTailCycles * dt_) * v;
+  const double out = jerks ? stopping_distance(v, {wish.acc, wish.jerk}) : v * v / (2 * wish.acc);
+  return {v * wish.factor, wish.ends ? in + out : in};
+}
+
 Synchroniser::Ready Synchroniser::prepare(const Wish& wish, PathWait& why, const SourceTag& tag,
                                           FaultList& faults) noexcept {
   const std::int32_t n = wish.spindle;
@@ -288,25 +301,23 @@ Synchroniser::Ready Synchroniser::prepare(const Wish& wish, PathWait& why, const
     why = PathWait::spindle_at_speed;
     return Ready::waits;
   }
-  const double rps =
-      std::max(std::abs(observer_[n].rps()),
-               std::abs(spindles_.outputs(static_cast<std::size_t>(n)).speed_rpm) / 60);
-  const double v = wish.per_rev * rps;
-  if (v * wish.factor > wish.speed) {
-    raise(faults, Fault::sync_too_fast, n, v * wish.factor * wish.mm, wish.speed * wish.mm, tag);
+  const double told = std::abs(spindles_.outputs(static_cast<std::size_t>(n)).speed_rpm) / 60;
+  const Need need = need_of(wish, std::max(std::abs(observer_[n].rps()), told));
+  if (!need.met(wish)) {
+    // It may have been faster a moment ago and not be seen at its speed yet.
+    if (settling_s_ < kSettles && need_of(wish, told).met(wish)) {
+      settling_s_ += dt_;
+      why = PathWait::spindle_at_speed;
+      return Ready::waits;
+    }
+    if (need.speed > wish.speed)
+      raise(faults, Fault::sync_too_fast, n, need.speed * wish.mm, wish.speed * wish.mm, tag);
+    else
+      raise(faults, Fault::sync_too_short, n, need.way * wish.mm, wish.to_end * wish.mm, tag);
+    settling_s_ = 0;
     return Ready::refused;
   }
-  const bool jerks = wish.jerk > 0;
-  const double jerk = joining_jerk(wish.jerk, wish.acc, v, dt_);
-  const double joins = jerks ? joining_distance(v, kShare * wish.acc, kShare * jerk, dt_)
-                             : v * v / (2 * kShare * wish.acc);
-  const double in = joins + std::max(kTail, kTailCycles * dt_) * v;
-  const double out = jerks ? stopping_distance(v, {wish.acc, wish.jerk}) : v * v / (2 * wish.acc);
-  const double need = wish.ends ? in + out : in;
-  if (need > wish.to_end) {
-    raise(faults, Fault::sync_too_short, n, need * wish.mm, wish.to_end * wish.mm, tag);
-    return Ready::refused;
-  }
+  settling_s_ = 0;
   per_rev_ = wish.per_rev;
   mm_ = wish.mm;
   passed_ = 0;

@@ -180,6 +180,14 @@ class Synchroniser {
 
  private:
   enum class TapPhase { in, out, turn, home };
+  /// What a thread or tap asks for at a speed of its spindle: of its axes, and way (sigma).
+  struct Need {
+    double speed{0}, way{0};
+    [[nodiscard]] bool met(const Wish& wish) const noexcept {
+      return speed <= wish.speed && way <= wish.to_end;
+    }
+  };
+  [[nodiscard]] Need need_of(const Wish& wish, double rps) const noexcept;
   void arm(std::int32_t spindle) noexcept;
   void follow() noexcept;
   void watch_lag(double bound, const SourceTag& tag, FaultList& faults) noexcept;
@@ -203,6 +211,7 @@ class Synchroniser {
   std::int32_t spindle_{-1};
   bool armed_{false}, following_{false}, told_{false};
   double armed_at_{0};
+  double settling_s_{0};  ///< for so long a thread has waited to see its spindle slow down
   bool foreseen_{false};  ///< the index was asked for ahead of its thread, which has not asked yet
   bool indexed_{false};   ///< and has come: at `zero_`, `indexed_s_` ago
   double zero_{0}, indexed_s_{0};

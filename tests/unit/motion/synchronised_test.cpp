@@ -653,6 +653,19 @@ TEST(Thread, WhatCannotBeIsRefusedWithNumbersBeforeAnythingMoves) {
   EXPECT_NEAR(rig.faults[0].value, 125, 0.5);
 }
 
+TEST(Thread, ASpindleThatSlowsDownAtOnceIsNotJudgedByTheSpeedItHad) {
+  SpindleRig rig;
+  rig.acceleration = 0;
+  rig.ready();
+  rig.turn(4700);
+  rig.run(1000);
+  rig.turn(230);
+  rig.thread({.z = -10}, 2);
+  EXPECT_GT(rig.finish(), 0);
+  EXPECT_TRUE(rig.faults.empty());
+  EXPECT_NEAR(rig.status().pos_cmd.z, -10, 1e-9);
+}
+
 TEST(Thread, ASpindleWithoutIndexIsNoticedAndACounterThatGoesOnIsNot) {
   SpindleRig rig;
   rig.index = false;
