@@ -16,6 +16,7 @@ constexpr int kPhases = 8;
 void AxisMover::place(double position) noexcept {
   position_ = target_ = position;
   velocity_ = acceleration_ = 0;
+  pace_ = 1;
   active_ = stopping_ = false;
 }
 
@@ -80,7 +81,7 @@ void AxisMover::step(double dt) noexcept {
     }
     const double sign = way > 0 ? 1.0 : -1.0;
     ProfileState state{std::abs(way), std::abs(velocity_)};
-    rest -= advance(state, {speed_limit_, acc_, 0.0}, rest);
+    rest -= advance(state, {pace_ * speed_limit_, acc_, 0.0}, rest);
     position_ = target_ - sign * state.left;
     velocity_ = sign * state.speed;
     if (state.left > 0) return;
@@ -117,7 +118,7 @@ void AxisMover::step_with_jerk(double dt) noexcept {
     const RampBound end{std::abs(way), 0, true};
     bool feasible = true;
     // Infeasible: it has to come back. It stands at once as soon as it can.
-    const double goal = ramp_target(along, speed_limit_, end, limits, feasible);
+    const double goal = ramp_target(along, pace_ * speed_limit_, end, limits, feasible);
     const bool cruises = along.acc == 0 && along.speed == goal && goal > 0;
     double used = 0;
     if (cruises) {

@@ -1,6 +1,8 @@
 // AxisMover: one joint or axis alone, for jogs and homing. In closed form, limited in acceleration or in jerk too; pure arithmetic, @rt.
 #pragma once
 
+#include <cmath>
+
 #include "motion/core/ramp.hpp"
 
 namespace kerf::motion {
@@ -20,6 +22,8 @@ class AxisMover {
   }
   /// Towards `target` with at most `speed`; may be called at any time, also to turn round.
   void go_to(double target, double speed) noexcept;
+  /// Drives at this part of the speed that go_to() allows; takes effect at once, and stays until place().
+  void set_pace(double pace) noexcept { pace_ = pace; }
   /// Brakes and stays where it comes to rest.
   void stop() noexcept;
   /// Stands at once, whatever the limits say (motion.jog-stop-immediate).
@@ -30,9 +34,17 @@ class AxisMover {
 
   [[nodiscard]] double position() const noexcept { return position_; }
   [[nodiscard]] double speed() const noexcept { return velocity_; }  ///< signed
+  /// Without sign, when the acceleration is let go from now on.
+  [[nodiscard]] double fastest() const noexcept {
+    const bool faster = velocity_ * acceleration_ > 0 && jerk_ > 0;
+    return std::abs(velocity_) + (faster ? acceleration_ * acceleration_ / (2 * jerk_) : 0);
+  }
   [[nodiscard]] double target() const noexcept { return target_; }
   [[nodiscard]] double speed_limit() const noexcept { return speed_limit_; }
+  [[nodiscard]] double acc() const noexcept { return acc_; }
+  [[nodiscard]] double jerk() const noexcept { return jerk_; }
   [[nodiscard]] bool active() const noexcept { return active_; }
+  [[nodiscard]] bool stopping() const noexcept { return stopping_; }
 
  private:
   /// Brakes to rest; gives the time used.
@@ -41,6 +53,7 @@ class AxisMover {
 
   double position_{0}, velocity_{0}, target_{0}, speed_limit_{0}, acc_{1}, jerk_{0};
   double acceleration_{0};  ///< with a jerk limit; signed
+  double pace_{1};
   bool active_{false}, stopping_{false};
 };
 

@@ -26,6 +26,18 @@ Controller::Controller(const Kinematics& kinematics, SpanRing& spans, const Plan
       executor_(spans, slots, spindles_, outputs_),
       programmed_(slots.programmed) {}
 
+/// An axis without a jerk limit takes as long to its acceleration as the slowest joint that it moves with others.
+void Controller::bring_up_slowly() noexcept {
+  double rise_s = 0;
+  for (std::size_t j = 0; j < joints_; ++j) {
+    const JointConfig& c = config_.joint[j];
+    if (c.max_jerk > 0 && kinematics_.axis_of_joint(static_cast<std::int32_t>(j)) < 0)
+      rise_s = std::max(rise_s, c.max_acc / c.max_jerk);
+  }
+  for (AxisConfig& limit : axis_limit_)
+    if (rise_s > 0 && !(limit.max_jerk > 0)) limit.max_jerk = limit.max_acc / rise_s;
+}
+
 void Controller::configure(const MachineConfig& config) noexcept {
   const bool first = !configured_;
   config_ = config;
@@ -54,6 +66,7 @@ void Controller::configure(const MachineConfig& config) noexcept {
       limit.max_limit = std::min(limit.max_limit, c.max_limit);
     }
   }
+  if (!plain_kinematics_) bring_up_slowly();
   offsets_.configure(axis_limit_, kinematics_.axis_mask());
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     AxisConfig& limit = axis_limit_[i];

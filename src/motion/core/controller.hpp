@@ -14,6 +14,7 @@
 #include "motion/core/guard.hpp"
 #include "motion/core/homing.hpp"
 #include "motion/core/io.hpp"
+#include "motion/core/jog_pace.hpp"
 #include "motion/core/joint.hpp"
 #include "motion/core/lost_cycles.hpp"
 #include "motion/core/path_oracle.hpp"
@@ -141,6 +142,7 @@ class Controller {
   void move(const Inputs& in, const Orders& orders, double dt) noexcept;
   void move_joints() noexcept;
   void step_axes(double dt) noexcept;
+  void bring_up_slowly() noexcept;
   [[nodiscard]] bool may_rest_at(const Pose& pose) noexcept;
   /// Extra joints that are homed go where their pin says.
   void follow_posthome(const Inputs& in, double dt) noexcept;
@@ -179,7 +181,8 @@ class Controller {
   LostCycles lost_[kMaxJoints];
   bool plain_kinematics_{true};  ///< each joint moves an axis alone
   double skew_[kMaxJoints]{};  ///< of a joint from its place by the inverse kinematics; set at rest
-  AxisMover axis_[rtapi::kAxes];
+  JogPace::Movers axis_;
+  JogPace jog_pace_;
   Wheel joint_wheel_[kMaxJoints], axis_wheel_[rtapi::kAxes];
   AxisConfig
       axis_limit_[rtapi::kAxes];  ///< of the axis and of the joints that it moves alone, without

@@ -463,23 +463,29 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
 /// Jogs of axes whose kinematics have limits of joints that no axis alone stands for: they brake when after one cycle more a stop
 /// would end beyond one of them, or where there is no position.
 void Controller::step_axes(double dt) noexcept {
-  bool moves = false, inside = true;
+  bool inside = true;
+  std::uint32_t move = 0;
   Pose rest = pose_;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     if (!axis_[i].active()) continue;
     AxisMover ahead = axis_[i];
     ahead.step(dt);
     rest[i] = ahead.rest_position();
-    moves = true;
+    move |= 1U << i;
   }
-  if (!moves) return;
+  if (move == 0) return;
   if (!plain_kinematics_) inside = may_rest_at(rest + offsets_.pose());
-  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-    if (!axis_[i].active()) continue;
-    if (!inside) axis_[i].stop();
-    axis_[i].step(dt);
-    pose_[i] = axis_[i].position();
+  if (!inside)
+    for (AxisMover& axis : axis_) axis.stop();
+  if (plain_kinematics_) {
+    for (AxisMover& axis : axis_) axis.step(dt);
+  } else {
+    JogPace::Machine machine{kinematics_, config_.joint, {}, offsets_.pose()};
+    for (std::size_t j = 0; j < joints_; ++j) machine.near[j] = joint_[j].pos_cmd - skew_[j];
+    jog_pace_.step(axis_, pose_, machine, dt);
   }
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    if ((move >> i & 1U) != 0) pose_[i] = axis_[i].position();
 }
 
 /// From outside a limit the way back is open.

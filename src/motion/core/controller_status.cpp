@@ -77,7 +77,8 @@ void Controller::fill_status(const Inputs& in, const Orders& orders, double dt,
   s.kinematics_type = static_cast<std::int32_t>(kinematics_.type());
   s.kinematics_kind = kinematics_.kind();
   s.enables = executor_.enables();
-  for (std::size_t i = 0; i < rtapi::kAxes; ++i) s.axis_vel[i] = axis_[i].speed();
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    s.axis_vel[i] = axis_[i].speed() * (plain_kinematics_ ? 1 : jog_pace_.scale());
   s.faults = fault_number_;
   s.joints = static_cast<std::int32_t>(joints_);
   s.spindles = static_cast<std::int32_t>(spindle_count_);

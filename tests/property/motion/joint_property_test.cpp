@@ -1,7 +1,9 @@
 // Jogs at random: joint and axis limits hold, soft limits are never crossed, everything comes to rest.
 #include <gtest/gtest.h>
 
+#include "bench/motion/table_kinematics.hpp"
 #include "property/motion/random_program.hpp"
+#include "unit/motion/polar_kinematics.hpp"
 
 namespace kerf::motion {
 namespace {
@@ -65,6 +67,92 @@ TEST(JogProperty, JointsKeepTheirLimits) {
 TEST(JogProperty, AxesKeepTheirLimits) {
   for (int i = 1; i <= test::property_count(100) && !HasFailure(); ++i)
     run_jogs(static_cast<unsigned>(i), MotionMode::teleop, i % 2 == 0);
+}
+
+/// Jogs of axes of a machine whose joints mix them, some of them several at a time and with wheels.
+void run_mixed_jogs(unsigned seed, const Kinematics& kinematics, bool jerks) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  Random r(seed);
+  Rig rig{test::RigKinematics(kinematics)};
+  test::random_limits(rig, r, jerks);
+  const double speed = r.log(5, 400), acc = r.log(50, 5000);
+  for (AxisConfig& a : rig.config.axis) {
+    a.max_vel = speed * r.log(0.5, 2);
+    a.max_acc = acc * r.log(0.5, 2);
+    if (r.chance(0.3)) a.max_jerk = a.max_acc / r.log(0.01, 0.3);
+    a.min_limit = -r.log(20, 200);
+    a.max_limit = r.log(20, 200);
+  }
+  rig.apply_config();
+  rig.ready();
+  rig.intent.mode = MotionMode::teleop;
+  rig.run(3);
+  ASSERT_EQ(rig.status().mode, MotionMode::teleop);
+  Oracle oracle;
+  oracle.watch(rig);
+  int far = 0;
+  for (int cycle = 0; cycle < 8000; ++cycle) {
+    if (r.chance(cycle < 4000 ? 0.003 : 0.02)) {
+      const auto a = static_cast<std::size_t>(r.integer(0, 8));
+      if ((kinematics.axis_mask() >> a & 1U) == 0) continue;
+      JogIntent& jog = rig.intent.axis_jog[a];
+      ++jog.seq;
+      jog.kind = static_cast<JogIntent::Kind>(r.integer(0, 3));
+      jog.vel = r.uniform(-1, 1) * 2 * speed;
+      jog.target = r.uniform(-60, 60);
+    }
+    if (r.chance(0.001)) rig.abort();
+    rig.cycle();
+    oracle.watch(rig);
+    far += rig.status().jogging ? 1 : 0;
+  }
+  for (std::size_t a = 0; a < rtapi::kAxes; ++a) {
+    ++rig.intent.axis_jog[a].seq;
+    rig.intent.axis_jog[a].kind = JogIntent::Kind::none;
+  }
+  EXPECT_GT(rig.run_until([&] { return rig.status().in_position; }, 8000), 0);
+  EXPECT_GT(far, 100);
+  EXPECT_LE(oracle.vel, 1.0001);
+  EXPECT_LE(oracle.acc, 1.001);
+  EXPECT_LE(oracle.jerk, 1.01);
+  for (const FaultRecord& f : rig.faults)
+    EXPECT_TRUE(f.fault == Fault::jog_beyond_limit || f.fault == Fault::jog_while_not_ready)
+        << static_cast<int>(f.fault) << " joint " << f.index << ": " << f.value << " of "
+        << f.limit;
+}
+
+TEST(JogProperty, AxesKeepTheLimitsOfJointsThatMixThem) {
+  const bench::TableKinematics table;
+  test::RigKinematics core_xy({0, 1, 2});
+  core_xy.core_xy = true;
+  const test::PolarKinematics polar(220);
+  const Kinematics* kinds[] = {&table, &core_xy, &polar};
+  for (int i = 1; i <= test::property_count(90) && !HasFailure(); ++i)
+    run_mixed_jogs(static_cast<unsigned>(i), *kinds[i % 3], i % 2 == 0);
+}
+
+/// Along X of a CoreXY both motors do what the axis does: nothing is lost but a reserve. A second axis halves what there is.
+TEST(Jog, OfAxesThatJointsMixIsFast) {
+  test::RigKinematics core_xy({0, 1, 2});
+  core_xy.core_xy = true;
+  for (const double jerk : {0.0, 20'000.0}) {
+    const auto seconds = [&](bool both) {
+      Rig rig(core_xy);
+      for (auto& j : rig.config.joint) j.max_jerk = jerk;
+      rig.ready();
+      rig.intent.mode = MotionMode::teleop;
+      rig.run(3);
+      for (std::size_t i = 0; i < (both ? 2U : 1U); ++i)
+        rig.intent.axis_jog[i] = {1, JogIntent::Kind::incremental, 100, 30};
+      const int cycles = rig.run_until(
+          [&] { return rig.status().pos_cmd.x == 30 && !rig.status().jogging; }, 5000);
+      EXPECT_TRUE(rig.faults.empty());
+      return cycles * Rig::kPeriod;
+    };
+    // 100 mm/s and 1000 mm/s2; both: 50 and 500.
+    EXPECT_LT(seconds(false), 1.1 * (jerk > 0 ? 0.45 : 0.4));
+    EXPECT_LT(seconds(true), 1.1 * (jerk > 0 ? 0.75 : 0.7));
+  }
 }
 
 }  // namespace
