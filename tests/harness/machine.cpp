@@ -242,6 +242,8 @@ std::unique_ptr<Machine> Machine::start(const MachineOptions& options) {
   for (auto* participant : p.task->participants()) p.scheduler.add(*participant);
   p.ready = true;
   machine->run_for(0.01);
+  if (const auto period = machine->motion().servo_period_ns; period > 0)
+    p.watcher.period_ns = period;
   return machine;
 }
 

@@ -1,10 +1,12 @@
-// Hours of machine time: random programs, overrides, holds, aborts, estops, mode changes, jogs and MDI from several clients and a
-// panel of halui's, on a machine without jerk limits and on one with them.
+// Hours of machine time: random programs, overrides, holds, aborts, estops, mode changes, jogs and MDI from several clients, a panel of
+// halui's, wheels and switches, on a mill without jerk limits, on one with them, and on mills whose kinematics, units, periods and limits
+// are random.
 //
-// scripts/soak --hours N --seed S, or KERF_SOAK_HOURS=N KERF_SOAK_SEED=S soak_test. The same seed is the same run. KERF_SOAK_VERBOSE=1 tells
-// of every command.
+// scripts/soak --hours N --seed S --mills N, or KERF_SOAK_HOURS=N KERF_SOAK_SEED=S KERF_SOAK_MILLS=N soak_test. The same seed is the same
+// run. KERF_SOAK_VERBOSE=1 tells of every command.
 #include <gtest/gtest.h>
 #include <malloc.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +21,7 @@
 #include "hal/core/view.hpp"
 #include "harness/machine.hpp"
 #include "rtapi/shm/segment.hpp"
+#include "soak/mills.hpp"
 #include "soak/panel.hpp"
 #include "soak/programs.hpp"
 #include "soak/watch.hpp"
@@ -31,6 +34,8 @@ constexpr double kDefaultHours = 1;
 /// Time laws cost more of the computer's time than the rest of the machine.
 constexpr double kShareWithJerk = 0.25;
 constexpr double kMaxJerk = 20'000;  ///< mm/s3
+constexpr double kDefaultMills = 9;
+constexpr int kRoundsOfAMill = 12;
 constexpr int kWarmUpRounds = 40;
 /// What allocators and logs that have not filled up yet may add after the warm-up.
 constexpr double kHeapAllowance = 512.0 * 1024;
@@ -132,12 +137,13 @@ class Operator {
 
 class Soak {
  public:
-  /// `max_jerk`: of the joints, 0 none.
-  Soak(harness::Machine& m, std::uint64_t seed, double max_jerk)
+  /// `m` is made of `mill`.
+  Soak(harness::Machine& m, const Mill& mill, std::uint64_t seed)
       : m_(m),
+        mill_(mill),
         dice_(seed),
         verbose_(std::getenv("KERF_SOAK_VERBOSE") != nullptr),
-        watch_(max_jerk),
+        watch_(mill),
         panel_(m) {
     for (int i = 0; i < 3; ++i) operators_.push_back(std::make_unique<Operator>(m, i, verbose_));
     m_.on_cycle([this](const motion::MotionStatus& s) { watch_.look(s); });
@@ -152,13 +158,20 @@ class Soak {
       if (round_ == kWarmUpRounds) warm = sizes();
       if (round_ > kWarmUpRounds && round_ % 20 == 0) check_growth(warm);
     }
-    std::printf("soak: %.2f h of machine time in %d rounds, %.1f m of travel;",
-                static_cast<double>(watch_.cycles) / 3.6e6, round_, watch_.travelled_mm / 1000);
-    for (const auto& [name, n] : counts_) std::printf(" %s %d", name.c_str(), n);
-    std::printf("\n");
+    tell_what_was_done();
+  }
+  void run_rounds(int rounds) {
+    for (round_ = 0; round_ < rounds && !testing::Test::HasFailure(); ++round_) one_round();
+    tell_what_was_done();
   }
 
  private:
+  void tell_what_was_done() const {
+    std::printf("soak: %.2f h of machine time in %d rounds, %.1f m of travel;",
+                watch_.seconds / 3600, round_, watch_.travelled_mm / 1000);
+    for (const auto& [name, n] : counts_) std::printf(" %s %d", name.c_str(), n);
+    std::printf("\n");
+  }
   /// Task keeps the last 10000 outcomes of this process's own commands: they are full before anything is measured.
   void fill_logs() {
     for (int i = 0; i < 10100; ++i) {
@@ -229,7 +242,10 @@ class Soak {
   void disturb() {
     Operator& who = anyone();
     const std::string scale = std::to_string(dice_.between(0, 1.5));
-    switch (dice_.below(30)) {
+    switch (dice_.below(mill_.has_free_pins ? 33 : 30)) {
+      case 30:
+      case 31:
+      case 32: return touch_a_pin();
       case 0:
       case 1:
       case 2: count("overrides"); return (void)who.send({"feed-override", scale});
@@ -273,10 +289,66 @@ class Soak {
     }
   }
 
-  void tell(const std::string& button) const {
+  void tell(const std::string& what) const {
     if (verbose_)
       std::fprintf(stderr, "  %.3f panel: %s\n", static_cast<double>(m_.now()) * 1e-9,
-                   button.c_str());
+                   what.c_str());
+  }
+
+  void set_pin(const std::string& pin, double value) {
+    char line[120];
+    std::snprintf(line, sizeof line, "%s %.6g", pin.c_str(), value);
+    tell(line);
+    EXPECT_TRUE(m_.hal(std::string("setp ") + line)) << line;
+  }
+
+  /// What switches, amplifiers and other controls do; let_go_of_pins() puts it back.
+  void touch_a_pin() {
+    count("pins");
+    const std::string joint =
+        "joint." + std::to_string(dice_.below(static_cast<int>(mill_.joints.size()))) + ".";
+    switch (dice_.below(12)) {
+      case 0: return touch(joint + "neg-lim-sw-in", 1);
+      case 1: return touch(joint + "pos-lim-sw-in", 1);
+      case 2: return touch(joint + "amp-fault-in", 1);
+      case 3:
+      case 4: return touch("motion.feed-hold", 1);
+      case 5: return touch("motion.feed-inhibit", 1);
+      case 6: return touch("motion.enable", 0);
+      case 7:
+      case 8: return touch("motion.adaptive-feed", dice_.between(-0.5, 1));
+      default: return let_go_of_pins();
+    }
+  }
+  void touch(const std::string& pin, double value) {
+    touched_[pin] = pin == "motion.enable" || pin == "motion.adaptive-feed" ? 1 : 0;
+    set_pin(pin, value);
+  }
+  void let_go_of_pins() {
+    for (const auto& [pin, value] : touched_) set_pin(pin, value);
+    touched_.clear();
+  }
+
+  /// A wheel at an axis or a joint.
+  void turn_a_wheel() {
+    if (!mill_.has_free_pins) return;
+    count("wheels");
+    const bool axis = dice_.one_in(2);
+    const std::string name =
+        axis ? std::string("axis.") +
+                   mill_.letters[dice_.below(static_cast<int>(mill_.letters.size()))]
+             : "joint." + std::to_string(dice_.below(static_cast<int>(mill_.joints.size())));
+    set_pin(name + ".jog-scale", dice_.one_in(3) ? dice_.between(-1, 1) : 0.01);
+    touch(name + ".jog-vel-mode", dice_.one_in(2) ? 1 : 0);
+    touch(name + ".jog-enable", 1);
+    m_.run_for(dice_.between(0.001, 0.02));
+    double& counts = wheel_[name];
+    for (int i = dice_.below(30); i > 0; --i) {
+      counts += dice_.below(9) - 4 + (dice_.one_in(10) ? dice_.below(400) - 200 : 0);
+      set_pin(name + ".jog-counts", counts);
+      m_.run_for(dice_.between(0.001, 0.05));
+    }
+    if (dice_.one_in(2)) touch(name + ".jog-enable", 0);
   }
 
   /// Back along the path for a while, and by turns on forwards again.
@@ -322,13 +394,15 @@ class Soak {
     const bool teleop = !dice_.one_in(3);
     who.send({"teleop", teleop ? "on" : "off"});
     m_.run_for(0.1);
-    const char* axes[] = {"x", "y", "z"};
-    const char* joints[] = {"0", "1", "2"};
+    const int ways = static_cast<int>(teleop ? mill_.letters.size() : mill_.joints.size());
     for (int i = 2 + dice_.below(12); i > 0; --i) {
       Operator& jogger = anyone();
-      const int which = dice_.below(3);
-      std::vector<std::string> words{"jog", teleop ? axes[which] : joints[which],
-                                     std::to_string(dice_.between(-120, 120))};
+      const int which = dice_.below(ways);
+      std::vector<std::string> words{
+          "jog",
+          teleop ? std::string(1, mill_.letters[static_cast<std::size_t>(which)])
+                 : std::to_string(which),
+          std::to_string(dice_.between(-120, 120))};
       if (dice_.one_in(2)) words.push_back(std::to_string(dice_.between(0.01, 30)));
       const bool lives = words.size() == 3;
       jogger.send(words);
@@ -340,8 +414,8 @@ class Soak {
           jogger.die();
           // Its lease ends with it: from full speed to rest within v/a, and nothing starts it again.
           if (lives) {
-            m_.run_for(0.3);
-            expect_no_jog(which);
+            m_.run_for(std::max(0.3, 0.1 + mill_.stop_s()));
+            expect_no_jog(words[1]);
           }
           break;
         case 1: anyone().send({"jog-stop"}); break;
@@ -354,7 +428,10 @@ class Soak {
           if (dice_.one_in(4)) anyone().send({"state", dice_.one_in(2) ? "off" : "estop"});
           break;
         case 5: anyone().send({"teleop", dice_.one_in(2) ? "on" : "off"}); break;
-        default: break;
+        case 6: turn_a_wheel(); break;
+        default:
+          if (mill_.has_free_pins && dice_.one_in(3)) touch_a_pin();
+          break;
       }
     }
     anyone().send({"jog-stop"});
@@ -363,20 +440,26 @@ class Soak {
       m_.run_for(0.3);
       who.send({"teleop", "off"});
       m_.run_for(0.1);
-      who.send({"home", std::to_string(dice_.below(4) - 1)});
+      who.send(
+          {"home", std::to_string(dice_.below(static_cast<int>(mill_.joints.size()) + 1) - 1)});
       m_.run_for(dice_.between(0.1, 5));
       if (dice_.one_in(2)) anyone().send({"abort"});
     }
   }
 
-  void expect_no_jog(int which) {
+  void expect_no_jog(const std::string& what) {
     const auto a = m_.motion();
     m_.run_for(0.02);
     const auto b = m_.motion();
     if (!a.path_empty || a.mode == motion::MotionMode::coordinated)
-      return;  // an MDI line ran, and there was no jog
-    EXPECT_EQ(a.joint[which].pos_cmd, b.joint[which].pos_cmd)
-        << "round " << round_ << ": the jog of a client that died goes on";
+      return;                       // an MDI line ran, and there was no jog
+    if (!touched_.empty()) return;  // a wheel may turn
+    for (std::size_t j = 0; j < mill_.joint_letters.size(); ++j) {
+      if (what == std::to_string(j) || what[0] == mill_.joint_letters[j]) {
+        EXPECT_EQ(a.joint[j].pos_cmd, b.joint[j].pos_cmd)
+            << "round " << round_ << ": the jog of a client that died goes on, joint " << j;
+      }
+    }
   }
 
   void mdi_lines() {
@@ -399,16 +482,23 @@ class Soak {
     if (m_.task().task_state == task::TaskState::estop && !m_.does({"state", "estop-reset"}))
       return false;
     if (m_.task().task_state != task::TaskState::on && !m_.does({"state", "on"})) return false;
-    return m_.motion().all_homed || m_.does({"home", "-1"});
+    const auto s = m_.motion();
+    return (s.all_homed && !is_racked(s)) || m_.does({"home", "-1"});
+  }
+  /// Jogs in joint mode have moved the legs of a gantry apart.
+  [[nodiscard]] bool is_racked(const motion::MotionStatus& s) const {
+    return mill_.joint_letters == "xyyz" && s.joint[1].pos_cmd != s.joint[2].pos_cmd;
   }
 
   /// Stops what runs, looks whether it stands, and puts the machine into order for the next round.
   void settle(const std::string& name) {
     // By another way than theirs: what clients have sent is taken first, or it would rightly run behind the abort.
     panel_.let_go();
+    let_go_of_pins();
     m_.run_for(0.002);
     ASSERT_TRUE(m_.does({"abort"}, 5)) << name;
-    EXPECT_TRUE(m_.run_until([&] { return m_.task().idle && m_.motion().path_empty; }, 0.2))
+    EXPECT_TRUE(m_.run_until([&] { return m_.task().idle && m_.motion().path_empty; },
+                             0.2 + mill_.stop_s()))
         << name << "not idle after its abort; it waits for "
         << m_.task().waiting_for.object.c_str();
     EXPECT_TRUE(m_.run_until([&] { return all_answered(); }, 2))
@@ -418,14 +508,14 @@ class Soak {
     m_.run_for(0.5);
     watch_.expect_rest(false);
     const auto s = m_.motion();
-    for (int j = 0; j < 3; ++j)
+    for (std::size_t j = 0; j < mill_.joints.size(); ++j)
       EXPECT_NEAR(s.joint[j].pos_cmd, s.joint[j].pos_fb, 1e-9) << name << "joint " << j;
     EXPECT_FALSE(s.held) << name;
     EXPECT_FALSE(m_.task().paused) << name;
     ASSERT_TRUE(on_and_homed()) << name << m_.errors();
     for (const char* word : {"feed-override", "rapid-override", "spindle-override"})
       EXPECT_TRUE(m_.does({word, "1"}));
-    EXPECT_TRUE(m_.does({"max-velocity", "120"}));
+    EXPECT_TRUE(m_.does({"max-velocity", std::to_string(mill_.max_vel)}));
     check_place(name);
     check_faults(name);
   }
@@ -435,16 +525,18 @@ class Soak {
     const auto before = m_.motion();
     const std::string shown = m_.line_to_shown_place();
     EXPECT_TRUE(m_.mdi(shown)) << name << m_.errors();
-    for (std::size_t j = 0; j < 3; ++j)
+    for (std::size_t j = 0; j < mill_.joints.size(); ++j)
       EXPECT_NEAR(m_.joint(j), before.joint[j].pos_cmd, 1e-9) << name << shown;
     const double x = dice_.between(10, 290), y = dice_.between(10, 190),
                  z = dice_.between(-60, -10);
     char line[120];
     std::snprintf(line, sizeof line, "G21 G90 G40 G53 G0 X%.6f Y%.6f Z%.6f", x, y, z);
     EXPECT_TRUE(m_.mdi(line)) << name << m_.errors();
-    std::sscanf(line, "G21 G90 G40 G53 G0 X%lf Y%lf", &home_[0], &home_[1]);
-    EXPECT_NEAR(m_.joint(0), home_[0], 1e-9) << name << line;
-    EXPECT_NEAR(m_.joint(1), home_[1], 1e-9) << name << line;
+    double to[2]{};
+    std::sscanf(line, "G21 G90 G40 G53 G0 X%lf Y%lf", &to[0], &to[1]);
+    const motion::Pose at = m_.motion().pos_cmd;
+    EXPECT_NEAR(at.x, to[0], 1e-9) << name << line;
+    EXPECT_NEAR(at.y, to[1], 1e-9) << name << line;
   }
 
   void check_faults(const std::string& name) {
@@ -484,6 +576,7 @@ class Soak {
   }
 
   harness::Machine& m_;
+  const Mill& mill_;
   Dice dice_;
   bool verbose_;
   Watch watch_;
@@ -492,34 +585,48 @@ class Soak {
   std::map<std::string, int> counts_;
   std::uint64_t faults_seen_{0};
   int round_{0};
-  double home_[2]{};
+  std::map<std::string, double> touched_;  ///< pins and what they are to be again
+  std::map<std::string, double> wheel_;    ///< counts
 };
 
-void soak(double hours, double max_jerk) {
-  const auto seed = static_cast<std::uint64_t>(from_environment("KERF_SOAK_SEED", 1));
-  harness::MachineOptions options;
-  options.clients = true;
-  options.append = Panel::ini_text();
-  if (max_jerk > 0)
-    options.replace = {
-        {"MAX_LINEAR_VELOCITY = 120",
-         "MAX_LINEAR_VELOCITY = 120\nMAX_LINEAR_JERK = " + std::to_string(max_jerk)}};
-  // Joints may be jogged about before they are homed: the switches of the sample would end such rounds.
-  options.hal = {"setp x-motor.neg-limit-pos -1e6", "setp x-motor.pos-limit-pos 1e6",
-                 "setp y-motor.neg-limit-pos -1e6", "setp y-motor.pos-limit-pos 1e6",
-                 "setp z-motor.neg-limit-pos -1e6", "setp z-motor.pos-limit-pos 1e6"};
-  auto m = harness::Machine::start(options);
-  ASSERT_TRUE(m->ready()) << m->errors();
-  ASSERT_TRUE(m->power_on_and_home()) << m->errors();
-  std::printf("soak: seed %llu, %.2f h, %s\n", static_cast<unsigned long long>(seed), hours,
-              max_jerk > 0 ? "limited in jerk" : "limited in acceleration");
-  Soak(*m, seed, max_jerk).run(hours);
+std::uint64_t first_seed() {
+  return static_cast<std::uint64_t>(from_environment("KERF_SOAK_SEED", 1));
 }
 
-TEST(Soak, MachineTime) { soak(from_environment("KERF_SOAK_HOURS", kDefaultHours), 0); }
+void soak(Mill mill, std::uint64_t seed, double hours, int rounds) {
+  mill.options.clients = true;
+  mill.options.append = Panel::ini_text();
+  auto m = harness::Machine::start(mill.options);
+  ASSERT_TRUE(m->ready()) << m->errors();
+  ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+  std::printf("soak: seed %llu, %s\n", static_cast<unsigned long long>(seed), mill.name.c_str());
+  Soak soak(*m, mill, seed);
+  if (rounds > 0)
+    soak.run_rounds(rounds);
+  else
+    soak.run(hours);
+}
+
+TEST(Soak, MachineTime) {
+  soak(sample_mill(0), first_seed(), from_environment("KERF_SOAK_HOURS", kDefaultHours), 0);
+}
 
 TEST(Soak, MachineTimeWithJerkLimits) {
-  soak(kShareWithJerk * from_environment("KERF_SOAK_HOURS", kDefaultHours), kMaxJerk);
+  soak(sample_mill(kMaxJerk), first_seed(),
+       kShareWithJerk * from_environment("KERF_SOAK_HOURS", kDefaultHours), 0);
+}
+
+TEST(Soak, RandomMills) {
+  const auto mills = static_cast<std::uint64_t>(from_environment("KERF_SOAK_MILLS", kDefaultMills));
+  for (std::uint64_t n = 0; n < mills && !testing::Test::HasFailure(); ++n) {
+    const std::uint64_t seed = first_seed() + n;
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() /
+        ("kerf-soak-" + std::to_string(getpid()) + "-" + std::to_string(n));
+    std::filesystem::create_directories(folder);
+    soak(random_mill(seed, folder), seed, 0, kRoundsOfAMill);
+    std::filesystem::remove_all(folder);
+  }
 }
 
 }  // namespace
