@@ -71,6 +71,7 @@ void Controller::configure(const MachineConfig& config) noexcept {
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     AxisConfig& limit = axis_limit_[i];
     const double rest = 1 - limit.offset_av_ratio;
+    mixed_share_ = i == 0 ? rest : std::min(mixed_share_, rest);
     limit.max_vel *= rest;
     limit.max_acc *= rest;
     limit.max_jerk *= rest;

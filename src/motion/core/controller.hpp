@@ -183,6 +183,8 @@ class Controller {
   double skew_[kMaxJoints]{};  ///< of a joint from its place by the inverse kinematics; set at rest
   JogPace::Movers axis_;
   JogPace jog_pace_;
+  double mixed_share_{
+      1};  ///< of the limits of joints that mix axes, without what external offsets have of it
   Wheel joint_wheel_[kMaxJoints], axis_wheel_[rtapi::kAxes];
   AxisConfig
       axis_limit_[rtapi::kAxes];  ///< of the axis and of the joints that it moves alone, without

@@ -480,7 +480,7 @@ void Controller::step_axes(double dt) noexcept {
   if (plain_kinematics_) {
     for (AxisMover& axis : axis_) axis.step(dt);
   } else {
-    JogPace::Machine machine{kinematics_, config_.joint, {}, offsets_.pose()};
+    JogPace::Machine machine{kinematics_, config_.joint, mixed_share_, {}, offsets_.pose()};
     for (std::size_t j = 0; j < joints_; ++j) machine.near[j] = joint_[j].pos_cmd - skew_[j];
     jog_pace_.step(axis_, pose_, machine, dt);
   }

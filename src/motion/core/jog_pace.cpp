@@ -35,6 +35,18 @@ struct Rates {
   JointVector first{}, second{}, third{};
 };
 
+/// What jogs have of a joint's limits.
+struct Bounds {
+  double vel, acc, jerk;
+  bool alone;  ///< it moves one axis alone, whose limits are not above its own
+};
+Bounds bounds_of(const JogPace::Machine& m, std::size_t j) noexcept {
+  const JointConfig& c = m.joint[j];
+  if (m.kinematics.axis_of_joint(static_cast<std::int32_t>(j)) >= 0)
+    return {c.max_vel, c.max_acc, c.max_jerk, true};
+  return {m.share * c.max_vel, m.share * c.max_acc, m.share * c.max_jerk, false};
+}
+
 /// `by`: from the middle point to the next. False: no position there.
 bool rates_along(const JogPace::Machine& m, const Pose& at, const Pose& by, double step,
                  Rates& out) noexcept {
@@ -101,31 +113,28 @@ JogPace::Sight JogPace::look(const Movers& axis, const Pose& at, const Machine& 
   const auto most = [](double& value, double bound) { value = std::min(value, bound); };
   JointVector for_product{};
   for (std::size_t j = 0; j < joints; ++j) {
-    const JointConfig& c = m.joint[j];
+    const Bounds c = bounds_of(m, j);
     if (vel[j] <= 0) continue;
-    // What moves one axis alone has that axis' limits, which are not below its own.
-    const bool alone = m.kinematics.axis_of_joint(static_cast<std::int32_t>(j)) >= 0;
-    if (!alone) most(sight.pace, kOfVelocity * c.max_vel / vel[j]);
-    const double bent = bends[j] / c.max_acc * kSpare;
-    const double for_bend = alone ? 0 : std::min(bent, kMostOfBend) + kStraight;
+    if (!c.alone) most(sight.pace, kOfVelocity * c.vel / vel[j]);
+    const double bent = bends[j] / c.acc * kSpare;
+    const double for_bend = c.alone ? 0 : std::min(bent, kMostOfBend) + kStraight;
     if (bent > kStraight) most(sight.pace, std::sqrt(for_bend * kSpare / bent));
-    most(sight.scale, std::sqrt(((alone ? 1 : kAll) - for_bend) * c.max_acc / acc[j]));
+    most(sight.scale, std::sqrt(((c.alone ? 1 : kAll) - for_bend) * c.acc / acc[j]));
   }
   for (std::size_t j = 0; j < joints; ++j) {
-    const JointConfig& c = m.joint[j];
-    if (vel[j] <= 0 || !(c.max_jerk > 0)) continue;
-    const bool alone = m.kinematics.axis_of_joint(static_cast<std::int32_t>(j)) >= 0;
-    const double twisted = twists[j] / c.max_jerk * kSpare;
-    const double product = 3 * bends[j] * hurry * sight.scale * sight.scale / c.max_jerk * kSpare;
-    const double for_twist = alone ? 0 : std::min(twisted, kMostOfTwist) + kStraight;
-    for_product[j] = alone ? 0 : std::min(product, kMostOfProduct) + kStraight;
+    const Bounds c = bounds_of(m, j);
+    if (vel[j] <= 0 || !(c.jerk > 0)) continue;
+    const double twisted = twists[j] / c.jerk * kSpare;
+    const double product = 3 * bends[j] * hurry * sight.scale * sight.scale / c.jerk * kSpare;
+    const double for_twist = c.alone ? 0 : std::min(twisted, kMostOfTwist) + kStraight;
+    for_product[j] = c.alone ? 0 : std::min(product, kMostOfProduct) + kStraight;
     if (twisted > kStraight) most(sight.pace, std::cbrt(for_twist * kSpare / twisted));
-    const double rest = (alone ? 1 : kAll) - for_twist - for_product[j];
-    if (jerk[j] > 0) most(sight.scale, std::cbrt(rest * c.max_jerk / jerk[j]));
+    const double rest = (c.alone ? 1 : kAll) - for_twist - for_product[j];
+    if (jerk[j] > 0) most(sight.scale, std::cbrt(rest * c.jerk / jerk[j]));
   }
   for (std::size_t j = 0; j < joints; ++j)
     if (for_product[j] > 2 * kStraight)
-      most(sight.pace, for_product[j] * m.joint[j].max_jerk /
+      most(sight.pace, for_product[j] * bounds_of(m, j).jerk /
                            (3 * bends[j] * hurry * sight.scale * sight.scale));
   sight.scale = std::max(sight.scale, kLeastScale);
   sight.pace = std::max(sight.pace, kLeastPace);

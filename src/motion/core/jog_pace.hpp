@@ -23,6 +23,7 @@ class JogPace {
   struct Machine {
     const Kinematics& kinematics;
     const JointConfig* joint;
+    double share;      ///< of the limits of joints that mix axes; external offsets have the rest
     JointVector near;  ///< where the joints are, for kinematics with several answers
     Pose offset;       ///< of the joints' place from the axes' (external offsets)
   };
