@@ -142,8 +142,9 @@ class Controller {
   void move(const Inputs& in, const Orders& orders, double dt) noexcept;
   void move_joints() noexcept;
   void step_axes(double dt) noexcept;
+  void step_mixing_axes(double dt) noexcept;
   void bring_up_slowly() noexcept;
-  [[nodiscard]] bool may_rest_at(const Pose& pose) noexcept;
+  [[nodiscard]] bool may_stop_from_here() const noexcept;
   /// Extra joints that are homed go where their pin says.
   void follow_posthome(const Inputs& in, double dt) noexcept;
   [[nodiscard]] bool is_posthome(std::size_t j) const noexcept {

@@ -1,5 +1,6 @@
 // Modes, and what moves in each of them.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "motion/core/controller.hpp"
@@ -10,6 +11,8 @@ namespace {
 constexpr double kEndlessJog = 1e6;
 constexpr double kAtLimit = 1e-9;
 constexpr double kLeastAcc = 1e-6;  ///< movers divide by it
+/// The way on which jogs would stop is looked at in so many places.
+constexpr std::size_t kPartsOfStop = 8;
 }  // namespace
 
 bool Controller::all_homed() const noexcept {
@@ -460,44 +463,75 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   take_up_play(dt);
 }
 
-/// Jogs of axes whose kinematics have limits of joints that no axis alone stands for: they brake when after one cycle more a stop
-/// would end beyond one of them, or where there is no position.
 void Controller::step_axes(double dt) noexcept {
-  bool inside = true;
   std::uint32_t move = 0;
-  Pose rest = pose_;
-  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-    if (!axis_[i].active()) continue;
-    AxisMover ahead = axis_[i];
-    ahead.step(dt);
-    rest[i] = ahead.rest_position();
-    move |= 1U << i;
-  }
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) move |= axis_[i].active() ? 1U << i : 0U;
   if (move == 0) return;
-  if (!plain_kinematics_) inside = may_rest_at(rest + offsets_.pose());
-  if (!inside)
-    for (AxisMover& axis : axis_) axis.stop();
-  if (plain_kinematics_) {
+  if (plain_kinematics_)
     for (AxisMover& axis : axis_) axis.step(dt);
-  } else {
-    JogPace::Machine machine{kinematics_, config_.joint, mixed_share_, {}, offsets_.pose()};
-    for (std::size_t j = 0; j < joints_; ++j) machine.near[j] = joint_[j].pos_cmd - skew_[j];
-    jog_pace_.step(axis_, pose_, machine, dt);
-  }
+  else
+    step_mixing_axes(dt);
   for (std::size_t i = 0; i < rtapi::kAxes; ++i)
     if ((move >> i & 1U) != 0) pose_[i] = axis_[i].position();
 }
 
-/// From outside a limit the way back is open.
-bool Controller::may_rest_at(const Pose& pose) noexcept {
-  JointVector q{};
-  for (std::size_t j = 0; j < joints_; ++j) q[j] = joint_[j].pos_cmd - skew_[j];
-  if (!kinematics_.inverse(pose, q)) return false;
+/// Kinematics have limits of joints that no axis alone stands for: the axes brake when a stop behind this cycle would lead beyond one of
+/// them, or where there is no position.
+void Controller::step_mixing_axes(double dt) noexcept {
+  JogPace::Machine machine{kinematics_, config_.joint, mixed_share_, {}, offsets_.pose()};
+  for (std::size_t j = 0; j < joints_; ++j) machine.near[j] = joint_[j].pos_cmd - skew_[j];
+  const JogPace::Movers axis_before = axis_;
+  const JogPace pace_before = jog_pace_;
+  jog_pace_.step(axis_, pose_, machine, dt);
+  if (may_stop_from_here()) return;
+  axis_ = axis_before;
+  jog_pace_ = pace_before;
+  for (AxisMover& axis : axis_) axis.stop();
+  jog_pace_.step(axis_, pose_, machine, dt);
+}
+
+/// A stop of all jogs from now on stays where there are positions, and within the limits of the joints; from outside a limit the
+/// way back is open.
+bool Controller::may_stop_from_here() const noexcept {
+  JogPace::Movers axis = axis_;
+  double longest_s = 0;
+  for (AxisMover& mover : axis) {
+    if (!mover.active()) continue;
+    mover.stop();
+    const double rise = mover.jerk() > 0 ? mover.acc() / mover.jerk() : 0;
+    longest_s = std::max(longest_s, mover.fastest() / mover.acc() + 3 * rise);
+  }
+  std::array<JointVector, kPartsOfStop + 1> q;
+  for (std::size_t part = 0; part <= kPartsOfStop; ++part) {
+    Pose at = pose_;
+    for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+      if (!axis_[i].active() && axis_[i].position() == pose_[i]) continue;
+      at[i] = axis[i].position();
+      axis[i].step(longest_s / kPartsOfStop);
+    }
+    q[part] = part > 0 ? q[part - 1] : JointVector{};
+    for (std::size_t j = 0; j < joints_ && part == 0; ++j) q[0][j] = joint_[j].pos_cmd - skew_[j];
+    if (!kinematics_.inverse(at + offsets_.pose(), q[part])) return false;
+  }
   for (std::size_t j = 0; j < joints_; ++j) {
-    const JointConfig& c = config_.joint[j];
-    const double at = q[j] + skew_[j], here = joint_[j].pos_cmd;
     if (is_posthome(j) || !joint_[j].homed) continue;
-    if ((at > c.max_limit && at > here) || (at < c.min_limit && at < here)) return false;
+    double least = q[0][j], most = q[0][j], bend = 0;
+    bool turns = false;
+    for (std::size_t part = 1; part <= kPartsOfStop; ++part) {
+      const double here = q[part][j], came = here - q[part - 1][j];
+      least = std::min(least, here);
+      most = std::max(most, here);
+      if (part == kPartsOfStop) continue;
+      const double goes = q[part + 1][j] - here;
+      turns = turns || came * goes < 0;
+      bend = std::max(bend, std::abs(goes - came));
+    }
+    // Where it turns between two of them it goes farther than both: an eighth of the second difference, which may be twice as large where
+    // an axis comes to rest.
+    const double beyond = turns ? 0.25 * bend : 0.0, now = joint_[j].pos_cmd;
+    const JointConfig& c = config_.joint[j];
+    if (most + beyond + skew_[j] > std::max(c.max_limit, now)) return false;
+    if (least - beyond + skew_[j] < std::min(c.min_limit, now)) return false;
   }
   return true;
 }

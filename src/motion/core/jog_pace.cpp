@@ -17,7 +17,7 @@ constexpr double kStraight = 1e-3;      ///< of the acceleration; what bends les
 constexpr double kSpare = 1.05;
 constexpr double kLeastScale = 0.05, kLeastPace = 1e-3;
 /// Where there is no position or none beside it.
-constexpr double kCreep = 0.02;
+constexpr double kCreep = 0.002;
 /// What moves is slow enough for one that joins.
 constexpr double kSlowEnough = 1.02;
 constexpr double kStands = 1e-9;  ///< mm/s, degrees/s
@@ -83,7 +83,7 @@ JogPace::Sight JogPace::look(const Movers& axis, const Pose& at, const Machine& 
     Pose by;
     by[i] = kStep;
     Rates r;
-    if (!rates_along(m, at, by, kStep, r)) return {1, kCreep};
+    if (!rates_along(m, at, by, kStep, r)) return {kLeastScale, kCreep, true};
     for (std::size_t j = 0; j < joints; ++j) {
       const double slope = std::abs(r.first[j]);
       vel[j] += slope * v;
@@ -103,7 +103,7 @@ JogPace::Sight JogPace::look(const Movers& axis, const Pose& at, const Machine& 
     const double step = kStep / fastest;
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) together[i] *= step;
     Rates r;
-    if (!rates_along(m, at, together, step, r)) return {1, kCreep};
+    if (!rates_along(m, at, together, step, r)) return {kLeastScale, kCreep, true};
     // What the axes do to each other, whichever way they go.
     for (std::size_t j = 0; j < joints; ++j) {
       bends[j] += std::abs(r.second[j] - bend[j]);
@@ -136,6 +136,7 @@ JogPace::Sight JogPace::look(const Movers& axis, const Pose& at, const Machine& 
     if (for_product[j] > 2 * kStraight)
       most(sight.pace, for_product[j] * bounds_of(m, j).jerk /
                            (3 * bends[j] * hurry * sight.scale * sight.scale));
+  sight.wall = sight.pace < kLeastPace || sight.scale < kLeastScale;
   sight.scale = std::max(sight.scale, kLeastScale);
   sight.pace = std::max(sight.pace, kLeastPace);
   return sight;
@@ -207,9 +208,15 @@ void JogPace::step(Movers& axis, const Pose& pose, const Machine& machine, doubl
     next_ = (next_ + 1) % kSights;
     sight_[next_] = look(axis, ahead(axis, pose, next_) + machine.offset, machine);
   }
+  // Into what joints cannot follow nothing goes; from within it everything creeps.
+  if (!sight_[0].wall &&
+      std::any_of(std::begin(sight_), std::end(sight_), [](const Sight& s) { return s.wall; }))
+    for (AxisMover& mover : axis) mover.stop();
   Sight least = sight_[0];
-  for (const Sight& s : sight_)
+  for (const Sight& s : sight_) {
+    if (s.wall && !sight_[0].wall) continue;
     least = {std::min(least.scale, s.scale), std::min(least.pace, s.pace)};
+  }
   bool stands = true;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i)
     stands = stands && ((admitted_ >> i & 1U) == 0 || axis[i].fastest() < kStands);

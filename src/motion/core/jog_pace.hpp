@@ -5,7 +5,7 @@
 // of that speed which is driven: velocity j' w, acceleration j'' w^2 and what the movers do, which goes with s^2, jerk j''' w^3, what the movers
 // do with s^3, and products of both. Each of these gets a share of the limit; what bends least leaves most to the movers. The derivatives come from differences
 // of the inverse kinematics, here and at places ahead up to twice the way to stop. w follows them in every cycle; s is chosen while all stand, for what lies
-// on the whole way if it is not much worse than here. Where s would be too much further on, and where another axis joins that leaves less of it, all stand for a moment.
+// on the whole way if it is not much worse than here. Before a place where joints cannot follow at all (the end of the workspace, a pole) a jog ends. Where s would be too much further on, and where another axis joins that leaves less of it, all stand for a moment.
 #pragma once
 
 #include <array>
@@ -38,6 +38,7 @@ class JogPace {
   /// What places allow: s and w.
   struct Sight {
     double scale{1}, pace{1};
+    bool wall{false};  ///< joints cannot follow there: no position, or next to a pole
   };
   static constexpr std::size_t kSights = 4;
 
