@@ -197,7 +197,7 @@ TEST_P(SimsThatMixAxes, KeepTheirJointsLimitsInJogsOfAxes) {
         letters += "xyzabcuvw"[i];
     std::mt19937 dice(seed);
     const auto one_of = [&](unsigned n) { return static_cast<std::size_t>(dice() % n); };
-    for (int jogs = 0; jogs < 150; ++jogs) {
+    for (int jogs = 0; jogs < 100; ++jogs) {
       const auto speed = static_cast<int>(one_of(300)) - 150;
       std::vector<std::string> words{
           "jog", std::string(1, letters[one_of(static_cast<unsigned>(letters.size()))]),

@@ -34,7 +34,7 @@ constexpr double kDefaultHours = 1;
 /// Time laws cost more of the computer's time than the rest of the machine.
 constexpr double kShareWithJerk = 0.25;
 constexpr double kMaxJerk = 20'000;  ///< mm/s3
-constexpr double kDefaultMills = 9;
+constexpr double kDefaultMills = 6;
 constexpr int kRoundsOfAMill = 12;
 constexpr int kWarmUpRounds = 40;
 /// What allocators and logs that have not filled up yet may add after the warm-up.
