@@ -466,7 +466,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
 void Controller::step_axes(double dt) noexcept {
   std::uint32_t move = 0;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) move |= axis_[i].active() ? 1U << i : 0U;
-  if (move == 0) return;
+  if (move == 0) return jog_pace_.rest();
   if (plain_kinematics_)
     for (AxisMover& axis : axis_) axis.step(dt);
   else

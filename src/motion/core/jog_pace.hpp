@@ -31,6 +31,8 @@ class JogPace {
 
   /// One cycle of `dt` seconds of all movers, which stand at `pose`.
   void step(Movers& axis, const Pose& pose, const Machine& machine, double dt) noexcept;
+  /// All movers stand: what was for the last jog counts no more.
+  void rest() noexcept { wanted_ = admitted_ = 0, halts_ = false, needed_ = 1; }
   /// Seconds of the movers in one of the clock.
   [[nodiscard]] double scale() const noexcept { return scale_; }
 

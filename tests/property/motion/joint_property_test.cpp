@@ -155,5 +155,33 @@ TEST(Jog, OfAxesThatJointsMixIsFast) {
   }
 }
 
+/// Through the pole of a turntable the table would have to turn by half a turn in no time.
+TEST(Jog, EndsBeforeAPoleAndGoesBackFromIt) {
+  const test::PolarKinematics polar;
+  Rig rig{test::RigKinematics(polar)};
+  rig.ready();
+  rig.intent.mode = MotionMode::teleop;
+  rig.run(3);
+  const auto jog = [&rig](double vel) {
+    JogIntent& x = rig.intent.axis_jog[0];
+    x = {x.seq + 1, JogIntent::Kind::continuous, vel, 0};
+    return rig.run_until([&] { return !rig.status().jogging; }, 1000);
+  };
+  for (int time = 0; time < 3; ++time) {
+    EXPECT_GT(jog(-20), 0) << "it ends by itself";
+    EXPECT_LT(rig.status().pos_cmd.x, -6) << time;
+    EXPECT_GT(rig.status().pos_cmd.x, -8) << time;
+    const double near = rig.status().pos_cmd.x;
+    EXPECT_EQ(jog(20), -1);
+    EXPECT_GT(rig.status().pos_cmd.x, near + 10) << "it goes on";
+    ++rig.intent.axis_jog[0].seq;
+    rig.intent.axis_jog[0].kind = JogIntent::Kind::none;
+    rig.run(500);
+    rig.intent.axis_jog[0] = {rig.intent.axis_jog[0].seq + 1, JogIntent::Kind::absolute, 20, 0};
+    rig.run(3000);
+  }
+  EXPECT_TRUE(rig.faults.empty());
+}
+
 }  // namespace
 }  // namespace kerf::motion
