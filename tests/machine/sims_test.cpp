@@ -30,6 +30,8 @@ struct Sim {
   rtapi::Pose end;           ///< where the program ends, machine coordinates
 };
 
+// The name is GoogleTest's.
+// NOLINTNEXTLINE(readability-identifier-naming)
 void PrintTo(const Sim& sim, std::ostream* out) { *out << sim.folder; }
 
 std::string config(const std::string& folder, const std::string& file) {
@@ -216,7 +218,7 @@ TEST_P(SimsThatMixAxes, KeepTheirJointsLimitsInJogsOfAxes) {
 }
 
 // At the home of the delta's carriages.
-const double kDeltaZ = 500 - std::sqrt(269.0 * 269.0 - 130.25 * 130.25);
+const double delta_z = 500 - std::sqrt(269.0 * 269.0 - 130.25 * 130.25);
 
 std::string name_of(const testing::TestParamInfo<Sim>& tested) {
   std::string name = tested.param.folder;

@@ -334,10 +334,10 @@ class Soak {
     if (!mill_.has_free_pins) return;
     count("wheels");
     const bool axis = dice_.one_in(2);
+    const auto number = static_cast<std::size_t>(
+        dice_.below(static_cast<int>(axis ? mill_.letters.size() : mill_.joints.size())));
     const std::string name =
-        axis ? std::string("axis.") +
-                   mill_.letters[dice_.below(static_cast<int>(mill_.letters.size()))]
-             : "joint." + std::to_string(dice_.below(static_cast<int>(mill_.joints.size())));
+        axis ? std::string("axis.") + mill_.letters[number] : "joint." + std::to_string(number);
     set_pin(name + ".jog-scale", dice_.one_in(3) ? dice_.between(-1, 1) : 0.01);
     touch(name + ".jog-vel-mode", dice_.one_in(2) ? 1 : 0);
     touch(name + ".jog-enable", 1);

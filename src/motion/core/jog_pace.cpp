@@ -28,7 +28,7 @@ constexpr std::size_t kPlaces = 6;
 constexpr double kFarthest = 500, kMuchWorse = 0.5;
 /// What is asked for here may grow a little on the way.
 constexpr double kReserve = 0.97;
-constexpr double kLooksAhead = 2, kLooksAheadAtLeast_s = 0.05;
+constexpr double kLooksAhead = 2, kLooksAheadAtLeast = 0.05;  ///< times the way to stop; s
 
 /// A joint along one way: derivatives for what the way is measured in.
 struct Rates {
@@ -51,12 +51,11 @@ Bounds bounds_of(const JogPace::Machine& m, std::size_t j) noexcept {
 bool rates_along(const JogPace::Machine& m, const Pose& at, const Pose& by, double step,
                  Rates& out) noexcept {
   std::array<JointVector, 5> q;
-  for (int n = -2; n <= 2; ++n) {
+  for (std::size_t n = 0; n < q.size(); ++n) {
     Pose p = at;
-    for (std::size_t i = 0; i < rtapi::kAxes; ++i) p[i] += n * by[i];
-    JointVector& to = q[static_cast<std::size_t>(n + 2)];
-    to = m.near;
-    if (!m.kinematics.inverse(p, to)) return false;
+    for (std::size_t i = 0; i < rtapi::kAxes; ++i) p[i] += (static_cast<double>(n) - 2) * by[i];
+    q[n] = m.near;
+    if (!m.kinematics.inverse(p, q[n])) return false;
   }
   for (std::size_t j = 0; j < static_cast<std::size_t>(m.kinematics.joints()); ++j) {
     out.first[j] = (q[3][j] - q[1][j]) / (2 * step);
@@ -150,8 +149,8 @@ Pose JogPace::ahead(const Movers& axis, const Pose& pose, std::size_t sight) con
     if ((admitted_ >> i & 1U) == 0) continue;
     const AxisMover& mover = axis[i];
     const double here = mover.position(), to = mover.target() - here;
-    double way = kLooksAhead * (mover.rest_position() - here) +
-                 kLooksAheadAtLeast_s * mover.speed() * scale();
+    double way =
+        kLooksAhead * (mover.rest_position() - here) + kLooksAheadAtLeast * mover.speed() * scale();
     // Not farther than it will go.
     if (way * to > 0 && std::abs(way) > std::abs(to)) way = to;
     p[i] += part * way;
