@@ -144,7 +144,9 @@ class Controller {
   void step_axes(double dt) noexcept;
   void step_mixing_axes(double dt) noexcept;
   void bring_up_slowly() noexcept;
-  [[nodiscard]] bool may_stop_from_here() const noexcept;
+  /// Where a stop of jogs leads: within soft limits, beyond one, or where there is no position.
+  enum class StopBehind { inside, beyond, nowhere };
+  [[nodiscard]] StopBehind stop_from_here() const noexcept;
   /// Extra joints that are homed go where their pin says.
   void follow_posthome(const Inputs& in, double dt) noexcept;
   [[nodiscard]] bool is_posthome(std::size_t j) const noexcept {

@@ -482,17 +482,22 @@ void Controller::step_mixing_axes(double dt) noexcept {
   for (std::size_t j = 0; j < joints_; ++j) machine.near[j] = joint_[j].pos_cmd - skew_[j];
   const JogPace::Movers axis_before = axis_;
   const JogPace pace_before = jog_pace_;
-  jog_pace_.step(axis_, pose_, machine, dt);
-  if (may_stop_from_here()) return;
-  axis_ = axis_before;
-  jog_pace_ = pace_before;
+  for (const bool faster : {true, false}) {
+    jog_pace_.step(axis_, pose_, machine, dt, faster);
+    const StopBehind stop = stop_from_here();
+    if (stop == StopBehind::inside) return;
+    axis_ = axis_before;
+    jog_pace_ = pace_before;
+    // To the edge of the workspace nothing goes as near as it can: joints have no end of speed there.
+    if (stop == StopBehind::nowhere) break;
+  }
   for (AxisMover& axis : axis_) axis.stop();
   jog_pace_.step(axis_, pose_, machine, dt);
 }
 
 /// A stop of all jogs from now on stays where there are positions, and within the limits of the joints; from outside a limit the
 /// way back is open.
-bool Controller::may_stop_from_here() const noexcept {
+Controller::StopBehind Controller::stop_from_here() const noexcept {
   JogPace::Movers axis = axis_;
   double longest_s = 0;
   for (AxisMover& mover : axis) {
@@ -511,29 +516,27 @@ bool Controller::may_stop_from_here() const noexcept {
     }
     q[part] = part > 0 ? q[part - 1] : JointVector{};
     for (std::size_t j = 0; j < joints_ && part == 0; ++j) q[0][j] = joint_[j].pos_cmd - skew_[j];
-    if (!kinematics_.inverse(at + offsets_.pose(), q[part])) return false;
+    if (!kinematics_.inverse(at + offsets_.pose(), q[part])) return StopBehind::nowhere;
   }
   for (std::size_t j = 0; j < joints_; ++j) {
     if (is_posthome(j) || !joint_[j].homed) continue;
-    double least = q[0][j], most = q[0][j], bend = 0;
-    bool turns = false;
+    double least = q[0][j], most = q[0][j];
     for (std::size_t part = 1; part <= kPartsOfStop; ++part) {
       const double here = q[part][j], came = here - q[part - 1][j];
-      least = std::min(least, here);
-      most = std::max(most, here);
-      if (part == kPartsOfStop) continue;
-      const double goes = q[part + 1][j] - here;
-      turns = turns || came * goes < 0;
-      bend = std::max(bend, std::abs(goes - came));
+      const double goes = part < kPartsOfStop ? q[part + 1][j] - here : 0;
+      // Where it turns between two of them it goes farther than both: an eighth of the second difference, which may be twice as large where
+      // an axis comes to rest.
+      const bool turns = came * goes < 0 && std::abs(came) > kAtLimit && std::abs(goes) > kAtLimit;
+      const double beyond = turns ? 0.25 * std::abs(goes - came) : 0;
+      least = std::min(least, came < 0 ? here - beyond : here);
+      most = std::max(most, came > 0 ? here + beyond : here);
     }
-    // Where it turns between two of them it goes farther than both: an eighth of the second difference, which may be twice as large where
-    // an axis comes to rest.
-    const double beyond = turns ? 0.25 * bend : 0.0, now = joint_[j].pos_cmd;
+    const double now = joint_[j].pos_cmd;
     const JointConfig& c = config_.joint[j];
-    if (most + beyond + skew_[j] > std::max(c.max_limit, now)) return false;
-    if (least - beyond + skew_[j] < std::min(c.min_limit, now)) return false;
+    if (most + skew_[j] > std::max(c.max_limit, now)) return StopBehind::beyond;
+    if (least + skew_[j] < std::min(c.min_limit, now)) return StopBehind::beyond;
   }
-  return true;
+  return StopBehind::inside;
 }
 
 /// motion(9), "JOINT posthome pins". The pin's planner (limit3, simple_tp) is followed exactly while it keeps to the joint's limits; a pin

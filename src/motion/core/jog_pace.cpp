@@ -200,7 +200,8 @@ bool JogPace::admit(const Movers& axis, const Sight& least) const noexcept {
   return true;
 }
 
-void JogPace::step(Movers& axis, const Pose& pose, const Machine& machine, double dt) noexcept {
+void JogPace::step(Movers& axis, const Pose& pose, const Machine& machine, double dt,
+                   bool faster) noexcept {
   take(axis);
   if (wanted_ == 0) return;
   for (std::size_t n = 0; n < (anew_ ? kSights : 1); ++n) {
@@ -227,7 +228,7 @@ void JogPace::step(Movers& axis, const Pose& pose, const Machine& machine, doubl
     halts_ = true;
     needed_ = std::min(needed_, least.scale);
   }
-  const bool all = !halts_ && admit(axis, least);
+  const bool all = faster && !halts_ && admit(axis, least);
   if (all) admitted_ = wanted_;
   const double pace = halts_ ? 0 : least.pace / scale_;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {

@@ -29,8 +29,9 @@ class JogPace {
   };
   using Movers = std::array<AxisMover, rtapi::kAxes>;
 
-  /// One cycle of `dt` seconds of all movers, which stand at `pose`.
-  void step(Movers& axis, const Pose& pose, const Machine& machine, double dt) noexcept;
+  /// One cycle of `dt` seconds of all movers, which stand at `pose`. Not `faster`: none gets faster, and none joins.
+  void step(Movers& axis, const Pose& pose, const Machine& machine, double dt,
+            bool faster = true) noexcept;
   /// All movers stand: what was for the last jog counts no more.
   void rest() noexcept { wanted_ = admitted_ = 0, halts_ = false, needed_ = 1; }
   /// Seconds of the movers in one of the clock.
