@@ -1,6 +1,7 @@
 // AxisMover: one joint or axis alone, for jogs and homing. In closed form, limited in acceleration or in jerk too; pure arithmetic, @rt.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "motion/core/ramp.hpp"
@@ -36,8 +37,9 @@ class AxisMover {
   [[nodiscard]] double speed() const noexcept { return velocity_; }  ///< signed
   /// Without sign, when the acceleration is let go from now on.
   [[nodiscard]] double fastest() const noexcept {
-    const bool faster = velocity_ * acceleration_ > 0 && jerk_ > 0;
-    return std::abs(velocity_) + (faster ? acceleration_ * acceleration_ / (2 * jerk_) : 0);
+    const double now = std::abs(velocity_);
+    if (!(jerk_ > 0)) return now;
+    return std::max(now, std::abs(speed_when_released({velocity_, acceleration_}, jerk_)));
   }
   [[nodiscard]] double target() const noexcept { return target_; }
   [[nodiscard]] double speed_limit() const noexcept { return speed_limit_; }

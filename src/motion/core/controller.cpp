@@ -67,11 +67,11 @@ void Controller::configure(const MachineConfig& config) noexcept {
     }
   }
   if (!plain_kinematics_) bring_up_slowly();
+  mixed_share_ = share_beside_offsets(config, axes_of(kinematics_.axis_mask(), config));
   offsets_.configure(axis_limit_, kinematics_.axis_mask());
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     AxisConfig& limit = axis_limit_[i];
     const double rest = 1 - limit.offset_av_ratio;
-    mixed_share_ = i == 0 ? rest : std::min(mixed_share_, rest);
     limit.max_vel *= rest;
     limit.max_acc *= rest;
     limit.max_jerk *= rest;

@@ -175,7 +175,7 @@ double JogPace::scale_for_the_way(const Movers& axis, const Pose& pose, const Ma
 
 void JogPace::take(Movers& axis) noexcept {
   std::uint32_t wanted = 0;
-  double sum = 0;
+  std::array<double, rtapi::kAxes> speeds{};
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     AxisMover& mover = axis[i];
     // One that waits and is stopped stands already.
@@ -183,11 +183,11 @@ void JogPace::take(Movers& axis) noexcept {
       mover.place(mover.position());
     if (!mover.active()) continue;
     wanted |= 1U << i;
-    sum += static_cast<double>(i + 1) * mover.speed_limit();
+    speeds[i] = mover.speed_limit();
   }
-  anew_ = wanted != wanted_ || sum != speed_sum_;
+  anew_ = wanted != wanted_ || speeds != speeds_;
   wanted_ = wanted;
-  speed_sum_ = sum;
+  speeds_ = speeds;
   admitted_ &= wanted;
 }
 

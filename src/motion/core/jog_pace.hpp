@@ -55,11 +55,11 @@ class JogPace {
 
   Sight sight_[kSights];
   double scale_{1};
-  double needed_{1};           ///< s for what lay ahead when all had to stand
-  std::size_t next_{0};        ///< sight that is looked at in the next cycle
-  std::uint32_t wanted_{0};    ///< axes that are to move, a bit each
-  std::uint32_t admitted_{0};  ///< of these, those that may
-  double speed_sum_{0};        ///< of the speeds that are asked for; another sum is another jog
+  double needed_{1};                           ///< s for what lay ahead when all had to stand
+  std::size_t next_{0};                        ///< sight that is looked at in the next cycle
+  std::uint32_t wanted_{0};                    ///< axes that are to move, a bit each
+  std::uint32_t admitted_{0};                  ///< of these, those that may
+  std::array<double, rtapi::kAxes> speeds_{};  ///< that are asked for; others are another jog
   bool anew_{false}, halts_{false};
 };
 

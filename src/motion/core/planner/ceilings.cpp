@@ -45,9 +45,7 @@ class Sampler {
         begin_(joint),
         near_(joint),
         trivial_(is_trivial(kinematics, config)) {
-    for (std::size_t i = 0; i < rtapi::kAxes; ++i)
-      if ((axes_of(kinematics.axis_mask(), config) >> i & 1U) != 0)
-        joint_rest_ = std::min(joint_rest_, 1 - config.axis[i].offset_av_ratio);
+    joint_rest_ = share_beside_offsets(config, axes_of(kinematics.axis_mask(), config));
     plan_samples();
   }
 

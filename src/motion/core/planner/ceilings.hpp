@@ -1,6 +1,7 @@
 // Ceilings: the speed and the acceleration along a curve that keep every joint and axis within its limits.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "motion/api/config.hpp"
@@ -20,6 +21,15 @@ namespace kerf::motion {
 [[nodiscard]] constexpr std::int32_t joints_of(std::int32_t kinematics_joints,
                                                const MachineConfig& config) noexcept {
   return config.joints > 0 && config.joints < kinematics_joints ? config.joints : kinematics_joints;
+}
+
+/// What a joint that several of these axes move has of its limits beside their external offsets, which get the largest of their shares.
+[[nodiscard]] constexpr double share_beside_offsets(const MachineConfig& config,
+                                                    std::uint32_t axes) noexcept {
+  double share = 1;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    if ((axes >> i & 1U) != 0) share = std::min(share, 1 - config.axis[i].offset_av_ratio);
+  return share;
 }
 
 /// Where other jerks are limited, an axis or a joint without a limit reaches its acceleration within a part of a cycle, not at once (s): ramps without

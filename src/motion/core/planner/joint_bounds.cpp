@@ -62,9 +62,7 @@ void JointBounds::configure(const MachineConfig& config, const path::AxisLimits&
   axes_ = axes;
   moved_ = axes_of(kinematics_.axis_mask(), config);
   // A joint that several axes move has what their external offsets leave; `axes` have it already.
-  double rest = 1;
-  for (std::size_t i = 0; i < path::kAxes; ++i)
-    if ((moved_ >> i & 1U) != 0) rest = std::min(rest, 1 - config.axis[i].offset_av_ratio);
+  const double rest = share_beside_offsets(config, moved_);
   for (std::size_t j = 0; j < joints_; ++j) {
     const JointConfig& c = config.joint[j];
     low_[j] = c.min_limit;
