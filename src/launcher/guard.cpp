@@ -6,11 +6,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
 #include "launcher/process.hpp"
 #include "rtapi/shm/leftovers.hpp"
+#include "rtapi/shm/process.hpp"
 #include "rtapi/shm/segment.hpp"
 
 namespace kerf::launcher {
@@ -28,16 +30,33 @@ struct Declared {
   std::vector<std::vector<std::string>> commands;
 };
 
-/// While the realtime process still runs, which it does for a while behind its supervisor; or if it does not, without it.
-void reach_safe_state(const std::string& instance, const Declared& declared) {
-  auto segment = rtapi::Segment::attach(instance);
-  if (!segment.ok()) return;
-  const SafeState safe(**segment, declared.pins);
-  safe.disable();
+bool host_lives(const std::string& run_id) {
+  const std::vector<pid_t> pids = rtapi::processes_of_run(run_id);
+  return std::any_of(pids.begin(), pids.end(),
+                     [](pid_t pid) { return rtapi::process_name(pid) == "rtapi_app"; });
+}
+
+/// Motion is off, all other outputs are what is declared, and the realtime process has run on long enough for its drivers to write that.
+bool host_reaches_safe_state(const SafeState& safe, const std::string& run_id) {
   for (int waited = 0; waited < kDisableMs && safe.enabled(); ++waited) pause_ms(1);
-  const bool host_lives = !safe.enabled();
-  safe.apply(host_lives);
-  if (!host_lives) (void)run_safe_commands(declared.commands);  // nobody is there to be told
+  if (safe.enabled() || !host_lives(run_id)) return false;
+  safe.apply(true);
+  pause_ms(kSettleMs);
+  return host_lives(run_id);
+}
+
+/// The realtime process switches itself off when it sees that the launcher is dead; here it is told too, since it may see that later.
+/// It runs on for a second, or until it is ended below.
+void reach_safe_state(const std::string& instance, const std::string& run_id,
+                      const Declared& declared) {
+  auto segment = rtapi::Segment::attach(instance);
+  if (segment.ok()) {
+    const SafeState safe(**segment, declared.pins);
+    safe.disable();
+    if (host_reaches_safe_state(safe, run_id)) return;
+    safe.apply(false);
+  }
+  (void)run_safe_commands(declared.commands);  // nobody is there to be told
   pause_ms(kSettleMs);
 }
 
@@ -53,7 +72,7 @@ void reach_safe_state(const std::string& instance, const Declared& declared) {
     n = read(fd, &word, 1);
   } while (n < 0 && errno == EINTR);
   if (n == 0) {
-    reach_safe_state(instance, declared);
+    reach_safe_state(instance, run_id, declared);
     (void)rtapi::end_processes_of_run(run_id, kPatienceMs);
     (void)rtapi::Segment::remove(instance);
   }

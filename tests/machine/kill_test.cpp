@@ -97,6 +97,15 @@ void expect_whole_files(const Mill& mill) {
   EXPECT_TRUE(joints == 0 || joints == 3) << positions;
 }
 
+int guard_of(const Kerf& kerf) {
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    const int pid = std::atoi(entry.path().filename().c_str());
+    if (pid > 1 && rtapi::parent_of(pid) == kerf.pid() && rtapi::process_name(pid) == "kerf-guard")
+      return pid;
+  }
+  return -1;
+}
+
 TEST(KillMinusNine, LeavesATrueJournalWholeFilesAndTheSafeState) {
   const char* wanted = std::getenv("KERF_COUNT");
   const int count = wanted != nullptr ? std::max(1, std::atoi(wanted)) : 6;
@@ -258,26 +267,45 @@ TEST(KillMinusNine, AGuardThatDiesIsReplacedByOneThatReachesTheSafeState) {
   const Witness witness("guard9" + std::to_string(getpid()));
   ASSERT_TRUE(witness.ready()) << kerf.output();
   ASSERT_TRUE(kerf.wait_output("runs; end it with")) << kerf.output();
-  const auto guard = [&] {
-    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-      const int pid = std::atoi(entry.path().filename().c_str());
-      if (pid > 1 && rtapi::parent_of(pid) == kerf.pid() &&
-          rtapi::process_name(pid) == "kerf-guard")
-        return pid;
-    }
-    return -1;
-  };
-  const int first = guard();
+  const int first = guard_of(kerf);
   ASSERT_GT(first, 1);
   kill(first, SIGKILL);
   ASSERT_TRUE(kerf.wait_output("there is a new one")) << kerf.output();
-  for (int i = 0; i < 4000 && guard() < 0; ++i) pause_ms(5);
-  EXPECT_NE(guard(), first);
+  for (int i = 0; i < 4000 && guard_of(kerf) < 0; ++i) pause_ms(5);
+  EXPECT_NE(guard_of(kerf), first);
   witness.switch_relay_off();
   kerf.signal(SIGKILL);
   EXPECT_EQ(kerf.wait_exit(), 128 + SIGKILL);
   EXPECT_EQ(kerf.leftovers(), "");
   EXPECT_EQ(witness.relay(), 1U);
+}
+
+/// The guard hangs: the realtime process has seen by itself that kerf is dead.
+TEST(KillMinusNine, TheDrivesGoOffBeforeTheGuardHasItsTurn) {
+  Mill mill("late9");
+  mill.change("[AXIS_X]\n", "[SAFE_STATE]\nPIN = motion.digital-out-03 0\n\n[AXIS_X]\n");
+  mill.change("HALCMD = setp spindle-motor.acceleration 100",
+              "HALCMD = loadrt not names=relay\nHALCMD = addf relay servo-thread");
+  mill.take_silence();
+  mill.write("job.ngc", long_program());
+  Kerf kerf(mill, "late9", {"--program", mill.path("job.ngc")});
+  const Witness witness("late9" + std::to_string(getpid()));
+  ASSERT_TRUE(witness.ready()) << kerf.output();
+  for (int i = 0; i < 4000 && witness.motion().current.line < 8; ++i) pause_ms(5);
+  ASSERT_GE(witness.motion().current.line, 8) << kerf.output();
+  ASSERT_TRUE(witness.motion().enabled);
+  EXPECT_EQ(witness.digital(), 1U);
+  const int guard = guard_of(kerf);
+  ASSERT_GT(guard, 1);
+  kill(guard, SIGSTOP);
+  kerf.signal(SIGKILL);
+  EXPECT_EQ(kerf.wait_exit(), 128 + SIGKILL);
+  for (int i = 0; i < 4000 && !kerf.parts().empty(); ++i) pause_ms(5);
+  EXPECT_TRUE(kerf.parts().empty()) << "who is left without a guard ends by itself";
+  EXPECT_FALSE(witness.motion().enabled);
+  EXPECT_EQ(witness.digital(), 0U);
+  kill(guard, SIGCONT);
+  EXPECT_EQ(kerf.leftovers(), "");
 }
 
 }  // namespace

@@ -175,6 +175,7 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
   if (block == nullptr || link_ == nullptr) return;
   shared_ = new (block) MotionShared();
   b.provide(kMotionService, shared_);
+  b.provide(hal::kSwitchOff, &switch_off_);
   recorder_ = make_part<FlightRecorder>(b);
   const auto* segment = static_cast<const rtapi::Segment*>(b.find_service(hal::kSegmentService));
   const std::size_t words = flight_words(segment);
@@ -283,6 +284,8 @@ void Motmod::command_handler(const hal::Period&) noexcept {
   const std::uint64_t version = cell.values.version();
   if (version != intent_version_ && cell.values.read(intent_, 2)) intent_version_ = version;
   read_orders(cell, orders_);
+  // Task may live a little longer than the supervisor, and somebody may press its buttons.
+  if (forsaken_.requested()) orders_.enable = false;
   orders_.path_ring_empty = shared_->path.empty();
 }
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "hal/component.hpp"
+#include "hal/switch_off.hpp"
 #include "motion/core/controller.hpp"
 #include "motion/core/planner/asked_kinematics.hpp"
 #include "motion/motmod/args.hpp"
@@ -97,6 +98,9 @@ class Motmod final : public hal::Component<Motmod> {
   CHoming* homing_{nullptr};         ///< [EMCMOT]HOMEMOD, when it is not motmod's own
   AskedKinematics* asked_{nullptr};  ///< the planner's, when the module is in C
   std::uint32_t axis_mask_{0};
+  rtapi::StopWord forsaken_;  ///< the supervisor is dead: drives stay off
+  hal::SwitchOff switch_off_{
+      [](void* machine) noexcept { static_cast<Motmod*>(machine)->forsaken_.request(); }, this};
 
   ScrewTable screw_[kMaxJoints];
   std::uint64_t screw_version_[kMaxJoints]{};

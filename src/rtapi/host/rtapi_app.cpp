@@ -1,7 +1,8 @@
 // rtapi_app: the realtime process of an instance.
 //
 // Maps the instance's segment (or makes it), runs HAL threads and components, and answers halcmd and the other programs. It ends
-// on SIGTERM and SIGINT, and when its supervisor dies: the descriptor KERF_SUPERVISOR_FD then reaches its end of file.
+// on SIGTERM and SIGINT, and when its supervisor dies: the descriptor KERF_SUPERVISOR_FD then reaches its end of file. Without a
+// supervisor the machine goes off first.
 #include <fcntl.h>
 #include <getopt.h>
 #include <poll.h>
@@ -22,6 +23,7 @@
 #include "hal/loader/module_source.hpp"
 #include "hal/loader/realtime_host.hpp"
 #include "hal/loader/server.hpp"
+#include "hal/switch_off.hpp"
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/clock/stop_signals.hpp"
 #include "rtapi/host/real_driver.hpp"
@@ -163,9 +165,9 @@ class MainParticipant final : public rtapi::Participant {
   void step(rtapi::Nanos now, rtapi::WaitSpec& next) override {
     print_messages();
     if (orphaned_ || is_orphaned_at(now)) {
-      if (!orphaned_) orphaned_at_ = now;
-      orphaned_ = true;
-      // On the real clock there may be hardware: the others switch the machine off, and drivers write that.
+      if (!orphaned_) begin_orphaned(now);
+      // On the real clock there may be hardware: drivers write that the machine is off, and kerf's guard sets what else is declared
+      // for that. It ends this process when it has; a guard that is dead too does not.
       if (clock_.is_virtual() || now - orphaned_at_ >= kOrphanTime) {
         clock_.stop();
         return;
@@ -205,6 +207,13 @@ class MainParticipant final : public rtapi::Participant {
     stepped_at_ = looked_at_ = now;
     return supervisor_.dead();
   }
+  /// The drives go off in the next cycle, however late the guard gets its turn.
+  void begin_orphaned(rtapi::Nanos now) {
+    orphaned_at_ = now;
+    orphaned_ = true;
+    const auto* off = static_cast<const hal::SwitchOff*>(host_.service(hal::kSwitchOff));
+    if (off != nullptr) off->now(off->machine);
+  }
   /// What realtime code has said since the last time.
   void print_messages() {
     (void)log_.drain();
@@ -218,7 +227,7 @@ class MainParticipant final : public rtapi::Participant {
   hal::RealDriver& driver_;
   hal::RealtimeHost cycles_;
   rtapi::LogReader log_;
-  static constexpr rtapi::Nanos kOrphanTime = 150 * rtapi::kMillisecond;
+  static constexpr rtapi::Nanos kOrphanTime = 1000 * rtapi::kMillisecond;
   static constexpr rtapi::Nanos kLookEvery = 10 * rtapi::kMillisecond;
   bool orphaned_{false};
   rtapi::Nanos orphaned_at_{0};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hal/core/test_builder.hpp"
+#include "hal/switch_off.hpp"
 #include "motion/api/kinematics.hpp"
 #include "motion/api/shared.hpp"
 #include "motion/motmod/read_orders.hpp"
@@ -354,6 +355,26 @@ TEST(Motmod, AnAbortIsSeenByWhoeverSeesTheHoldTakenAway) {
   read_orders(cell, orders);
   EXPECT_TRUE(orders.hold || orders.abort_epoch == 2) << "the old path would run on for a cycle";
   EXPECT_EQ(orders.abort_epoch, 2U);
+}
+
+TEST(Motmod, StaysOffOnceItsSupervisorIsDead) {
+  Shell s;
+  ASSERT_TRUE(s.load()) << s.hal.error();
+  s.configure();
+  s.shared().intent.enable.set(1);
+  s.run(5);
+  ASSERT_TRUE(s.status().enabled);
+  const auto* off = static_cast<const hal::SwitchOff*>(s.hal.find_service(hal::kSwitchOff));
+  ASSERT_NE(off, nullptr);
+  off->now(off->machine);
+  s.cycle();
+  EXPECT_FALSE(s.status().enabled) << "in the very next cycle";
+  // Task may live on for a moment, and somebody may press its button.
+  for (std::uint32_t request = 2; request < 6; ++request) {
+    s.shared().intent.enable.set(request);
+    s.run(5);
+    EXPECT_FALSE(s.status().enabled) << "request " << request;
+  }
 }
 
 /// The handshakes of homing by their pins: unlock, index-enable, lock.
