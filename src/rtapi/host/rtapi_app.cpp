@@ -211,6 +211,7 @@ class MainParticipant final : public rtapi::Participant {
   void begin_orphaned(rtapi::Nanos now) {
     orphaned_at_ = now;
     orphaned_ = true;
+    host_.segment().begin_end();  // the next start waits for it
     const auto* off = static_cast<const hal::SwitchOff*>(host_.service(hal::kSwitchOff));
     if (off != nullptr) off->now(off->machine);
   }
