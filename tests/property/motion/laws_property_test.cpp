@@ -200,6 +200,33 @@ TEST(TimeLaws, LinesOfMicrometresTakeNoLongerThanTheirWay) {
     }
 }
 
+/// A feed that changes in each cycle, as adaptive feed does: what a hold is left with is made again now and then, not each time, and is there when it is
+/// wanted although the planner has its turn only now and then.
+TEST(TimeLaws, FromRestAreMadeRarelyUnderAFeedThatSwings) {
+  const bench::Program program = bench::freeform(600, 0.01, 100, 1);
+  Drive d(program, true);
+  d.run(300);
+  d.rig.orders.hold = true;
+  ASSERT_GT(d.run_until([&] { return d.stands(); }, 1000), 0);
+  const std::uint64_t before = d.rig.planner.law_counts().rests.all;
+  for (int cycle = 0; cycle < 1000; ++cycle) {
+    d.rig.intent.feed_override = 0.8 + 0.2 * std::sin(cycle * 0.01);
+    d.cycle();
+  }
+  const std::uint64_t made = d.rig.planner.law_counts().rests.all - before;
+  EXPECT_GE(made, 5U) << "of a second";
+  EXPECT_LE(made, 26U) << "of a second";
+  d.rig.orders.hold = false;
+  EXPECT_GT(d.run_until([&] { return !d.stands(); }, 3), 0);
+  for (int cycle = 0; cycle < 300; ++cycle) {
+    d.rig.intent.feed_override = 0.8 + 0.2 * std::sin(cycle * 0.01);
+    d.cycle();
+  }
+  d.rig.intent.feed_override = 1;
+  EXPECT_GT(d.finish(), 0);
+  d.expect_limits();
+}
+
 /// Where a feed changes and where an output stands a hair before the end of a stretch: a sliver of path, over which no law was found.
 TEST(TimeLaws, AreFoundThroughFeedsAndOutputs) {
   for (const double step : {0.35, 0.05}) {

@@ -28,6 +28,9 @@ constexpr double kSoonAtRest = 1.1;
 constexpr double kSamePlace = 1e-9, kSameSpeed = 1e-9;
 /// After a law that was not found.
 constexpr double kRetry = 0.010;
+/// A law from rest is not made again sooner for another feed (s): one that swings (adaptive feed) would have it made in each cycle, and it would never be
+/// there for long. What is driven by the old one meanwhile is the beginning, up to its first child.
+constexpr double kRestAgain = 0.040;
 /// Of the estimated way to stop.
 constexpr double kStopReserve = 1.5;
 /// Stretches that take so long are divided into 1, 2 or 4 intervals a cubic.
@@ -195,6 +198,7 @@ LawMaker::Info& LawMaker::publish(std::size_t slot, const LawKey& key,
   info.wants = window.wants;
   info.single_step = single_step_;
   info.scale = scale_;
+  info.made = now_;
   if (key.kind != LawKey::Kind::boxes) {
     for (const path::LawStep& step : solver_.law()) law.step[law.count++] = step;
     info.total = solver_.seconds();
@@ -233,14 +237,22 @@ bool LawMaker::solved(path::TimeLaw::Result result, const Place& place, Count& c
 void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t running) noexcept {
   if (span >= next_ || !stretch(span).by_law || !(wanted_x(stretch(span).speed, scale_) > 0))
     return;
+  std::size_t old = kNone;
   for (std::size_t i = 0; i < Laws::kSlots; ++i) {
     const LawKey& key = laws_.head[i].key;
     const Info& info = info_[i];
     if (info.state != State::there || info.number == running || key.parent != 0) continue;
-    const bool good = key.span == span && key.left == left && info.scale == scale_ &&
-                      info.single_step == single_step_ && (!info.wants || info.known == next_);
-    if (good) return;
-    take_back(i);
+    const bool fits = key.span == span && key.left == left && info.single_step == single_step_;
+    const bool whole = !info.wants || info.known == next_;
+    if (fits && whole && info.scale == scale_) return;
+    if (fits && whole && now_ < info.made + kRestAgain) {
+      busy_ = true;  // this has to be looked at again
+      return;
+    }
+    if (fits && old == kNone)
+      old = i;
+    else
+      take_back(i);
   }
   const std::size_t slot = free_slot();
   if (slot == kNone) return;
@@ -254,6 +266,8 @@ void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t runni
   if (!filled || (window.straight && window.final) ||
       !solved(solver_.solve({}), {span, left, {}}, counts_.rests))
     key.kind = LawKey::Kind::boxes;
+  // Until here the servo could begin with the old one.
+  if (old != kNone) take_back(old);
   publish(slot, key, window);
 }
 
@@ -384,8 +398,9 @@ LawMaker::StopFound LawMaker::make_stop_at(std::size_t running, std::size_t slot
 }
 
 void LawMaker::run(const ServoView& view, const FeedScale& scale, bool single_step,
-                   std::uint64_t first, std::uint64_t next) noexcept {
+                   std::uint64_t first, std::uint64_t next, double now) noexcept {
   busy_ = false;
+  now_ = now;
   if (!on_) return;
   scale_ = scale;
   single_step_ = single_step;

@@ -38,10 +38,10 @@ class LawMaker {
   /// Nothing of what was added will be driven any more.
   void forget() noexcept;
 
-  /// Once a turn. `first`: the first span that the servo has not begun or is within; `next`: the first that has not been added.
+  /// Once a turn. `first`: the first span that the servo has not begun or is within; `next`: the first that has not been added. `now`: seconds.
   void run(const ServoView& view, const FeedScale& scale, bool single_step, std::uint64_t first,
-           std::uint64_t next) noexcept;
-  /// The servo follows laws: the next turn has to come soon.
+           std::uint64_t next, double now) noexcept;
+  /// The servo follows laws, or a law waits to be made anew: the next turn has to come soon.
   [[nodiscard]] bool busy() const noexcept { return busy_; }
   /// Of all laws since the start: how many were looked for and not found, and what it took. `work` is iterations times intervals.
   struct Count {
@@ -69,6 +69,7 @@ class LawMaker {
     double next_stop{0};      ///< seconds into it: from where a stop is wanted next
     bool stop_failed{false};  ///< the last one was not found, by the solver either
     double child_tried{-1};
+    double made{0};  ///< when
     FeedScale scale;
   };
   struct Place {
@@ -124,6 +125,7 @@ class LawMaker {
   FeedScale scale_;
   double stop_s_{0};
   double lead_{0};  ///< s
+  double now_{0};   ///< s
   std::uint64_t first_{0}, next_{0};
   Counts counts_;
   std::uint64_t worked_{0};  ///< of the solver, counted so far

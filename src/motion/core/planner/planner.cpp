@@ -138,19 +138,20 @@ Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t a
   if (tap_ != nullptr) tap_->turn(now_ns, passes, abort_epoch, view.cycle);
   const Waits waits = take_items(in, view, abort_epoch, now_ns);
   if (waits == Waits::turn) return waits;
-  if (laws_.on()) run_laws(view);
+  if (laws_.on()) run_laws(view, now_ns);
   // Release: behind what is planned for it.
   if (single_step_) slots_.gate.pass([&] { slots_.steps.publish(1); });
   return waits;
 }
 
-void Planner::run_laws(const ServoView& view) noexcept {
+void Planner::run_laws(const ServoView& view, std::int64_t now_ns) noexcept {
   // With a full ring the next span takes the slot of the one that was driven last.
   const std::uint64_t popped = slots_.gate.pass([&] { return spans_.popped(); });
   while (first_ahead_ < next_number_ &&
          (next_number_ - first_ahead_ > kSpans || sent_[first_ahead_ % kSpans].place < popped))
     ++first_ahead_;
-  laws_.run(view, scale_, single_step_, first_ahead_, next_number_);
+  laws_.run(view, scale_, single_step_, first_ahead_, next_number_,
+            static_cast<double>(now_ns) * 1e-9);
 }
 
 Planner::Waits Planner::take_items(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,

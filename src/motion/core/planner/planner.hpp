@@ -140,7 +140,7 @@ class Planner {
   };
 
   // planner.cpp: items
-  void run_laws(const ServoView& view) noexcept;
+  void run_laws(const ServoView& view, std::int64_t now_ns) noexcept;
   Waits take_items(PathRing& in, const ServoView& view, std::uint32_t abort_epoch,
                    std::int64_t now_ns) noexcept;
   Take take(const PathItem& item, const ServoView& view) noexcept;
