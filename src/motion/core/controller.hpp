@@ -143,6 +143,7 @@ class Controller {
   void move_joints() noexcept;
   void step_axes(double dt) noexcept;
   void step_mixing_axes(double dt) noexcept;
+  void pace_offsets() noexcept;
   void bring_up_slowly() noexcept;
   /// Where a stop of jogs leads: within soft limits, beyond one, or where there is no position.
   enum class StopBehind { inside, beyond, nowhere };

@@ -438,6 +438,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
     } else {
       step_axes(dt);
     }
+    if (!plain_kinematics_) pace_offsets();
     const PathSpan* under_way = away_ ? nullptr : executor_.move();
     offsets_.step(pose_, under_way != nullptr ? under_way->end + shift_ : pose_, dt);
     if (!away_ && shift_leads_out())
@@ -585,6 +586,14 @@ void Controller::take_up_play(double dt) noexcept {
       joint.backlash.step(dt);
     }
   }
+}
+
+void Controller::pace_offsets() noexcept {
+  const auto used = offsets_.in_use();
+  if (std::none_of(used.begin(), used.end(), [](const auto& o) { return o.vel > 0; })) return;
+  OffsetPace::Machine machine{kinematics_, config_.joint, axis_limit_, 1 - mixed_share_, {}};
+  for (std::size_t j = 0; j < joints_; ++j) machine.near[j] = joint_[j].pos_cmd - skew_[j];
+  offsets_.set_pace(OffsetPace::at(pose_ + offsets_.pose(), used, machine));
 }
 
 void Controller::move_joints() noexcept {

@@ -26,15 +26,14 @@ void ExternalOffsets::configure(const AxisConfig* limits, std::uint32_t axes) no
     Axis& a = axis_[i];
     const AxisConfig& c = limits[i];
     const double share = (axes >> i & 1U) != 0 ? c.offset_av_ratio : 0.0;
-    a.max_vel = share * c.max_vel;
-    a.max_acc = std::max(share * c.max_acc, kLeastAcc);
-    a.max_jerk = share * c.max_jerk;
+    a.limit = {share * c.max_vel, std::max(share * c.max_acc, kLeastAcc), share * c.max_jerk};
     a.path_acc = (1 - share) * c.max_acc;
     a.path_jerk = (1 - share) * c.max_jerk;
     a.low = c.min_limit;
     a.high = c.max_limit;
-    a.mover.set_limits(a.max_acc, a.max_jerk);
+    a.mover.set_limits(a.limit.acc, a.limit.jerk);
   }
+  pace_ = OffsetPace{};
 }
 
 void ExternalOffsets::reset() noexcept {
@@ -73,8 +72,8 @@ void ExternalOffsets::take(const OffsetInputs* in, bool honoured) noexcept {
     const bool moved = a.known && turned != 0;
     a.counts = in[i].counts;
     a.known = true;
-    a.enabled = honoured && in[i].enable && a.max_vel > 0;
-    if (!honoured || !(a.max_vel > 0)) continue;
+    a.enabled = honoured && in[i].enable && a.limit.vel > 0;
+    if (!honoured || !(a.limit.vel > 0)) continue;
     const double way = turned * in[i].per_count;
     if (moved && a.enabled && std::isfinite(a.request + way)) a.request += way;
     if (in[i].clear) a.request = 0;
@@ -89,8 +88,8 @@ bool ExternalOffsets::outward(const Axis& a, double path, double speed, double b
   const double offset = a.mover.position(), own = a.mover.speed();
   const double way =
       stop_way(std::abs(speed), brake_acc, brake_jerk) + kCyclesAhead * dt * std::abs(speed);
-  const double up = stop_way(std::max(own, 0.0), a.max_acc, a.max_jerk);
-  const double down = stop_way(std::max(-own, 0.0), a.max_acc, a.max_jerk);
+  const double up = stop_way(std::max(own, 0.0), a.mover.acc(), a.mover.jerk());
+  const double down = stop_way(std::max(-own, 0.0), a.mover.acc(), a.mover.jerk());
   return speed > 0 ? path + way + offset + up > a.high && path <= a.high
                    : path - way + offset - down < a.low && path >= a.low;
 }
@@ -101,7 +100,7 @@ std::uint32_t ExternalOffsets::blocked(const Pose& path, const Pose& before, dou
   bool any = false;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     const Axis& a = axis_[i];
-    any = any || (a.max_vel > 0 && (a.request != 0 || a.mover.position() != 0));
+    any = any || (a.limit.vel > 0 && (a.request != 0 || a.mover.position() != 0));
     const double speed = std::abs(path[i] - before[i]) / dt;
     if (speed <= kSame || !(a.path_acc > 0)) continue;
     slowest = std::min(slowest, a.path_acc / speed);
@@ -112,7 +111,7 @@ std::uint32_t ExternalOffsets::blocked(const Pose& path, const Pose& before, dou
   std::uint32_t now = 0;
   for (std::size_t i = 0; any && i < rtapi::kAxes; ++i) {
     const Axis& a = axis_[i];
-    if (!(a.max_vel > 0) || (a.request == 0 && a.mover.position() == 0)) continue;
+    if (!(a.limit.vel > 0) || (a.request == 0 && a.mover.position() == 0)) continue;
     const double speed = (path[i] - before[i]) / dt;
     if (std::abs(speed) <= kSame) continue;
     const double share = slowest_jerk > 0 ? kBrakeShareWithJerk : kBrakeShare;
@@ -126,11 +125,32 @@ std::uint32_t ExternalOffsets::blocked(const Pose& path, const Pose& before, dou
   return held_ = now;
 }
 
+std::array<OffsetPace::Limits, rtapi::kAxes> ExternalOffsets::in_use() const noexcept {
+  std::array<OffsetPace::Limits, rtapi::kAxes> out{};
+  // One that is held at a limit may be let go by the path at any time.
+  const bool moves = std::any_of(std::begin(axis_), std::end(axis_), [](const Axis& a) {
+    return a.mover.active() || a.request != a.mover.position();
+  });
+  for (std::size_t i = 0; moves && i < rtapi::kAxes; ++i)
+    if (axis_[i].enabled || axis_[i].mover.active()) out[i] = axis_[i].limit;
+  return out;
+}
+
+void ExternalOffsets::set_pace(const OffsetPace& pace) noexcept {
+  pace_ = pace;
+  for (Axis& a : axis_) {
+    if (!(a.limit.vel > 0)) continue;
+    a.mover.set_limits(std::max(pace.acc * a.limit.acc, kLeastAcc), pace.jerk * a.limit.jerk);
+    if (a.mover.active() && !a.mover.stopping())
+      a.mover.go_to(a.mover.target(), pace.vel * a.limit.vel);
+  }
+}
+
 void ExternalOffsets::step(const Pose& path, const Pose& ahead, double dt) noexcept {
   limited_ = held_ != 0;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     Axis& a = axis_[i];
-    if (!(a.max_vel > 0)) continue;
+    if (!(a.limit.vel > 0)) continue;
     // Beside a path that is outside its limits itself only the way back is open.
     const double low = std::min(a.low - std::min(path[i], ahead[i]), 0.0);
     const double high = std::max(a.high - std::max(path[i], ahead[i]), 0.0);
@@ -140,8 +160,7 @@ void ExternalOffsets::step(const Pose& path, const Pose& ahead, double dt) noexc
     if (stopping_ || !(a.enabled || gives_way)) {
       a.mover.stop();
     } else if (a.mover.active() ? a.mover.target() != target : at != target) {
-      a.mover.set_limits(a.max_acc, a.max_jerk);
-      a.mover.go_to(a.enabled ? target : std::clamp(at, low, high), a.max_vel);
+      a.mover.go_to(a.enabled ? target : std::clamp(at, low, high), pace_.vel * a.limit.vel);
     }
     a.mover.step(dt);
     // The path could not stand in time (it follows a spindle): the limit holds whatever it costs.

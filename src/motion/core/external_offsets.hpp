@@ -5,9 +5,12 @@
 // the path (or the jog) has to stand until there is room. LinuxCNC's manual, "External Axis Offsets".
 #pragma once
 
+#include <array>
+
 #include "motion/api/config.hpp"
 #include "motion/core/axis_mover.hpp"
 #include "motion/core/io.hpp"
+#include "motion/core/offset_pace.hpp"
 
 namespace kerf::motion {
 
@@ -28,6 +31,10 @@ class ExternalOffsets {
   /// Before the path moves: where it is, where it was a cycle ago, what it can brake with. Gives the axes (a bit each) that may not
   /// go on in the direction in which they move, since the sum would pass a soft limit.
   [[nodiscard]] std::uint32_t blocked(const Pose& path, const Pose& before, double dt) noexcept;
+  /// Where joints mix axes, before each step: what OffsetPace is asked with, of all that may move, so that none is in the way of one that begins
+  /// later (all 0 while all rest), and what it answers.
+  [[nodiscard]] std::array<OffsetPace::Limits, rtapi::kAxes> in_use() const noexcept;
+  void set_pace(const OffsetPace& pace) noexcept;
   /// One cycle, after the path has moved to `path`. `ahead`: where the move in execution leads.
   void step(const Pose& path, const Pose& ahead, double dt) noexcept;
 
@@ -44,8 +51,8 @@ class ExternalOffsets {
     std::int32_t counts{0};  ///< of the last cycle
     bool known{false};       ///< there was a last cycle
     bool enabled{false};
-    double max_vel{0}, max_acc{0}, max_jerk{0};  ///< of the offset; max_vel 0: none on this axis
-    double path_acc{0}, path_jerk{0};            ///< what is left to path and jogs
+    OffsetPace::Limits limit;          ///< of the offset, before pace; vel 0: none on this axis
+    double path_acc{0}, path_jerk{0};  ///< what is left to path and jogs
     double low{0}, high{0};
   };
   [[nodiscard]] bool outward(const Axis& a, double path, double speed, double brake_acc,
@@ -53,6 +60,7 @@ class ExternalOffsets {
 
   Axis axis_[rtapi::kAxes];
   Pose pose_;
+  OffsetPace pace_;
   std::uint32_t held_{0};  ///< axes of which the path has to stand until the offset has made room
   bool stopping_{false}, limited_{false};
 };
