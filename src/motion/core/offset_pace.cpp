@@ -8,6 +8,8 @@ namespace {
 
 /// Differences are taken over so much (mm, degrees).
 constexpr double kStep = 0.1;
+/// Of J' over a unit of an axis: less is rounding, which limits that mean "none" would make much of.
+constexpr double kStraight = 1e-7;
 /// Of the share. What is left is for the path, whose own joints' speeds are other ones where the offset has taken it.
 constexpr double kAll = 0.8;
 /// Of acceleration and jerk, for what the path does to an offset that moves.
@@ -41,6 +43,7 @@ class Look {
         return false;
       for (std::size_t j = 0; j < joints(); ++j) {
         const double bend = std::abs(q[0][j] - q[1][j] - q[2][j] + q[3][j]) / (4 * kStep * kStep);
+        if (bend < kStraight) continue;
         turn[j] += bend * path.max_vel;
         s.speeds[j] += bend * path.max_acc * o.vel;
       }
