@@ -201,7 +201,7 @@ TEST(TimeLaws, LinesOfMicrometresTakeNoLongerThanTheirWay) {
 }
 
 /// A feed that changes in each cycle, as adaptive feed does: what a hold is left with is made again now and then, not each time, and is there when it is
-/// wanted although the planner has its turn only now and then.
+/// wanted.
 TEST(TimeLaws, FromRestAreMadeRarelyUnderAFeedThatSwings) {
   const bench::Program program = bench::freeform(600, 0.01, 100, 1);
   Drive d(program, true);
