@@ -277,9 +277,8 @@ TEST(TimeLaw, StopsSoon) {
     print("stops", program.name, stops);
     std::printf("%-22s %-26s %d without the solver: %.3f of the time that it finds, %.3f at most\n",
                 "", program.name.c_str(), braked.count, braked.mean(), braked.worst);
-    // The goal is that of the mean.
-    EXPECT_LE(braked.mean(), 1.1);
-    EXPECT_LE(braked.worst, 1.28);
+    EXPECT_LE(braked.mean(), 1.0);
+    EXPECT_LE(braked.worst, 1.1);
     all_braked.add(braked);
     if (worst > 0)
       std::printf("%-22s %-26s at most %.3f of the least time on straights\n", "",
@@ -287,7 +286,7 @@ TEST(TimeLaw, StopsSoon) {
     // Where a law ends anyway nothing but the law itself may be left.
     all.laws += stops.laws;
     all.ok += stops.ok;
-    EXPECT_LE(worst, 1.1);
+    EXPECT_LE(worst, 1.03);
     EXPECT_LE(stops.peaks.vel, 1.0001);
     EXPECT_LE(stops.peaks.acc, 1.0005);
     EXPECT_LE(stops.peaks.jerk, 1.005);
@@ -296,12 +295,10 @@ TEST(TimeLaw, StopsSoon) {
   EXPECT_GE(all.ok, 0.95 * all.laws);
   // The rest is mostly next to the end of a law, where nothing stops sooner than the law itself.
   EXPECT_GE(all_braked.count, 0.9 * all.laws);
-  EXPECT_LE(all_braked.mean(), 1.0);
   // To go on with the law for a while and to stop then is a way to stop too.
   std::printf("stops that begin later stand sooner: %d of %d by more than 1.1, %.3f at most\n",
               late, all_later.count, all_later.worst);
-  EXPECT_LE(late, 0.005 * all_later.count);
-  EXPECT_LE(all_later.worst, 1.3);
+  EXPECT_EQ(late, 0);
 }
 
 TEST(TimeLaw, BrakesWithoutTheSolverFromAllStatesOfALaw) {

@@ -28,9 +28,12 @@ constexpr double kStopEnds[] = {1.0, 1.1, 1.3, 1.6};
 /// Windows this many times as long as a stop on a straight end soon enough; attempts at each of them.
 constexpr double kStopHere = 1.3;
 constexpr int kStopRounds = 2;
-/// Braking without the solver: steps on the way of a straight at least; and more of them where a stop takes that many times as long as there.
-constexpr double kBrakeSteps[] = {32, 80};
+/// Braking without the solver: steps on the way of a straight at least; and of another grid where a stop takes that many times as long as there. What
+/// braking comes to depends on the grid by chance, by some per cent near sharp bends.
+constexpr double kBrakeSteps[] = {72, 48};
 constexpr double kBrakeEnough = 1.25;
+/// A law is followed for so long before braking: steps (s), and most.
+constexpr double kFollowEvery = 0.002, kFollowMost = 0.012;
 /// Braking is tried from places of a law so far apart (of its time).
 constexpr double kLaterEvery = 0.12;
 /// A stop that took more passes, or the solver, is tried nearer by this factor and again, down to that one; not when it takes less than so many
@@ -70,6 +73,16 @@ void spline(const double b[3], LawStep& step) noexcept {
   step.seconds = seconds_of(step, b[2]);
 }
 
+/// What is left of a step behind a place of it.
+void behind(double from, LawStep& step) noexcept {
+  const double end = at_place(step, step.length).x;
+  const LawPoint at = at_place(step, from);
+  step.x = at.x;
+  step.u = at.u;
+  step.length -= from;
+  step.seconds = seconds_of(step, end);
+}
+
 /// With even jerk from the start of a step.
 double way_to_rest(const LawStep& s) noexcept { return -2 * s.x / (3 * s.u); }
 
@@ -79,9 +92,9 @@ bool TimeLaw::create(Memory& memory, std::size_t intervals,
                      std::size_t rows_per_interval) noexcept {
   return rows_.create(memory, intervals, rows_per_interval) &&
          newton_.create(memory, intervals, rows_per_interval) && law_.create(memory, intervals) &&
-         kept_.create(memory, intervals) && x_.create(memory, intervals + 1) &&
-         sums_.create(memory, intervals + 1) && way_.create(memory, intervals + 1) &&
-         stop_.create(memory, intervals);
+         kept_.create(memory, intervals) && along_.create(memory, intervals) &&
+         x_.create(memory, intervals + 1) && sums_.create(memory, intervals + 1) &&
+         way_.create(memory, intervals + 1) && stop_.create(memory, intervals);
 }
 
 void TimeLaw::begin(const AxisLimits& limits) noexcept { rows_.begin(limits); }
@@ -338,8 +351,37 @@ TimeLaw::Result TimeLaw::brake_stop(const Start& start, const LawAlong& law) noe
   iterations_ = 0;
   law_.clear();
   seconds_ = 0;
-  return !rows_.stretches().empty() && start.x > 0 && brake(start, 0, law) ? Result::ok
-                                                                           : Result::failed;
+  if (rows_.stretches().empty() || !(start.x > 0)) return Result::failed;
+  if (brake(start, 0, law)) return Result::ok;
+  follow_first(law);
+  return seconds_ < kNoLimit ? Result::ok : Result::failed;
+}
+
+/// Just before a sharp bend braking may lead nowhere: the law is followed for a while before. The soonest of such stops.
+void TimeLaw::follow_first(const LawAlong& law) noexcept {
+  double way = 0, t = 0, next = kFollowEvery;
+  std::size_t count = 0;  // of steps in along_
+  along_.clear();
+  law_.clear();
+  seconds_ = kNoLimit;
+  keep();
+  for (; count + 1 < law.count && t < kFollowMost; ++count) {
+    LawStep step = law.step[count];
+    if (step.kind != LawStep::Kind::spline) break;
+    if (count == 0) behind(law.from, step);
+    along_.push_back(step);
+    way += step.length;
+    t += step.seconds;
+    if (t < next) continue;
+    next = t + kFollowEvery;
+    law_.clear();
+    for (const LawStep& s : along_) law_.push_back(s);
+    seconds_ = t;
+    const LawStep& then = law.step[count + 1];
+    if (brake({then.x, then.u}, way, {&then, law.count - count - 1, 0}) && seconds_ < kept_seconds_)
+      keep();
+  }
+  restore();
 }
 
 /// Braking from `way` on, where the state is `from`, is added to the law.

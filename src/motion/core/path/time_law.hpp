@@ -47,7 +47,7 @@ class TimeLaw {
   /// A stop as soon as possible: to rest wherever within the window that is soonest. The window must be long enough (about 1.5 times the
   /// stopping distance on a straight; the caller lengthens it when this fails). By brake_stop(); where that finds none by search_stop().
   [[nodiscard]] Result solve_stop(const Start& start, const LawAlong& law) noexcept;
-  /// Braking from node to node (time_law_stop.hpp): cheap. `law` is driven at the start.
+  /// Braking from node to node (time_law_stop.hpp): cheap. `law` is driven at the start; where braking leads nowhere it goes on for some milliseconds first.
   [[nodiscard]] Result brake_stop(const Start& start, const LawAlong& law) noexcept;
   /// By the solver: down to a crawl as soon as limits allow, then the nearest end for which it finds a law, of which braking may take over
   /// the rest.
@@ -71,6 +71,7 @@ class TimeLaw {
   [[nodiscard]] double straight_stop(const Start& start) const noexcept;
   void end_nearer(const Start& start) noexcept;
   [[nodiscard]] bool brake(const Start& from, double way, const LawAlong& law) noexcept;
+  void follow_first(const LawAlong& law) noexcept;
   [[nodiscard]] bool brake_behind(std::size_t k) noexcept;
   void brake_later() noexcept;
   void keep() noexcept;
@@ -83,7 +84,7 @@ class TimeLaw {
   LawRows rows_;
   LawNewton newton_;
   LawStop stop_;
-  Buffer<LawStep> law_, kept_;
+  Buffer<LawStep> law_, kept_, along_;
   Buffer<double> x_, sums_, way_;
   double seconds_{0}, kept_seconds_{0};
   int iterations_{0};

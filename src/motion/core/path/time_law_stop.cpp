@@ -16,8 +16,8 @@ constexpr double kStep = 0.12, kLeastStep = 0.03;
 constexpr double kOfRest = 0.14, kMostOfRest = 0.2, kLeastOfRest = 2e-4, kTooLong = 1.4;
 /// What x keeps of b1 over an interval, and where b2 is looked for at first.
 constexpr double kLeastLeft = 0.02, kFirstLeft = 0.1;
-/// Share of the limits with which the way back is tried: another grid may need a little more.
-constexpr double kTry = 0.996;
+/// Share of the limits with which the way back is tried: another grid may need a little more. With 0.996 braking failed three times as often.
+constexpr double kTry = 0.9995;
 /// What jerk allows is looked at again where b2 is farther than that from where it was looked for (of b1).
 constexpr double kSameB2 = 0.04;
 /// An interval is halved so often at most where its jerk rows leave no room for the law: by more than this share.
@@ -35,7 +35,7 @@ constexpr double kBeside = 0.125, kNarrow = 0.07, kFirstShare = 0.5;
 constexpr std::size_t kFirstFall = 4, kMostFall = 8;
 /// Braking ends where a try comes to no end that is sooner by this share, when the soonest is nearer than so many times a stop on a straight.
 constexpr double kSooner = 0.998;
-constexpr double kSoonEnough = 1.3;
+constexpr double kSoonEnough = 1.05;
 
 }  // namespace
 

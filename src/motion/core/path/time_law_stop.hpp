@@ -19,7 +19,7 @@ class LawStop {
  public:
   struct Aim {
     double
-        widest[2]{};  ///< longest step; and where the stop takes longer than that, of a finer grid
+        widest[2]{};  ///< longest step; and of another grid, where the stop takes longer than that
     double enough_s{0};  ///< s
     LawExcess most;      ///< over the limits
   };
