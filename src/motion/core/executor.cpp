@@ -12,6 +12,8 @@ namespace {
 
 /// Spans begun in one cycle. More would be stretches far below what a cycle drives; the rest of the cycle is lost then, which is a jerk, not the path.
 constexpr int kSpansPerCycle = 512;
+/// Stretches behind the machine whose bounds backwards are made in one cycle: all of them in 64 cycles, while it brakes to turn back.
+constexpr std::size_t kBoundsPerCycle = 8;
 /// Stretches shorter than this (sigma) are passed at the speed they are entered with.
 constexpr double kNoStretch = 1e-10;
 /// An x below this is a standstill that rounding has missed (1e-7 mm/s).
@@ -130,6 +132,7 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
   laws_.look(in.plan_passes);
   if (in.spindle != nullptr) sync_.observe(in.spindle, dt);
   set_scale(in);
+  ready_way_back(kBoundsPerCycle);
   locking_ &= in.unlocked;
   begin_step(in);
   period_ = dt;
@@ -363,8 +366,7 @@ void Executor::set_scale(const PathInputs& in) noexcept {
                      {}};
   };
   scale_ = scale_of(enables_.adaptive ? factor(in.adaptive_feed, max_adaptive_) : 1.0);
-  const bool reverses = enables_.adaptive && adaptive_reverses_;
-  back_scale_ = scale_of(reverses ? factor(-in.adaptive_feed, max_adaptive_) : 0.0);
+  back_scale_ = scale_of(reverses() ? factor(-in.adaptive_feed, max_adaptive_) : 0.0);
   if (in.backwards) std::swap(scale_, back_scale_);
   sync_.feed_speeds(scale_.rps);
   sync_.feed_speeds(back_scale_.rps);
@@ -625,7 +627,8 @@ void Executor::end_span(const Span& span, const PathSpan& move, FaultList& fault
       move.number == no_way_back_)
     history_.clear();
   else
-    history_.add(span, move, ends_of(move).hard, limits_);
+    history_.add(span, move, ends_of(move).hard);
+  ready_way_back(1);
   const bool probe = move.probe, missed = probe && !ending_ && move.probe_fail_is_error;
   if (missed) raise(faults, Fault::probe_no_contact, -1, 0, 0, span.tag);
   if ((failing_ && at_rest()) || missed)

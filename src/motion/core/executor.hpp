@@ -205,6 +205,11 @@ class Executor {
                                    double dt) noexcept;
 
   // retrace.cpp
+  /// An adaptive feed below 0 would turn back.
+  [[nodiscard]] bool reverses() const noexcept { return enables_.adaptive && adaptive_reverses_; }
+  void ready_way_back(std::size_t most) noexcept {
+    if (reverses() || back_scale_.feed > 0) history_.bound(limits_, most);
+  }
   [[nodiscard]] bool may_turn_back(const PathInputs& in) noexcept;
   void turn_back() noexcept;
   [[nodiscard]] double run_track(const PathInputs& in, double dt, FaultList& faults) noexcept;

@@ -9,8 +9,9 @@ namespace kerf::motion {
 /// At rest, and what stands at the ring's front can be turned on, or what lies before it. Never when no move is to come: an idle machine
 /// moves nowhere.
 bool Executor::may_turn_back(const PathInputs& in) noexcept {
-  if (!at_rest() || indexer_ >= 0 || !(back_scale_.feed > 0) || in.stand || !in.may_move ||
-      in.feed_inhibit || (in.feed_hold && enables_.feed_hold) || ending_ || failing_)
+  if (!at_rest() || indexer_ >= 0 || !(back_scale_.feed > 0) || !history_.bounded() || in.stand ||
+      !in.may_move || in.feed_inhibit || (in.feed_hold && enables_.feed_hold) || ending_ ||
+      failing_)
     return false;
   const Span* span = next();
   const auto* move = span == nullptr ? nullptr : std::get_if<PathSpan>(&span->body);

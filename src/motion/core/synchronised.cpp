@@ -63,7 +63,11 @@ void SpindleObserver::step(double revs, double dt) noexcept {
   const bool late = since_change_s_ > kLate * between_s_ + 2 * dt;
   const double memory =
       late ? kLeastMemory : std::clamp(kCountsRemembered * between_s_, kLeastMemory, kMostMemory);
-  const double t = std::exp(-dt / memory), k = 1 - t;
+  if (dt / memory != forgets_) {
+    forgets_ = dt / memory;
+    fading_ = std::exp(-forgets_);
+  }
+  const double t = fading_, k = 1 - t;
   angle_ += dt * (rps_ + 0.5 * acc_ * dt);
   rps_ += acc_ * dt;
   const double residual = revs - angle_;

@@ -41,7 +41,8 @@ class SpindleObserver {
  private:
   double angle_{0}, rps_{0}, acc_{0}, noise_{0};
   double counted_{0}, since_change_s_{0}, since_jump_s_{0},
-      between_s_{0};  ///< how seldom the counter changes
+      between_s_{0};               ///< how seldom the counter changes
+  double forgets_{0}, fading_{1};  ///< exp(-forgets_) of the last step, mostly that of this one
   bool known_{false}, jumped_{false};
 };
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "unit/motion/rig.hpp"
@@ -148,6 +149,33 @@ TEST_F(Retrace, ThePathIsKeptForItsDeclaredLength) {
   factor(1);
   rig.finish();
   EXPECT_EQ(pos().x, 0.1 * 900);
+  expect_no_fault();
+}
+
+/// Without adaptive feed nothing was made ready for the way back.
+TEST_F(Retrace, TurnsBackSoonOverALongWayThatNobodyExpectedToBeDrivenBack) {
+  rig.ready();
+  rig.push(PathControl{.mode = PathControl::Mode::continuous, .tolerance_mm = 0.01});
+  const auto point = [](int i) {
+    const double t = 0.05 * i;
+    return Pose{.x = 0.4 * i, .y = 3 * std::sin(t)};
+  };
+  int sent = 0;
+  rig.run_until([&] {
+    while (sent < 700 && rig.path->size() < 400) rig.line(point(++sent), 60);
+    return pos().x >= point(600).x;
+  });
+  rig.intent.backwards = true;
+  double last = pos().x;
+  const int turns = rig.run_until([&] { return std::exchange(last, pos().x) > pos().x; });
+  EXPECT_LE(turns, 100);
+  rig.run(200);
+  EXPECT_NEAR(rig.status().vel_mm_s, 60, 0.5);
+  rig.run_until([&] { return rig.status().vel_mm_s == 0; });
+  EXPECT_LT(pos().x, point(600 - 125).x) << "all of what is kept: two stretches a line";
+  rig.intent.backwards = false;
+  rig.finish();
+  EXPECT_NEAR(pos().x, point(700).x, 1e-9);
   expect_no_fault();
 }
 

@@ -35,24 +35,31 @@ PathSpan reversed(const PathSpan& span) noexcept {
   return r;
 }
 
-void PathHistory::add(const Span& item, const PathSpan& span, double hard,
-                      const AxisLimits& limits) noexcept {
+void PathHistory::add(const Span& item, const PathSpan& span, double hard) noexcept {
   if (size_ == entry_.size()) {
     first_ = (first_ + kGeneration) % entry_.size();
     size_ -= kGeneration;
+    bounded_ -= std::min(bounded_, kGeneration);
   }
-  if (in_generation_ == kGeneration) in_generation_ = 0;
-  Entry& e = entry_[(first_ + size_) % entry_.size()];
+  Entry& e = at(size_++);
   e.span = span;
   e.tag = item.tag;
   e.seq = item.seq;
   e.hard = span.stop_at_end ? 0 : hard;
-  e.back_own = e.back_before = 0;
-  if (!span.stop_at_end) {
+}
+
+void PathHistory::bound(const AxisLimits& limits, std::size_t most) noexcept {
+  for (; most > 0 && bounded_ < size_; --most, ++bounded_) {
+    const std::size_t i = bounded_;
+    Entry& e = at(i);
+    e.back_own = e.back_before = 0;
+    const PathSpan& span = e.span;
+    if (span.stop_at_end) continue;
     const double cap = span.speed.cap;
-    const double own = in_generation_ == 0 ? 0 : last(1).back_own;
-    double before = 0;
-    if (size_ > 0) before = in_generation_ == 0 ? last(1).back_own : last(1).back_before;
+    const double own = i % kGeneration == 0 ? 0 : at(i - 1).back_own;
+    const double before = i == 0             ? 0
+                          : i == kGeneration ? at(i - 1).back_own
+                                             : at(i - 1).back_before;
     if (span.even_acc > 0) {
       const double gain = 2.0 * span.length * span.even_acc * kRounding;
       e.back_own = std::min(cap, std::min(own, cap) + gain);
@@ -61,21 +68,18 @@ void PathHistory::add(const Span& item, const PathSpan& span, double hard,
       // Driven the other way q' changes its sign and the ends change places: so do the two x of each row.
       Rows rows;
       rows_of(span, limits, rows);
-      for (std::size_t i = 0; i < rows.count; ++i) std::swap(rows.at[i].a, rows.at[i].b);
+      for (std::size_t k = 0; k < rows.count; ++k) std::swap(rows.at[k].a, rows.at[k].b);
       e.back_own = std::min(cap, largest_x0(rows.all(), std::min(own, cap)));
       e.back_before = std::min(cap, largest_x0(rows.all(), std::min(before, cap)));
     }
   }
-  ++size_;
-  ++in_generation_;
 }
 
 double PathHistory::back(std::size_t n) const noexcept {
   if (n > size_) return 0;
   const Entry& e = last(n);
   // The older generation has none before it.
-  const bool newer = n <= in_generation_, alone = size_ <= in_generation_;
-  return newer && !alone ? e.back_before : e.back_own;
+  return size_ > kGeneration && n <= size_ - kGeneration ? e.back_before : e.back_own;
 }
 
 }  // namespace kerf::motion::path

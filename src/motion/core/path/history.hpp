@@ -30,10 +30,15 @@ class PathHistory {
         back_before{0};  ///< backwards, from the beginning of its generation and of the one before
   };
 
-  void clear() noexcept { size_ = first_ = in_generation_ = 0; }
+  void clear() noexcept { size_ = first_ = bounded_ = 0; }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   /// `span` has been driven to its end.
-  void add(const Span& item, const PathSpan& span, double hard, const AxisLimits& limits) noexcept;
+  void add(const Span& item, const PathSpan& span, double hard) noexcept;
+  /// The bounds backwards of `most` entries that have none yet, oldest first. They are a tenth of a cycle's work on dense paths, so they are only made for who
+  /// may turn back.
+  void bound(const AxisLimits& limits, std::size_t most) noexcept;
+  /// All have them: back() may be asked.
+  [[nodiscard]] bool bounded() const noexcept { return bounded_ == size_; }
   /// n = 1: the last one; n <= size().
   [[nodiscard]] const Entry& last(std::size_t n) const noexcept {
     return entry_[(first_ + size_ - n) % entry_.size()];
@@ -42,9 +47,12 @@ class PathHistory {
   [[nodiscard]] double back(std::size_t n) const noexcept;
 
  private:
+  /// The oldest one is number 0; the newer generation begins at kGeneration when there are two.
+  [[nodiscard]] Entry& at(std::size_t i) noexcept { return entry_[(first_ + i) % entry_.size()]; }
+
   std::array<Entry, 2 * kGeneration> entry_;
   std::size_t first_{0}, size_{0};
-  std::size_t in_generation_{0};  ///< entries of the newer generation
+  std::size_t bounded_{0};  ///< the oldest ones, with their bounds
 };
 
 /// The same stretch driven the other way, from 0 to its length.
