@@ -55,6 +55,8 @@ class Buffer {
     data_[size_++] = item;
     return true;
   }
+  /// n more, which the caller has filled at end(); no more than there is room for.
+  void grow(std::size_t n) noexcept { size_ += n; }
   /// At most the capacity.
   void assign(std::size_t n, const T& item) noexcept {
     size_ = std::min(n, capacity_);

@@ -24,6 +24,9 @@ constexpr double kFirstChange = 0.25, kFineGrowth = 0.5, kFinest = 1e-11;
 /// A jerk row in which b2 counts less than that beside b1 bounds u, not w.
 constexpr double kNoW = 1e-3;
 
+/// Of one interval: accelerations at four, jerks at three coefficients of each axis, each joint and the path.
+constexpr std::size_t kMostRows = 7 * (kAxes + kMostJoints + 1);
+
 /// So many steps before the end of a stretch are equal.
 constexpr double kEvenParts = 3;
 
@@ -118,7 +121,8 @@ void straight_limits(const Piece& piece, double s, const AxisLimits& limits, dou
 
 bool LawRows::create(Memory& memory, std::size_t intervals,
                      std::size_t rows_per_interval) noexcept {
-  const std::size_t rows = intervals * rows_per_interval;
+  most_rows_ = intervals * rows_per_interval;
+  const std::size_t rows = most_rows_ + kMostRows;
   return stretches_.create(memory, intervals) && intervals_.create(memory, intervals) &&
          nodes_.create(memory, intervals) && a0.create(memory, rows) && a1.create(memory, rows) &&
          a2.create(memory, rows) && mid0.create(memory, rows) && mid1.create(memory, rows) &&
@@ -334,16 +338,20 @@ bool LawRows::add_step(double most) noexcept {
 /// Its rows, the last ones, as bounds of b2.
 void LawRows::turn_rows(LawInterval& in) noexcept {
   for (Buffer<double>* b : {&mid0, &mid1, &half}) b->truncate(in.row);
+  const std::size_t count = a2.size() - in.row, accs = static_cast<std::size_t>(in.accs);
+  const double *k0 = a0.begin() + in.row, *k1 = a1.begin() + in.row, *k2 = a2.begin() + in.row;
+  double *m0 = mid0.end(), *m1 = mid1.end(), *h = half.end();
   in.bounds_u = false;
-  const std::size_t jerks = in.row + static_cast<std::size_t>(in.accs);
-  for (std::size_t r = in.row; r < a2.size(); ++r) {
-    const bool none = r < jerks ? a2[r] == 0 : std::abs(a2[r]) < kNoW * std::abs(a1[r]);
-    const double over = none ? 0 : 1 / a2[r];
-    in.bounds_u = in.bounds_u || (none && r >= jerks);
-    mid0.push_back(-a0[r] * over);
-    mid1.push_back(-a1[r] * over);
-    half.push_back(none ? kNoLimit : std::abs(over));
+  for (std::size_t r = 0; r < count; ++r) {
+    const bool none = r < accs ? k2[r] == 0 : std::abs(k2[r]) < kNoW * std::abs(k1[r]);
+    const double over = none ? 0 : 1 / k2[r];
+    in.bounds_u = in.bounds_u || (none && r >= accs);
+    m0[r] = -k0[r] * over;
+    m1[r] = -k1[r] * over;
+    h[r] = none ? kNoLimit : std::abs(over);
   }
+  // As much room as the rows have themselves.
+  for (Buffer<double>* b : {&mid0, &mid1, &half}) b->grow(count);
 }
 
 void LawRows::take_back(std::size_t i) noexcept {
@@ -376,11 +384,20 @@ bool LawRows::make_rows(std::size_t i) noexcept {
   const Piece& piece = stretch.piece;
   in.row = a0.size();
   const double over = 1 / in.length;
-  bool fits = true;
+  // There is room for one more interval than fits.
+  double *k0s = a0.end(), *k1s = a1.end(), *k2s = a2.end();
+  std::size_t count = 0;
   const auto row = [&](double k0, double k1, double k2, double limit) {
-    a0.push_back(k0 / limit);
-    a1.push_back(k1 / limit);
-    fits = a2.push_back(k2 / limit) && fits;
+    const double share = 1 / limit;
+    k0s[count] = k0 * share;
+    k1s[count] = k1 * share;
+    k2s[count] = k2 * share;
+    ++count;
+  };
+  const auto keep = [&] {
+    if (in.row + count > most_rows_) return false;
+    for (Buffer<double>* a : {&a0, &a1, &a2}) a->grow(count);
+    return true;
   };
   if (is_straight(stretch)) {
     double acc = 0, jerk = 0;
@@ -393,7 +410,7 @@ bool LawRows::make_rows(std::size_t i) noexcept {
     in.jerks = jerk < kNoLimit ? 1 : 0;
     for (int k = 0; k < 3 && in.jerks > 0; ++k)
       row(over * over, -2 * over * over, over * over, jerk);
-    return fits;
+    return keep();
   }
   const Derivatives d = derivatives(piece, in.from, in.from + in.length);
   in.accs = in.jerks = 0;
@@ -408,10 +425,12 @@ bool LawRows::make_rows(std::size_t i) noexcept {
     row(0, -p2, p2 + e1, limit);
     in.accs += begins ? 4 : 3;
   };
-  for (std::size_t j = 0; j < kAxes; ++j) {
-    if ((d.p0[j] == 0 && d.p2[j] == 0 && d.e0[j] == 0 && d.e1[j] == 0) ||
-        limits_.acc[j] >= kNoLimit)
-      continue;
+  std::size_t axis[kAxes], axes = 0;
+  for (std::size_t j = 0; j < kAxes; ++j)
+    if (d.p0[j] != 0 || d.p2[j] != 0 || d.e0[j] != 0 || d.e1[j] != 0) axis[axes++] = j;
+  for (std::size_t n = 0; n < axes; ++n) {
+    const std::size_t j = axis[n];
+    if (limits_.acc[j] >= kNoLimit) continue;
     acc_rows(d.p0[j], d.p1[j], d.p2[j], d.e0[j], d.e1[j], limits_.acc[j], !same);
   }
   const double along = piece.straight() ? norm3(piece.b, 0) : 0.0;
@@ -442,27 +461,27 @@ bool LawRows::make_rows(std::size_t i) noexcept {
                  });
   const double slope = limits_.path_jerk < kNoLimit ? jerk_slope(piece) : 0.0;
   for (int k = 0; k < 3; ++k) {
-    int count = 0;
-    for (std::size_t j = 0; j < kAxes; ++j) {
+    int jerks = 0;
+    for (std::size_t n = 0; n < axes; ++n) {
+      const std::size_t j = axis[n];
       const double limit = limits_.jerk[j];
-      if (limit >= kNoLimit || (d.p0[j] == 0 && d.p2[j] == 0 && d.e0[j] == 0 && d.e1[j] == 0))
-        continue;
-      ++count;
+      if (limit >= kNoLimit) continue;
+      ++jerks;
       const Vec& c = k == 0 ? d.c0 : k == 1 ? d.c1 : d.c2;
       jerk_row(k, d.p0[j], d.p1[j], d.p2[j], d.e0[j], d.e1[j], c[j], limit);
     }
     for (std::size_t j = 0; j < joints; ++j) {
       const double limit = stretch.joints->row[j].jerk;
       if (limit >= kNoLimit) continue;
-      ++count;
+      ++jerks;
       const JointPart& p = joint[j];
       jerk_row(k, p.p0, p.p1, p.p2, p.e0, p.e1, k == 0 ? p.c0 : k == 1 ? p.c1 : p.c2, limit);
     }
     if (slope > 0) {
-      ++count;
+      ++jerks;
       row(slope * ww, -2 * slope * ww, slope * ww, limits_.path_jerk);
     }
-    in.jerks = count;
+    in.jerks = jerks;
   }
   in.acc_rest = in.jerk_rest_u = in.jerk_rest_b = 0;
   if (piece.shape == Piece::Shape::arc) {
@@ -484,7 +503,7 @@ bool LawRows::make_rows(std::size_t i) noexcept {
     in.jerk_rest_b = std::max(in.jerk_rest_b, std::abs(p.c2 - p.c0) / 3 / limit.jerk);
     in.jerk_rest_w = std::max(in.jerk_rest_w, p.p_off / limit.jerk);
   }
-  return fits;
+  return keep();
 }
 
 double LawRows::rest_cap(std::size_t i, double way, bool start) const noexcept {

@@ -138,6 +138,7 @@ class LawRows {
   Buffer<LawStretch> stretches_;
   Buffer<LawInterval> intervals_;
   Buffer<double> nodes_;  ///< of one stretch
+  std::size_t most_rows_{0};
   std::size_t expected_{0};
   std::size_t used_{0};  ///< stretches of the window
   double way_{kNoLimit}, widest_{kNoLimit};

@@ -271,6 +271,13 @@ bool LawStop::kept(std::size_t i) const noexcept {
   return e.vel <= aim_.most.vel && e.acc <= aim_.most.acc && e.jerk <= aim_.most.jerk;
 }
 
+/// Nodes have no values before they are reached.
+void LawStop::make_room(std::size_t nodes) noexcept {
+  if (x_.size() == nodes) return;
+  for (Buffer<double>* b : {&at_, &x_, &u_, &jerk_}) b->assign(nodes, 0);
+  along_.assign(nodes, LawPoint{});
+}
+
 bool LawStop::run(LawRows& rows, double way, double x0, double u0, const LawAlong& law,
                   const Aim& aim) noexcept {
   rows_ = &rows;
@@ -285,8 +292,7 @@ bool LawStop::run(LawRows& rows, double way, double x0, double u0, const LawAlon
       if (follows && best_ < kNoLimit) break;
       follows_ = follows;
       rows.make_stepwise(way);
-      for (Buffer<double>* b : {&at_, &x_, &u_, &jerk_}) b->assign(rows.most() + 1, 0);
-      along_.assign(rows.most() + 1, LawPoint{});
+      make_room(rows.most() + 1);
       x_[0] = x0;
       u_[0] = u0;
       along_[0] = {x0, u0};
