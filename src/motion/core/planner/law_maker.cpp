@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t kNone = Laws::kSlots;
 /// A child begins so long after where the servo is: a law takes milliseconds to make. Longer after one that came too late.
 constexpr double kLead = 0.010, kMostLead = 0.080, kMoreLead = 1.5, kLessLead = 0.9;
-/// Moments from which a stop is ready.
+/// Moments from which a stop is ready: with the cycle that sees an order it begins within 20 ms where the servo period is at most 2 ms.
 constexpr double kStopLead = 0.006, kStopEvery = 0.018;
 /// After one that was not found; and how much before, so often at most, it is looked for another.
 constexpr double kStopAgain = 0.003, kStopBefore = 0.003;
