@@ -48,6 +48,11 @@ double AxisMover::rest_position() const noexcept {
   return position_ + velocity_ * std::abs(velocity_) / (2 * acc_);
 }
 
+double AxisMover::rest_time() const noexcept {
+  if (jerk_ > 0) return ramp_to({velocity_, acceleration_}, 0, RampLimits{acc_, jerk_}).duration();
+  return std::abs(velocity_) / acc_;
+}
+
 double AxisMover::brake(double t) noexcept {
   const double need = std::abs(velocity_) / acc_, dt = std::min(need, t);
   const double before = velocity_;

@@ -32,6 +32,8 @@ class AxisMover {
   void step(double dt) noexcept;
   /// Where it comes to rest when it brakes now.
   [[nodiscard]] double rest_position() const noexcept;
+  /// How long that takes (s).
+  [[nodiscard]] double rest_time() const noexcept;
 
   [[nodiscard]] double position() const noexcept { return position_; }
   [[nodiscard]] double speed() const noexcept { return velocity_; }  ///< signed

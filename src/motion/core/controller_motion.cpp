@@ -13,6 +13,8 @@ constexpr double kAtLimit = 1e-9;
 constexpr double kLeastAcc = 1e-6;  ///< movers divide by it
 /// The way on which jogs would stop is looked at in so many places.
 constexpr std::size_t kPartsOfStop = 8;
+/// So much farther than even acceleration says a joint may go where it turns between two of them: axes come to rest there.
+constexpr double kBetween = 4;
 }  // namespace
 
 bool Controller::all_homed() const noexcept {
@@ -485,7 +487,7 @@ void Controller::step_mixing_axes(double dt) noexcept {
   const JogPace pace_before = jog_pace_;
   for (const bool faster : {true, false}) {
     jog_pace_.step(axis_, pose_, machine, dt, faster);
-    const StopBehind stop = stop_from_here();
+    const StopBehind stop = stop_from_here(jog_pace_.scale() * dt);
     if (stop == StopBehind::inside) return;
     axis_ = axis_before;
     jog_pace_ = pace_before;
@@ -497,23 +499,23 @@ void Controller::step_mixing_axes(double dt) noexcept {
 }
 
 /// A stop of all jogs from now on stays where there are positions, and within the limits of the joints; from outside a limit the
-/// way back is open.
-Controller::StopBehind Controller::stop_from_here() const noexcept {
+/// way back is open. `cycle`: seconds of the movers in this one.
+Controller::StopBehind Controller::stop_from_here(double cycle) const noexcept {
   JogPace::Movers axis = axis_;
   double longest_s = 0;
   for (AxisMover& mover : axis) {
     if (!mover.active()) continue;
     mover.stop();
-    const double rise = mover.jerk() > 0 ? mover.acc() / mover.jerk() : 0;
-    longest_s = std::max(longest_s, mover.fastest() / mover.acc() + 3 * rise);
+    longest_s = std::max(longest_s, mover.rest_time());
   }
+  const double part_s = longest_s / kPartsOfStop;
   std::array<JointVector, kPartsOfStop + 1> q;
   for (std::size_t part = 0; part <= kPartsOfStop; ++part) {
     Pose at = pose_;
     for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
       if (!axis_[i].active() && axis_[i].position() == pose_[i]) continue;
       at[i] = axis[i].position();
-      axis[i].step(longest_s / kPartsOfStop);
+      axis[i].step(part_s);
     }
     q[part] = part > 0 ? q[part - 1] : JointVector{};
     for (std::size_t j = 0; j < joints_ && part == 0; ++j) q[0][j] = joint_[j].pos_cmd - skew_[j];
@@ -522,13 +524,19 @@ Controller::StopBehind Controller::stop_from_here() const noexcept {
   for (std::size_t j = 0; j < joints_; ++j) {
     if (is_posthome(j) || !joint_[j].homed) continue;
     double least = q[0][j], most = q[0][j];
+    // Where it turns before the first of them.
+    const double speed = (q[0][j] - (joint_[j].pos_cmd - skew_[j])) * part_s / cycle;
+    const double first = q[1][j] - q[0][j];
+    if (std::abs(speed) > kAtLimit && first / speed < 0.5) {
+      const double beyond = kBetween * speed * speed / (4 * (speed - first));
+      (speed > 0 ? most : least) += beyond;
+    }
     for (std::size_t part = 1; part <= kPartsOfStop; ++part) {
       const double here = q[part][j], came = here - q[part - 1][j];
       const double goes = part < kPartsOfStop ? q[part + 1][j] - here : 0;
-      // Where it turns between two of them it goes farther than both: an eighth of the second difference, which may be twice as large where
-      // an axis comes to rest.
+      // Where it turns between two of them it goes farther than both: an eighth of the second difference.
       const bool turns = came * goes < 0 && std::abs(came) > kAtLimit && std::abs(goes) > kAtLimit;
-      const double beyond = turns ? 0.25 * std::abs(goes - came) : 0;
+      const double beyond = turns ? kBetween / 8 * std::abs(goes - came) : 0;
       least = std::min(least, came < 0 ? here - beyond : here);
       most = std::max(most, came > 0 ? here + beyond : here);
     }
