@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <ostream>
 #include <random>
 #include <string>
@@ -183,7 +184,13 @@ TEST_P(SimsThatMixAxes, RunTheirDemosLimitedInJerkWithoutStandingAtCorners) {
 TEST_P(SimsThatMixAxes, KeepTheirJointsLimitsInJogsOfAxes) {
   const Sim& sim = GetParam();
   const char* count = std::getenv("KERF_COUNT");
-  for (unsigned seed = 1; seed <= (count != nullptr ? 2U * std::stoul(count) : 2U); ++seed) {
+  // The last one creeps to and fro at the edge of the Puma's reach.
+  std::vector<unsigned> seeds{1, 2, 15};
+  if (count != nullptr) {
+    seeds.resize(2 * std::stoul(count));
+    std::iota(seeds.begin(), seeds.end(), 1U);
+  }
+  for (const unsigned seed : seeds) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const bool jerks = seed % 2 == 0;
     std::vector<double> jerk;

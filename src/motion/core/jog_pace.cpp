@@ -18,6 +18,8 @@ constexpr double kSpare = 1.05;
 constexpr double kLeastScale = 0.05, kLeastPace = 1e-3;
 /// Where there is no position or none beside it.
 constexpr double kCreep = 0.002;
+/// By so much more from step to step joints go at a wall where it leads deeper.
+constexpr double kDeeper = 1.05;
 /// What moves is slow enough for one that joins.
 constexpr double kSlowEnough = 1.02;
 constexpr double kStands = 1e-9;  ///< mm/s, degrees/s
@@ -141,6 +143,25 @@ JogPace::Sight JogPace::look(const Movers& axis, const Pose& at, const Machine& 
   return sight;
 }
 
+/// At a wall: joints go faster and faster along the next steps of this jog, or there is no position.
+bool JogPace::goes_deeper(const AxisMover& mover, std::size_t i, const Pose& at,
+                          const Machine& m) const noexcept {
+  const double by = std::copysign(kStep, mover.target() - mover.position());
+  std::array<JointVector, 3> q;
+  for (std::size_t n = 0; n < q.size(); ++n) {
+    Pose p = at;
+    p[i] += static_cast<double>(n) * by;
+    q[n] = m.near;
+    if (!m.kinematics.inverse(p, q[n])) return n > 0;
+  }
+  double first = 0, second = 0;
+  for (std::size_t j = 0; j < static_cast<std::size_t>(m.kinematics.joints()); ++j) {
+    first = std::max(first, std::abs(q[1][j] - q[0][j]) / m.joint[j].max_acc);
+    second = std::max(second, std::abs(q[2][j] - q[1][j]) / m.joint[j].max_acc);
+  }
+  return second > kDeeper * first;
+}
+
 /// Where the jogs may be by the time they stand, if they stop now, and once more as far; the first sight is here.
 Pose JogPace::ahead(const Movers& axis, const Pose& pose, std::size_t sight) const noexcept {
   Pose p = pose;
@@ -208,10 +229,12 @@ void JogPace::step(Movers& axis, const Pose& pose, const Machine& machine, doubl
     next_ = (next_ + 1) % kSights;
     sight_[next_] = look(axis, ahead(axis, pose, next_) + machine.offset, machine);
   }
-  // Into what joints cannot follow nothing goes; from within it everything creeps.
-  if (!sight_[0].wall &&
-      std::any_of(std::begin(sight_), std::end(sight_), [](const Sight& s) { return s.wall; }))
-    for (AxisMover& mover : axis) mover.stop();
+  // Into what joints cannot follow nothing goes; from within it creeps what does not lead deeper.
+  if (std::any_of(std::begin(sight_), std::end(sight_), [](const Sight& s) { return s.wall; }))
+    for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+      if (!sight_[0].wall || ((wanted_ >> i & 1U) != 0 && !axis[i].stopping() &&
+                              goes_deeper(axis[i], i, pose + machine.offset, machine)))
+        axis[i].stop();
   Sight least = sight_[0];
   for (const Sight& s : sight_) {
     if (s.wall && !sight_[0].wall) continue;

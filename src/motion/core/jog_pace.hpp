@@ -48,6 +48,8 @@ class JogPace {
   void take(Movers& axis) noexcept;
   [[nodiscard]] Sight look(const Movers& axis, const Pose& at,
                            const Machine& machine) const noexcept;
+  [[nodiscard]] bool goes_deeper(const AxisMover& mover, std::size_t i, const Pose& at,
+                                 const Machine& machine) const noexcept;
   [[nodiscard]] Pose ahead(const Movers& axis, const Pose& pose, std::size_t sight) const noexcept;
   [[nodiscard]] double scale_for_the_way(const Movers& axis, const Pose& pose,
                                          const Machine& machine, double here) const noexcept;
