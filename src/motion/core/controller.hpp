@@ -147,7 +147,7 @@ class Controller {
   void bring_up_slowly() noexcept;
   /// Where a stop of jogs leads: within soft limits, beyond one, or where there is no position.
   enum class StopBehind { inside, beyond, nowhere };
-  [[nodiscard]] StopBehind stop_from_here(double cycle) const noexcept;
+  [[nodiscard]] StopBehind stop_from_here(double cycle_s) const noexcept;
   /// Extra joints that are homed go where their pin says.
   void follow_posthome(const Inputs& in, double dt) noexcept;
   [[nodiscard]] bool is_posthome(std::size_t j) const noexcept {

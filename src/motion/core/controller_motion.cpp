@@ -499,8 +499,8 @@ void Controller::step_mixing_axes(double dt) noexcept {
 }
 
 /// A stop of all jogs from now on stays where there are positions, and within the limits of the joints; from outside a limit the
-/// way back is open. `cycle`: seconds of the movers in this one.
-Controller::StopBehind Controller::stop_from_here(double cycle) const noexcept {
+/// way back is open. `cycle_s`: what the movers' time went on in this cycle.
+Controller::StopBehind Controller::stop_from_here(double cycle_s) const noexcept {
   JogPace::Movers axis = axis_;
   double longest_s = 0;
   for (AxisMover& mover : axis) {
@@ -525,7 +525,7 @@ Controller::StopBehind Controller::stop_from_here(double cycle) const noexcept {
     if (is_posthome(j) || !joint_[j].homed) continue;
     double least = q[0][j], most = q[0][j];
     // Where it turns before the first of them.
-    const double speed = (q[0][j] - (joint_[j].pos_cmd - skew_[j])) * part_s / cycle;
+    const double speed = (q[0][j] - (joint_[j].pos_cmd - skew_[j])) * part_s / cycle_s;
     const double first = q[1][j] - q[0][j];
     if (std::abs(speed) > kAtLimit && first / speed < 0.5) {
       const double beyond = kBetween * speed * speed / (4 * (speed - first));

@@ -63,9 +63,9 @@ void SpindleObserver::step(double revs, double dt) noexcept {
   const bool late = since_change_s_ > kLate * between_s_ + 2 * dt;
   const double memory =
       late ? kLeastMemory : std::clamp(kCountsRemembered * between_s_, kLeastMemory, kMostMemory);
-  if (dt / memory != forgets_) {
-    forgets_ = dt / memory;
-    fading_ = std::exp(-forgets_);
+  if (const double forgets = dt / memory; forgets != forgets_) {
+    forgets_ = forgets;
+    fading_ = std::exp(-forgets);
   }
   const double t = fading_, k = 1 - t;
   angle_ += dt * (rps_ + 0.5 * acc_ * dt);

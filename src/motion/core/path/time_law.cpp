@@ -32,7 +32,7 @@ constexpr int kStopRounds = 2;
 /// braking comes to depends on the grid by chance, by some per cent near sharp bends.
 constexpr double kBrakeSteps[] = {72, 48};
 constexpr double kBrakeEnough = 1.25;
-/// A law is followed for so long before braking: steps (s), and most.
+/// So long a law is followed before braking is tried again, and at most (s).
 constexpr double kFollowEvery = 0.002, kFollowMost = 0.012;
 /// Braking is tried from places of a law so far apart (of its time).
 constexpr double kLaterEvery = 0.12;
@@ -92,9 +92,9 @@ bool TimeLaw::create(Memory& memory, std::size_t intervals,
                      std::size_t rows_per_interval) noexcept {
   return rows_.create(memory, intervals, rows_per_interval) &&
          newton_.create(memory, intervals, rows_per_interval) && law_.create(memory, intervals) &&
-         kept_.create(memory, intervals) && along_.create(memory, intervals) &&
-         x_.create(memory, intervals + 1) && sums_.create(memory, intervals + 1) &&
-         way_.create(memory, intervals + 1) && stop_.create(memory, intervals);
+         kept_.create(memory, intervals) && x_.create(memory, intervals + 1) &&
+         sums_.create(memory, intervals + 1) && way_.create(memory, intervals + 1) &&
+         stop_.create(memory, intervals);
 }
 
 void TimeLaw::begin(const AxisLimits& limits) noexcept { rows_.begin(limits); }
@@ -353,35 +353,12 @@ TimeLaw::Result TimeLaw::brake_stop(const Start& start, const LawAlong& law) noe
   seconds_ = 0;
   if (rows_.stretches().empty() || !(start.x > 0)) return Result::failed;
   if (brake(start, 0, law)) return Result::ok;
-  follow_first(law);
-  return seconds_ < kNoLimit ? Result::ok : Result::failed;
-}
-
-/// Just before a sharp bend braking may lead nowhere: the law is followed for a while before. The soonest of such stops.
-void TimeLaw::follow_first(const LawAlong& law) noexcept {
-  double way = 0, t = 0, next = kFollowEvery;
-  std::size_t count = 0;  // of steps in along_
-  along_.clear();
-  law_.clear();
-  seconds_ = kNoLimit;
-  keep();
-  for (; count + 1 < law.count && t < kFollowMost; ++count) {
-    LawStep step = law.step[count];
-    if (step.kind != LawStep::Kind::spline) break;
-    if (count == 0) behind(law.from, step);
-    along_.push_back(step);
-    way += step.length;
-    t += step.seconds;
-    if (t < next) continue;
-    next = t + kFollowEvery;
-    law_.clear();
-    for (const LawStep& s : along_) law_.push_back(s);
-    seconds_ = t;
-    const LawStep& then = law.step[count + 1];
-    if (brake({then.x, then.u}, way, {&then, law.count - count - 1, 0}) && seconds_ < kept_seconds_)
-      keep();
-  }
-  restore();
+  // Just before a sharp bend braking may lead nowhere: the law is followed for a while before.
+  if (law.count == 0 || law.step[0].kind != LawStep::Kind::spline) return Result::failed;
+  kept_.clear();
+  for (std::size_t k = 0; k < law.count; ++k) kept_.push_back(law.step[k]);
+  behind(law.from, kept_[0]);
+  return brake_on_the_way(kFollowEvery, kFollowMost, kNoLimit) ? Result::ok : Result::failed;
 }
 
 /// Braking from `way` on, where the state is `from`, is added to the law.
@@ -421,14 +398,14 @@ bool TimeLaw::brake_behind(std::size_t k) noexcept {
   return brake({kept_[k].x, kept_[k].u}, way, {kept_.begin() + k, kept_.size() - k, 0});
 }
 
-/// Whether braking stands sooner from some place of the law on.
-void TimeLaw::brake_later() noexcept {
-  keep();
+/// The soonest of the stops that go along what is kept and brake from places `every` seconds apart, the last one before `end`. False: none takes less than
+/// `least`.
+bool TimeLaw::brake_on_the_way(double every, double end, double least) noexcept {
   std::size_t best = 0;
-  double least = kept_seconds_, t = 0, next = kLaterEvery;
-  for (std::size_t k = 0; k + 1 < kept_.size(); ++k) {
-    if (t > next * kept_seconds_) {
-      next += kLaterEvery;
+  double t = 0, next = every;
+  for (std::size_t k = 0; k + 1 < kept_.size() && t < end; ++k) {
+    if (t > next) {
+      next += every;
       if (brake_behind(k) && seconds_ < least) {
         least = seconds_;
         best = k;
@@ -436,7 +413,13 @@ void TimeLaw::brake_later() noexcept {
     }
     t += kept_[k].seconds;
   }
-  if (best == 0 || !brake_behind(best)) restore();
+  return best > 0 && brake_behind(best);
+}
+
+/// Whether braking stands sooner from some place of the law on.
+void TimeLaw::brake_later() noexcept {
+  keep();
+  if (!brake_on_the_way(kLaterEvery * kept_seconds_, kept_seconds_, kept_seconds_)) restore();
 }
 
 TimeLaw::Result TimeLaw::search_stop(const Start& start) noexcept {

@@ -71,8 +71,8 @@ class TimeLaw {
   [[nodiscard]] double straight_stop(const Start& start) const noexcept;
   void end_nearer(const Start& start) noexcept;
   [[nodiscard]] bool brake(const Start& from, double way, const LawAlong& law) noexcept;
-  void follow_first(const LawAlong& law) noexcept;
   [[nodiscard]] bool brake_behind(std::size_t k) noexcept;
+  [[nodiscard]] bool brake_on_the_way(double every, double end, double least) noexcept;
   void brake_later() noexcept;
   void keep() noexcept;
   void restore() noexcept;
@@ -84,7 +84,7 @@ class TimeLaw {
   LawRows rows_;
   LawNewton newton_;
   LawStop stop_;
-  Buffer<LawStep> law_, kept_, along_;
+  Buffer<LawStep> law_, kept_;
   Buffer<double> x_, sums_, way_;
   double seconds_{0}, kept_seconds_{0};
   int iterations_{0};

@@ -98,8 +98,6 @@ class LawRows {
     return way;
   }
   [[nodiscard]] std::size_t size() const noexcept { return intervals_.size(); }
-  /// For how many there is room.
-  [[nodiscard]] std::size_t most() const noexcept { return size() + intervals_.room(); }
   [[nodiscard]] const LawInterval& operator[](std::size_t i) const noexcept {
     return intervals_[i];
   }

@@ -40,9 +40,14 @@ constexpr double kSoonEnough = 1.05;
 }  // namespace
 
 bool LawStop::create(Memory& memory, std::size_t intervals) noexcept {
-  for (Buffer<double>* b : {&at_, &x_, &u_, &jerk_})
-    if (!b->create(memory, intervals + 2)) return false;
-  return along_.create(memory, intervals + 2) && steps_.create(memory, intervals + 2);
+  // Nodes have no values before they are reached.
+  for (Buffer<double>* b : {&at_, &x_, &u_, &jerk_}) {
+    if (!b->create(memory, intervals + 1)) return false;
+    b->assign(intervals + 1, 0);
+  }
+  if (!along_.create(memory, intervals + 1) || !steps_.create(memory, intervals + 1)) return false;
+  along_.assign(intervals + 1, LawPoint{});
+  return true;
 }
 
 double LawStop::Range::clamp(double b) const noexcept {
@@ -271,13 +276,6 @@ bool LawStop::kept(std::size_t i) const noexcept {
   return e.vel <= aim_.most.vel && e.acc <= aim_.most.acc && e.jerk <= aim_.most.jerk;
 }
 
-/// Nodes have no values before they are reached.
-void LawStop::make_room(std::size_t nodes) noexcept {
-  if (x_.size() == nodes) return;
-  for (Buffer<double>* b : {&at_, &x_, &u_, &jerk_}) b->assign(nodes, 0);
-  along_.assign(nodes, LawPoint{});
-}
-
 bool LawStop::run(LawRows& rows, double way, double x0, double u0, const LawAlong& law,
                   const Aim& aim) noexcept {
   rows_ = &rows;
@@ -292,7 +290,6 @@ bool LawStop::run(LawRows& rows, double way, double x0, double u0, const LawAlon
       if (follows && best_ < kNoLimit) break;
       follows_ = follows;
       rows.make_stepwise(way);
-      make_room(rows.most() + 1);
       x_[0] = x0;
       u_[0] = u0;
       along_[0] = {x0, u0};

@@ -60,7 +60,6 @@ class LawStop {
   [[nodiscard]] bool leads_on(std::size_t i, double w) noexcept;
   [[nodiscard]] bool fall(std::size_t i, std::size_t count, double& w) noexcept;
   [[nodiscard]] bool hold(std::size_t i, double& w) noexcept;
-  void make_room(std::size_t nodes) noexcept;
   void brake() noexcept;
   [[nodiscard]] bool kept(std::size_t i) const noexcept;
   [[nodiscard]] bool end_at(std::size_t i) noexcept;
