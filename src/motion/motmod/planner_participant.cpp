@@ -52,7 +52,8 @@ void tell_planner(PlannerLink& link, const ServoView& view, ServoView& last) noe
               view.single_step != last.single_step;
   // Until the planner has answered: it may not have been able to read the wish.
   wake = wake || (view.config_wish != 0 && link.parked.observe() != view.config_wish);
-  if (waits == Planner::Waits::room) wake = wake || link.spans.size() <= SpanRing::capacity() / 2;
+  if (waits == Planner::Waits::room)
+    wake = wake || link.spans.size() + Planner::kRoomWorthSending <= SpanRing::capacity();
   if (waits == Planner::Waits::servo) wake = wake || view.executed_seq != link.seen.get();
   last = view;
   if (!wake) return;

@@ -66,6 +66,8 @@ class Planner {
   [[nodiscard]] bool makes_laws() const noexcept { return laws_.busy(); }
   [[nodiscard]] const LawMaker::Counts& law_counts() const noexcept { return laws_.counts(); }
   static constexpr std::int64_t kLawTurn = 4'000'000;  ///< ns
+  /// A ring that is full waits until so many spans have room: however few are new, the pass from the end goes over all that it takes to stop.
+  static constexpr std::size_t kRoomWorthSending = kSpans / 4;
   [[nodiscard]] std::int64_t wake_ns() const noexcept { return wake_ns_; }
 
   /// What earlier items have set for those behind them; all that matters of the past while nothing is pending.

@@ -47,6 +47,7 @@ double sliver_of(const path::Piece& piece) noexcept {
 bool Planner::send() noexcept {
   bool all = true;
   awaits_answers_ = false;
+  if (slots_.gate.pass([&] { return spans_.size(); }) + kRoomWorthSending > kSpans) return false;
   while (true) {
     if (!send_events(sigma_)) {
       all = false;
