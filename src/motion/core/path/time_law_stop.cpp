@@ -26,13 +26,15 @@ constexpr double kRoom = 0.01;
 /// Back at the law but for that.
 constexpr double kBack = 1e-9;
 /// What would need so many times the jerk of a straight all along will not find its rest.
-constexpr double kLost = 1.5;
+constexpr double kLost = 1.3;
 /// Even jerk as a share of what a straight could do, above which it is not looked at.
 constexpr double kEven = 1.02;
-/// Shares of the range of b2: how far from the last one it is looked, at first, for what leads on; and how near to what does not it has to be.
-constexpr double kBeside = 0.125, kNarrow = 0.07, kFirstShare = 0.5;
+/// How near to what does not lead on what is taken has to be, as a share of the range of b2.
+constexpr double kNarrow = 0.07;
 /// Intervals that are taken at once before it is tried what leads on from there: at first, and most.
-constexpr std::size_t kFirstFall = 4, kMostFall = 8;
+constexpr std::size_t kFirstFall = 8, kMostFall = 16;
+/// Before that, so much of the way on which a straight's stop brakes until it lets go.
+constexpr double kBrakesAtLeast = 0.9;
 /// Braking ends where a try comes to no end that is sooner by this share, when the soonest is nearer than so many times a stop on a straight.
 constexpr double kSooner = 0.998;
 constexpr double kSoonEnough = 1.05;
@@ -133,10 +135,10 @@ double LawStop::rest_way(std::size_t i) const noexcept {
 }
 
 /// What it would take from node i.
-double LawStop::straight_stop(std::size_t i) const noexcept {
+Ramp LawStop::straight_stop(std::size_t i) const noexcept {
   double acc = 0, jerk = 0;
   rows_->straightest(i, acc, jerk);
-  return ramp_to({std::sqrt(x_[i]), u_[i]}, 0, {acc, jerk}).duration();
+  return ramp_to({std::sqrt(x_[i]), u_[i]}, 0, {acc, jerk});
 }
 
 bool LawStop::add_step(std::size_t i, double step) noexcept {
@@ -226,20 +228,25 @@ bool LawStop::leads_on(std::size_t i, double w) noexcept {
   return false;
 }
 
-/// So many intervals from i on: down as far as the rows allow. False: that does not lead on.
-bool LawStop::fall(std::size_t i, std::size_t count, double& w) noexcept {
+/// So many intervals from i on, or until `way` from the start: down as far as the rows allow. False: that does not lead on.
+bool LawStop::fall(std::size_t i, double way, std::size_t& count, double& w) noexcept {
   double now = w;
-  for (const std::size_t end = i + count; i < end; ++i) {
-    if (i + 1 >= x_.size() || (i > 0 && !step_ahead(i)) || !reach(i, -kNoLimit, 1, now))
+  const std::size_t first = i;
+  for (const std::size_t end = i + count; i < end && (i == first || at_[i] < way); ++i) {
+    if (i + kMostFall + 1 >= x_.size() || (i > 0 && !step_ahead(i)) ||
+        !reach(i, -kNoLimit, 1, now)) {
+      count = i + 1 - first;
       return false;
+    }
   }
+  count = i - first;
   if (!leads_on(i, now)) return false;
   w = now;
   return true;
 }
 
-/// Interval i: down as far as it leads on, when that is less than the rows allow. False: nothing leads on.
-bool LawStop::hold(std::size_t i, double& w) noexcept {
+/// Interval i: down as far as it leads on, when that is less than the rows allow; `again`: the one before is such a one. False: nothing leads on.
+bool LawStop::hold(std::size_t i, bool again, double& w) noexcept {
   double now = w;
   (void)reach(i, -kNoLimit, 1, now);
   const double lowest = x_[i + 1];
@@ -250,7 +257,7 @@ bool LawStop::hold(std::size_t i, double& w) noexcept {
     now = w;
     return reach(i, lowest + share * range, 1, now) && leads_on(i + 1, now);
   };
-  // Between what does not lead on and what does, beside the share of the interval before first.
+  // Between what does not lead on and what does.
   double low = 0, high = 1;
   bool sure = false;
   const auto look = [&](double share) {
@@ -259,11 +266,10 @@ bool LawStop::hold(std::size_t i, double& w) noexcept {
     sure = sure || leads;
     return leads;
   };
-  const double beside = look(share_) ? share_ - kBeside : share_ + kBeside;
-  if (beside > 0 && beside < 1) (void)look(beside);
+  // Behind an interval that has been held already hardly anything but the way back leads on.
+  if (again) (void)look(1 - 0.99 * kNarrow);
   while (high - low > kNarrow) (void)look((low + high) / 2);
   if (!sure && !tried(1)) return false;
-  share_ = std::clamp(high, kBeside, 1 - kBeside);
   (void)reach(i, lowest + high * range, 1, w);
   return true;
 }
@@ -303,33 +309,46 @@ bool LawStop::run(LawRows& rows, double way, double x0, double u0, const LawAlon
 void LawStop::brake() noexcept {
   const LawRows& rows = *rows_;
   law_at_ = settled_ = kept_ = 0;
-  share_ = kFirstShare;
   law_begins_ = t_ = 0;
   soonest_ = kNoLimit;
   if (!add_step(0, widest_)) return;
+  // As far as it certainly brakes in one go.
+  RampState state{std::sqrt(x_[0]), u_[0]};
+  Ramp straight = straight_stop(0);
+  straight.seconds[2] = 0;
+  double way = kBrakesAtLeast * straight.distance(state);
   double w = 0, before = kNoLimit;
-  std::size_t count = kFirstFall;
+  std::size_t count = x_.size();
   std::size_t lost = 0;  // falling from here to there has been tried and does not lead on
+  bool held = false;
   while (settled_ + kMostFall + 1 < x_.size()) {
     const std::size_t i = settled_;
     std::size_t taken = count;
-    if (i + 1 != lost && fall(i, count, w)) {
-      count = lost > i + count ? (lost - i - count + 1) / 2 : std::min(2 * count, kMostFall);
+    if (i + 1 != lost && fall(i, way, count, w)) {
+      taken = count;
+      held = false;
+      if (way < kNoLimit)
+        count = kFirstFall;
+      else
+        count = lost > i + count ? (lost - i - count + 1) / 2 : std::min(2 * count, kMostFall);
     } else if (i + 1 != lost && count > 1) {
       lost = i + count;
       count /= 2;
       continue;
-    } else if (hold(i, w)) {
+    } else if (hold(i, held, w)) {
       taken = count = 1;
       lost = 0;
+      held = true;
     } else {
       return;
     }
+    way = kNoLimit;
     for (; taken > 0; --taken, ++settled_)
       t_ += 2 * rows[settled_].length / (std::sqrt(x_[settled_]) + std::sqrt(x_[settled_ + 1]));
     if (t_ > best_ || !step_ahead(settled_)) return;
     // A crawl far ahead says nothing of what is nearer.
-    if (soonest_ >= kSooner * before && soonest_ - t_ < kSoonEnough * straight_stop(settled_))
+    if ((held || soonest_ >= kSooner * before) &&
+        soonest_ - t_ < kSoonEnough * straight_stop(settled_).duration())
       return;
     before = soonest_;
   }

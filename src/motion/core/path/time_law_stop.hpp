@@ -12,6 +12,7 @@
 #include "motion/core/path/buffer.hpp"
 #include "motion/core/path/law_step.hpp"
 #include "motion/core/path/time_law_rows.hpp"
+#include "motion/core/ramp.hpp"
 
 namespace kerf::motion::path {
 
@@ -54,12 +55,12 @@ class LawStop {
   [[nodiscard]] bool holds_law(std::size_t i) const noexcept;
   [[nodiscard]] bool add_step(std::size_t i, double step) noexcept;
   [[nodiscard]] bool step_ahead(std::size_t i) noexcept;
-  [[nodiscard]] double straight_stop(std::size_t i) const noexcept;
+  [[nodiscard]] Ramp straight_stop(std::size_t i) const noexcept;
   [[nodiscard]] double rest_way(std::size_t i) const noexcept;
   [[nodiscard]] bool reach(std::size_t i, double wanted, double share, double& w) noexcept;
   [[nodiscard]] bool leads_on(std::size_t i, double w) noexcept;
-  [[nodiscard]] bool fall(std::size_t i, std::size_t count, double& w) noexcept;
-  [[nodiscard]] bool hold(std::size_t i, double& w) noexcept;
+  [[nodiscard]] bool fall(std::size_t i, double way, std::size_t& count, double& w) noexcept;
+  [[nodiscard]] bool hold(std::size_t i, bool again, double& w) noexcept;
   void brake() noexcept;
   [[nodiscard]] bool kept(std::size_t i) const noexcept;
   [[nodiscard]] bool end_at(std::size_t i) noexcept;
@@ -78,7 +79,6 @@ class LawStop {
   std::size_t settled_{0};  ///< intervals that are taken, in `t_` seconds
   std::size_t kept_{0};     ///< of them are in the stop
   double t_{0};
-  double share_{0};            ///< of the range of b2 that led on last
   Buffer<double> at_, x_, u_;  ///< of nodes: sigma from the start, and the state
   Buffer<LawPoint> along_;     ///< of the law there
   Buffer<double> jerk_;        ///< what a straight could do
