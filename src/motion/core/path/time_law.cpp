@@ -202,7 +202,7 @@ TimeLaw::Result TimeLaw::solve(const Start& start) noexcept {
   if (!rests) {
     if (!rows_.make(start.x, start.u, 1)) return Result::full;
     if (is_last_stop(start)) {
-      newton_.begin(rows_, start.x, start.u, false);
+      newton_.begin(rows_, start.x, start.u, false, true);
       write(start);
       return Result::ok;
     }
@@ -233,7 +233,8 @@ TimeLaw::Result TimeLaw::attempt(const Start& start) noexcept {
   aim.soon = stops;
   for (int round = 0; round < rounds; ++round) {
     const bool patient = waits == (round % 2 == 0);
-    newton_.begin(rows_, start.x, start.u, patient);
+    // A law that breaks what was left out is looked for with all of it.
+    newton_.begin(rows_, start.x, start.u, patient, stops || round > 0);
     guess_nodes(start, patient);
     for (std::size_t i = 1; i < rows_.size(); ++i) newton_.guess(i, x_[i]);
     // A state on the edge of what is possible, and the certificate allows for it.

@@ -34,6 +34,9 @@ constexpr double kRough = 0.1, kRecentre = 1;
 /// Rounding may not let it come so near; then so many more steps have to do.
 constexpr double kFarthest = 1;
 constexpr int kMore = 6;
+/// Rows are left out that come to less than this share of their limit at so many times the speed (squared) that is even there, and so many times the
+/// acceleration and the jerk of a straight.
+constexpr double kReached = 0.95, kLikely = 2, kLikelyAcc = 1.2, kLikelyJerk = 4;
 
 // Of one number, or of each of two.
 template <class V>
@@ -91,10 +94,61 @@ bool LawNewton::create(Memory& memory, std::size_t intervals,
   for (Side* side : {&up_, &down_})
     for (Buffer<double>* b : {&side->s, &side->z, &side->ds, &side->dz, &side->over, &side->room})
       if (!b->create(memory, rows)) return false;
-  return side_.create(memory, n);
+  for (Buffer<double>* b : {&a0_, &a1_, &a2_})
+    if (!b->create(memory, rows)) return false;
+  return side_.create(memory, n) && part_.create(memory, n);
 }
 
-void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) noexcept {
+void LawNewton::take_row(std::size_t r) noexcept {
+  a0_.push_back(rows_->a0[r]);
+  a1_.push_back(rows_->a1[r]);
+  a2_.push_back(rows_->a2[r]);
+}
+
+/// With the largest speed that is likely on an interval, and the acceleration and the jerk of a straight there, a row comes to
+///   |a0 + a1 + a2| x + |a1 + 2 a2| D u           of 1 where it is one of acceleration,
+///   (that + |a2| D^2 w) sqrt(x)                  where it is one of jerk.
+void LawNewton::take_rows(bool all) noexcept {
+  const LawRows& rows = *rows_;
+  for (Buffer<double>* b : {&a0_, &a1_, &a2_}) b->clear();
+  for (std::size_t i = 0; i < n_; ++i) {
+    const LawInterval& in = rows[i];
+    Part& part = part_[i];
+    part = {a0_.size(), static_cast<std::size_t>(in.accs), static_cast<std::size_t>(in.jerks)};
+    std::size_t r = in.row;
+    if (all || i == 0) {
+      for (const std::size_t end = r + part.accs + 3 * part.jerks; r < end; ++r) take_row(r);
+      continue;
+    }
+    double acc = 0, jerk = 0;
+    rows.most_on(i, acc, jerk);
+    const double x = std::min({in.cap, std::max(in.wish, x0_), kLikely * rows.even_cap(i)}),
+                 v = std::sqrt(x), u = kLikelyAcc * acc * in.length,
+                 w = kLikelyJerk * jerk * in.length * in.length;
+    const auto by_x = [&](std::size_t k) {
+      return std::abs(rows.a0[k] + rows.a1[k] + rows.a2[k]) * x +
+             std::abs(rows.a1[k] + 2 * rows.a2[k]) * u;
+    };
+    for (const std::size_t end = r + part.accs; r < end; ++r) {
+      if (by_x(r) > kReached)
+        take_row(r);
+      else
+        --part.accs;
+    }
+    const std::size_t jerks = part.jerks;
+    bool taken[LawRows::kMostJerks]{};
+    for (std::size_t j = 0; j < jerks; ++j) {
+      for (std::size_t k = r + j; k < r + 3 * jerks; k += jerks)
+        taken[j] = taken[j] || by_x(k) * v + std::abs(rows.a2[k]) * w > kReached;
+      if (!taken[j]) --part.jerks;
+    }
+    for (int k = 0; k < 3; ++k)
+      for (std::size_t j = 0; j < jerks; ++j, ++r)
+        if (taken[j]) take_row(r);
+  }
+}
+
+void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient, bool all) noexcept {
   rows_ = &rows;
   n_ = rows.size();
   first_ = 1;
@@ -102,11 +156,12 @@ void LawNewton::begin(const LawRows& rows, double x0, double u0, bool patient) n
   x0_ = x0;
   rests_ = x0 <= 0;
   for (Buffer<double>* b : {&m_, &dm_, &node_, &left_, &right_, &kept_}) b->assign(n_ + 1, 0);
-  all_rows_ = rows.a0.size();
+  part_.assign(n_, Part());
+  take_rows(all);
   // Those next to rest count nowhere.
   for (Side* side : {&up_, &down_}) {
-    side->s.assign(all_rows_, 1);
-    side->z.assign(all_rows_, 0);
+    side->s.assign(a0_.size(), 1);
+    side->z.assign(a0_.size(), 0);
   }
   side_.assign(n_ + 1, JerkSide());
   at_middle_.clear();
@@ -210,7 +265,6 @@ void LawNewton::start(bool shrink, const Aim& aim) noexcept {
 }
 
 void LawNewton::shrink_guess() noexcept {
-  const LawRows& rows = *rows_;
   for (int round = 0; round < 200; ++round) {
     // dm_ holds the factors.
     dm_.assign(n_ + 1, 1.0);
@@ -219,14 +273,15 @@ void LawNewton::shrink_guess() noexcept {
       double b[3];
       coefficients(i, b);
       const JerkSide side(b, 0.9 * jerk_);
-      std::size_t r = rows[i].row;
+      const Part& part = part_[i];
+      std::size_t r = part.row;
       bool holds = node_[i + 1] <= 0.95 * at_node_[i + 1].top &&
                    m_[i] <= 0.95 * at_middle_[i].top &&
                    (i == 0 || node_[i] <= 0.95 * at_node_[i].top);
-      const std::int32_t accs = rows[i].accs, all = accs + 3 * rows[i].jerks;
-      for (std::int32_t k = 0; k < all && holds; ++k, ++r) {
-        const double right = k < accs ? 0.9 * acc_ : side.right[(k - accs) / rows[i].jerks];
-        holds = std::abs(rows.a0[r] * b[0] + rows.a1[r] * b[1] + rows.a2[r] * b[2]) <= right;
+      const std::size_t all = part.accs + 3 * part.jerks;
+      for (std::size_t k = 0; k < all && holds; ++k, ++r) {
+        const double right = k < part.accs ? 0.9 * acc_ : side.right[(k - part.accs) / part.jerks];
+        holds = std::abs(a0_[r] * b[0] + a1_[r] * b[1] + a2_[r] * b[2]) <= right;
       }
       if (holds) continue;
       any = true;
@@ -250,7 +305,7 @@ void LawNewton::start_wish(Bound& c, double x) noexcept {
 /// Away from the bounds: what was worth being near to is no more.
 void LawNewton::raise_multipliers(double mu) noexcept {
   for (Side* side : {&up_, &down_})
-    for (std::size_t r = 0; r < all_rows_; ++r) side->z[r] = std::max(side->z[r], mu / side->s[r]);
+    for (std::size_t r = 0; r < a0_.size(); ++r) side->z[r] = std::max(side->z[r], mu / side->s[r]);
   each_bound([&](Bound& c, double) {
     if (!(c.worth > 0)) c.z = std::max(c.z, mu / c.s);
   });
@@ -282,17 +337,18 @@ bool LawNewton::make_broken_wishes_dearer() noexcept {
 }
 
 void LawNewton::start_slacks(double mu) noexcept {
-  const LawRows& rows = *rows_;
   for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
     double b[3];
     coefficients(i, b);
     const JerkSide side(b, jerk_);
-    const std::int32_t accs = rows[i].accs, all = accs + 3 * rows[i].jerks;
-    std::size_t r = rows[i].row;
-    for (std::int32_t k = 0; k < all; ++k, ++r) {
+    const Part& part = part_[i];
+    const std::size_t all = part.accs + 3 * part.jerks;
+    std::size_t r = part.row;
+    for (std::size_t k = 0; k < all; ++k, ++r) {
       const double right =
-          k < accs ? acc_ : std::max(side.right[(k - accs) / rows[i].jerks], 0.1 * side.right[0]);
-      const double v = rows.a0[r] * b[0] + rows.a1[r] * b[1] + rows.a2[r] * b[2];
+          k < part.accs ? acc_
+                        : std::max(side.right[(k - part.accs) / part.jerks], 0.1 * side.right[0]);
+      const double v = a0_[r] * b[0] + a1_[r] * b[1] + a2_[r] * b[2];
       up_.s[r] = std::max(right - v, kFirstSlack * right);
       down_.s[r] = std::max(right + v, kFirstSlack * right);
       for (Side* row : {&up_, &down_}) {
@@ -332,8 +388,7 @@ double LawNewton::build_time(double length, const double b[3], Quadratic& q) noe
 template <bool kSlopes, class V>
 inline void LawNewton::add_row(std::size_t r, const double b[3], double right, const Look& look,
                                Sums<V>& to) noexcept {
-  const LawRows& rows = *rows_;
-  const V c0 = load<V>(rows.a0, r), c1 = load<V>(rows.a1, r), c2 = load<V>(rows.a2, r);
+  const V c0 = load<V>(a0_, r), c1 = load<V>(a1_, r), c2 = load<V>(a2_, r);
   const V v = c0 * b[0] + c1 * b[1] + c2 * b[2], room = right - v, room_down = right + v;
   // A slack that is too small may grow to what it truly is.
   const V s = larger(load<V>(up_.s, r) + look.primal * load<V>(up_.ds, r), room);
@@ -370,7 +425,7 @@ void LawNewton::add_rows(std::size_t r, std::size_t end, const double b[3], cons
   Sums<double> one{section.right};
   if (section.given) {
     for (; r < end; ++r)
-      if (rows_->a2[r] != 0) add_row<kSlopes>(r, b, section.right, look, one);
+      if (a2_[r] != 0) add_row<kSlopes>(r, b, section.right, look, one);
   }
   for (; r + 1 < end; r += 2) add_row<kSlopes>(r, b, section.right, look, two);
   if (r < end) add_row<kSlopes>(r, b, section.right, look, one);
@@ -482,8 +537,8 @@ void LawNewton::look_and_build(double primal, double dual) noexcept {
     const JerkSide& side = side_[i] = JerkSide(b, jerk_);
     Quadratic q;
     time_ += build_time(in.length, b, q);
-    const auto accs = static_cast<std::size_t>(in.accs), jerks = static_cast<std::size_t>(in.jerks);
-    std::size_t r = in.row;
+    const std::size_t accs = part_[i].accs, jerks = part_[i].jerks;
+    std::size_t r = part_[i].row;
     // What the start state alone decides is no row.
     add_rows<false>(r, r + accs, b, {acc_, 1, nullptr, i == 0}, q, look);
     r += accs;
@@ -548,9 +603,7 @@ bool LawNewton::factor_and_solve(double mu) noexcept {
 template <class V>
 inline void LawNewton::step_row(std::size_t r, const double db[3], double mu, double dright,
                                 V& primal, V& dual) noexcept {
-  const LawRows& rows = *rows_;
-  const V dv =
-      load<V>(rows.a0, r) * db[0] + load<V>(rows.a1, r) * db[1] + load<V>(rows.a2, r) * db[2];
+  const V dv = load<V>(a0_, r) * db[0] + load<V>(a1_, r) * db[1] + load<V>(a2_, r) * db[2];
   const auto side = [&](Side& of, V moves) {
     const V z = load<V>(of.z, r), over = load<V>(of.over, r);
     const V ds = load<V>(of.room, r) - load<V>(of.s, r) + moves, dz = (mu - z * ds) * over - z;
@@ -568,7 +621,7 @@ void LawNewton::step_rows(std::size_t r, std::size_t end, const double db[3], do
   Pair primals = each<Pair>(primal), duals = each<Pair>(dual);
   if (given) {
     for (; r < end; ++r)
-      if (rows_->a2[r] != 0) step_row(r, db, mu, dright, primal, dual);
+      if (a2_[r] != 0) step_row(r, db, mu, dright, primal, dual);
   }
   for (; r + 1 < end; r += 2) step_row(r, db, mu, dright, primals, duals);
   if (r < end) step_row(r, db, mu, dright, primal, dual);
@@ -577,15 +630,13 @@ void LawNewton::step_rows(std::size_t r, std::size_t end, const double db[3], do
 }
 
 void LawNewton::step_sizes(double mu) noexcept {
-  const LawRows& rows = *rows_;
   // 1 over the largest step.
   double primal = kToBound, dual = kToBound;
   for (std::size_t i = rests_ ? 1 : 0; i < last_; ++i) {
-    const LawInterval& in = rows[i];
     const double db[3] = {i == 0 ? 0 : left_[i] * dm_[i - 1] + right_[i] * dm_[i], dm_[i],
                           left_[i + 1] * dm_[i] + right_[i + 1] * dm_[i + 1]};
-    const auto accs = static_cast<std::size_t>(in.accs), jerks = static_cast<std::size_t>(in.jerks);
-    std::size_t r = in.row;
+    const std::size_t accs = part_[i].accs, jerks = part_[i].jerks;
+    std::size_t r = part_[i].row;
     step_rows(r, r + accs, db, mu, i == 0, 0, primal, dual);
     r += accs;
     for (int k = 0; k < 3 && jerks > 0; ++k, r += jerks) {
@@ -620,7 +671,7 @@ bool LawNewton::run(const Aim& aim) noexcept {
   iterations_ = 0;
   acc_ = aim.acc;
   jerk_ = aim.jerk;
-  const std::size_t rows = all_rows_ * 2 + 4 * n_;
+  const std::size_t rows = a0_.size() * 2 + 4 * n_;
   double before = seconds();
   double mu = aim.mu * before / static_cast<double>(rows);
   start_slacks(mu);

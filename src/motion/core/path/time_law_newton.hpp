@@ -26,8 +26,9 @@ class LawNewton {
 
   [[nodiscard]] bool create(Memory& memory, std::size_t intervals,
                             std::size_t rows_per_interval) noexcept;
-  /// x at node 0 is x0 and the first interval begins with u0; x0 0: at rest. `patient`: does not brake for wishes before limits are kept.
-  void begin(const LawRows& rows, double x0, double u0, bool patient) noexcept;
+  /// x at node 0 is x0 and the first interval begins with u0; x0 0: at rest. `patient`: does not brake for wishes before limits are kept. Rows
+  /// that hardly can be reached are left out unless `all` are wanted: who certifies the law looks at them all.
+  void begin(const LawRows& rows, double x0, double u0, bool patient, bool all) noexcept;
   /// Guess of x at node i, 0 < i < intervals.
   void guess(std::size_t i, double x) noexcept { node_[i] = x; }
   /// Takes the guesses as they are, or shrinks them until the rows hold.
@@ -100,6 +101,8 @@ class LawNewton {
   void step_row(std::size_t r, const double db[3], double mu, double dright, V& primal,
                 V& dual) noexcept;
 
+  void take_rows(bool all) noexcept;
+  void take_row(std::size_t r) noexcept;
   [[nodiscard]] double worth_of_node(std::size_t i) const noexcept;
   [[nodiscard]] double worth_of(std::size_t i) const noexcept;
   [[nodiscard]] static double price_of(const Bound& wish, double x) noexcept;
@@ -145,8 +148,13 @@ class LawNewton {
   Buffer<double> kept_;   ///< m_ of a result that is gone on from
   Buffer<double> by_mu_;  ///< dm_ holds the right side without mu
   Side up_, down_;        ///< v <= right, -v <= right
-  std::size_t all_rows_{0};
-  Buffer<JerkSide> side_;  ///< of intervals, where x is
+  /// Of an interval: its rows, accelerations first, then so many for each coefficient of jerk.
+  struct Part {
+    std::size_t row{0}, accs{0}, jerks{0};
+  };
+  Buffer<Part> part_;
+  Buffer<double> a0_, a1_, a2_;  ///< rows
+  Buffer<JerkSide> side_;        ///< of intervals, where x is
   Buffer<Bound> at_middle_, at_node_;
 };
 

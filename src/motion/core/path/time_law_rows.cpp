@@ -24,8 +24,8 @@ constexpr double kFirstChange = 0.25, kFineGrowth = 0.5, kFinest = 1e-11;
 /// A jerk row in which b2 counts less than that beside b1 bounds u, not w.
 constexpr double kNoW = 1e-3;
 
-/// Of one interval: accelerations at four, jerks at three coefficients of each axis, each joint and the path.
-constexpr std::size_t kMostRows = 7 * (kAxes + kMostJoints + 1);
+/// Of one interval: accelerations at four, jerks at three coefficients.
+constexpr std::size_t kMostRows = 7 * LawRows::kMostJerks;
 
 /// So many steps before the end of a stretch are equal.
 constexpr double kEvenParts = 3;
@@ -561,6 +561,19 @@ double LawRows::stop_cap(std::size_t i, double way) const noexcept {
   if (s.piece.shape == Piece::Shape::arc && std::abs(s.piece.rate) * way > kArcStep) return 0;
   if (way > kMostBends * s.bends) return 0;
   return rest_cap(i, way, false);
+}
+
+void LawRows::most_on(std::size_t i, double& acc, double& jerk) const noexcept {
+  const LawInterval& in = intervals_[i];
+  const LawStretch& stretch = stretches_[in.stretch];
+  straightest(i, acc, jerk);
+  if (is_straight(stretch)) return;
+  for (const double s : {in.from, in.from + in.length}) {
+    double a = 0, j = 0;
+    straight_limits(stretch, s, limits_, a, j);
+    acc = std::max(acc, a);
+    jerk = std::max(jerk, j);
+  }
 }
 
 double LawRows::even_cap(std::size_t i) const noexcept {

@@ -64,6 +64,8 @@ void straight_limits(const LawStretch& stretch, double s, const AxisLimits& limi
 
 class LawRows {
  public:
+  /// Of one coefficient of an interval: each axis, each joint and the path.
+  static constexpr std::size_t kMostJerks = kAxes + kMostJoints + 1;
   [[nodiscard]] bool create(Memory& memory, std::size_t intervals,
                             std::size_t rows_per_interval) noexcept;
   void begin(const AxisLimits& limits) noexcept;
@@ -113,6 +115,9 @@ class LawRows {
     acc = intervals_[i].straight_acc;
     jerk = intervals_[i].straight_jerk;
   }
+
+  /// The same, the most of its middle and its ends.
+  void most_on(std::size_t i, double& acc, double& jerk) const noexcept;
 
   /// By how much the interval with these coefficients goes over the true limits. `given`: nothing is said about b[0] and its u, which nobody chose.
   [[nodiscard]] LawExcess excess(std::size_t i, const double b[3], bool given) const noexcept;
