@@ -8,7 +8,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <future>
+#include <span>
+
 #include <string>
 #include <thread>
 #include <vector>
@@ -115,32 +118,52 @@ class Ending {
   int supervisor_{-1};
 };
 
-/// One participant on a thread of its own.
+/// A thread for one participant; or on virtual time, where one runs at a time anyway, for all.
 class Runner {
  public:
   /// Returns when the thread has joined the clock: the order of joining is the order at one instant.
   rtapi::Status start(rtapi::Segment& segment, rtapi::Participant& participant) {
-    std::promise<rtapi::Status> joined;
-    auto result = joined.get_future();
-    thread_ = std::thread([this, &segment, &participant, &joined] {
-      auto clock = rtapi::join_clock(segment, participant.role(), participant.name());
-      if (!clock.ok()) return joined.set_value(rtapi::Failure{clock.error()});
-      clock_ = std::move(*clock);
-      joined.set_value({});
-      // The heartbeat and an operator's stop must not wait for other programs. On virtual time there is no hurry.
-      if (participant.role() == rtapi::Role::task_command && !clock_->is_virtual())
-        (void)rtapi::prefer_this_thread();
-      rtapi::run_participant(*clock_, participant);
+    return start([&]() -> rtapi::Status {
+      KERF_TRY(clock_, rtapi::join_clock(segment, participant.role(), participant.name()));
+      run_ = [this, &participant] {
+        // The heartbeat and an operator's stop must not wait for other programs.
+        if (participant.role() == rtapi::Role::task_command) (void)rtapi::prefer_this_thread();
+        rtapi::run_participant(*clock_, participant);
+      };
+      return {};
     });
-    return result.get();
+  }
+  rtapi::Status start_shared(rtapi::Segment& segment,
+                             std::span<rtapi::Participant* const> participants) {
+    return start([&]() -> rtapi::Status {
+      KERF_TRY(shared_, rtapi::SharedThread::join(segment, participants));
+      run_ = [this] { shared_->run(); };
+      return {};
+    });
   }
   void stop() {
     if (clock_) clock_->stop();
+    if (shared_) shared_->stop();
     if (thread_.joinable()) thread_.join();
   }
 
  private:
+  template <class Join>
+  rtapi::Status start(const Join& join) {
+    std::promise<rtapi::Status> joined;
+    auto result = joined.get_future();
+    thread_ = std::thread([this, &join, &joined] {
+      const rtapi::Status status = join();
+      const bool ok = status.ok();
+      joined.set_value(status);  // `join` is gone behind this
+      if (ok) run_();
+    });
+    return result.get();
+  }
+
   std::unique_ptr<rtapi::WaitClock> clock_;
+  std::unique_ptr<rtapi::SharedThread> shared_;
+  std::function<void()> run_;
   std::thread thread_;
 };
 
@@ -211,15 +234,17 @@ int run(const Options& options) {
   int status = 0;
   if (!wait_for_motion(task, ending, status)) return status;
 
+  const bool shares = rtapi::clock_mode(**segment) == rtapi::ClockMode::virtual_time;
+  const std::vector<rtapi::Participant*> participants = task.participants();
   std::vector<std::unique_ptr<Runner>> runners;
   bool failed = false;
-  for (rtapi::Participant* participant : task.participants()) {
+  for (std::size_t i = 0; i < (shares ? 1 : participants.size()) && !failed; ++i) {
     runners.push_back(std::make_unique<Runner>());
-    if (auto joined = runners.back()->start(**segment, *participant); !joined.ok()) {
-      status = fail_with(joined.error());
-      failed = true;
-      break;
-    }
+    const auto joined = shares ? runners.back()->start_shared(**segment, participants)
+                               : runners.back()->start(**segment, *participants[i]);
+    if (joined.ok()) continue;
+    status = fail_with(joined.error());
+    failed = true;
   }
   while (!failed && !ending.wait(-1)) {
   }

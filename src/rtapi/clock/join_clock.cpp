@@ -2,6 +2,8 @@
 
 #include <dlfcn.h>
 
+#include <vector>
+
 #include "rtapi/clock/real_clock.hpp"
 #include "rtapi/clock/virtual_clock.hpp"
 #include "rtapi/shm/segment.hpp"
@@ -18,6 +20,27 @@ class SegmentClock final : public Clock {
 
  private:
   const ClockBlock& block_;
+};
+
+class VirtualThread final : public SharedThread {
+ public:
+  Status add(Segment& segment, ClockBlock& block, Participant& participant) {
+    KERF_TRY(auto clock,
+             VirtualClock::take_place(segment, block, participant.role(), participant.name()));
+    places_.push_back(clock.get());
+    clocks_.push_back(std::move(clock));
+    participants_.push_back(&participant);
+    return {};
+  }
+  void run() override { VirtualClock::run(places_, participants_); }
+  void stop() noexcept override {
+    for (VirtualClock* place : places_) place->stop();
+  }
+
+ private:
+  std::vector<std::unique_ptr<VirtualClock>> clocks_;
+  std::vector<VirtualClock*> places_;
+  std::vector<Participant*> participants_;
 };
 
 ClockBlock* find_virtual(const Segment& segment) {
@@ -52,6 +75,16 @@ Result<std::unique_ptr<WaitClock>> join_clock(Segment& segment, Role role, std::
   auto joined = VirtualClock::join(segment, *block, role, name, foreign);
   if (!joined.ok()) return Failure{joined.error()};
   return std::unique_ptr<WaitClock>(std::move(*joined));
+}
+
+Result<std::unique_ptr<SharedThread>> SharedThread::join(
+    Segment& segment, std::span<Participant* const> participants) {
+  ClockBlock* block = find_virtual(segment);
+  if (block == nullptr) return fail(Errc::bad_argument, "a thread is shared on virtual time only");
+  auto thread = std::make_unique<VirtualThread>();
+  for (Participant* participant : participants)
+    KERF_CHECK(thread->add(segment, *block, *participant));
+  return std::unique_ptr<SharedThread>(std::move(thread));
 }
 
 bool lives_in_virtual_time(const Segment& segment, std::int64_t process_group) {

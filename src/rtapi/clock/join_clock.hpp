@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string_view>
 
 #include "rtapi/base/result.hpp"
@@ -27,6 +28,19 @@ ClockMode clock_mode(const Segment& segment);
 /// on without it until its next wait.
 Result<std::unique_ptr<WaitClock>> join_clock(Segment& segment, Role role, std::string_view name,
                                               bool foreign = false);
+
+/// Runs participants in this thread on the virtual clock, each in a place of its own, in the order in which they are given; what goes from one to the
+/// other is no change of threads then.
+class SharedThread {
+ public:
+  /// Takes their places; bad_argument: the instance runs on the real clock, where each has its own thread.
+  static Result<std::unique_ptr<SharedThread>> join(Segment& segment,
+                                                    std::span<Participant* const> participants);
+  virtual ~SharedThread() = default;
+  /// Until stop(), which any thread may call.
+  virtual void run() = 0;
+  virtual void stop() noexcept = 0;
+};
 
 /// True when a process of this process group lives in the instance's virtual time. Whoever waits for such a process must not
 /// hold time.

@@ -53,6 +53,16 @@ std::string VirtualClock::address(std::int32_t slot) const {
 Result<std::unique_ptr<VirtualClock>> VirtualClock::join(Segment& segment, ClockBlock& block,
                                                          Role role, std::string_view name,
                                                          bool foreign) {
+  KERF_TRY(auto clock, take_place(segment, block, role, name, foreign));
+  WaitSpec at_once;
+  at_once.until = block.now_ns.get();
+  clock->wait(at_once);
+  return clock;
+}
+
+Result<std::unique_ptr<VirtualClock>> VirtualClock::take_place(Segment& segment, ClockBlock& block,
+                                                               Role role, std::string_view name,
+                                                               bool foreign) {
   if (!foreign) {
     // A shim that was preloaded into this process has nothing to do any more.
     using Disable = void();
@@ -90,9 +100,6 @@ Result<std::unique_ptr<VirtualClock>> VirtualClock::join(Segment& segment, Clock
     slot.until = block.now_ns.get();
     block.joins.notify();
   }
-  WaitSpec at_once;
-  at_once.until = block.now_ns.get();
-  clock->wait(at_once);
   return clock;
 }
 
@@ -270,91 +277,148 @@ bool VirtualClock::has_group(ClockBlock& block, std::int64_t group) {
   return false;
 }
 
-void VirtualClock::wait(const WaitSpec& spec) {
-  Handed to;
-  {
-    const Lock lock(block_);
-    ClockSlot& slot = block_.slot[me_];
-    slot.until = spec.until;
-    slot.holds_time = spec.holds_time;
-    slot.cell_count = 0;
-    for (const CellWatch& watch : spec.cells) {
-      if (!segment_.contains(watch.cell)) {
-        std::fprintf(stderr, "kerf: internal fault: '%s' waits for a cell outside the segment\n",
-                     slot.name.c_str());
-        std::abort();
-      }
-      slot.cell[slot.cell_count] = segment_.offset_of(watch.cell);
-      slot.seen[slot.cell_count++] = watch.seen;
+VirtualClock::Begun VirtualClock::begin_wait(const WaitSpec& spec,
+                                             std::span<VirtualClock* const> places) {
+  fds_ = spec.fds;
+  const Lock lock(block_);
+  ClockSlot& slot = block_.slot[me_];
+  slot.until = spec.until;
+  slot.holds_time = spec.holds_time;
+  slot.cell_count = 0;
+  for (const CellWatch& watch : spec.cells) {
+    if (!segment_.contains(watch.cell)) {
+      std::fprintf(stderr, "kerf: internal fault: '%s' waits for a cell outside the segment\n",
+                   slot.name.c_str());
+      std::abort();
     }
-    slot.state = ClockSlot::State::waiting;
-    if (block_.baton == me_) block_.baton = ClockBlock::kNobody;
-    if (block_.baton == ClockBlock::kNobody) to = dispatch();
-    if (block_.baton == me_) return;
+    slot.cell[slot.cell_count] = segment_.offset_of(watch.cell);
+    slot.seen[slot.cell_count++] = watch.seen;
   }
-  tell(to);
-  pollfd fds[66];
-  nfds_t n = 0;
-  fds[n++] = {socket_, POLLIN, 0};
-  fds[n++] = {stop_fd_, POLLIN, 0};
-  for (const int fd : spec.fds) fds[n++] = {fd, POLLIN, 0};
+  slot.state = ClockSlot::State::waiting;
+  if (block_.baton == me_) block_.baton = ClockBlock::kNobody;
+  Begun begun;
+  if (block_.baton == ClockBlock::kNobody) begun.to = dispatch();
+  begun.turn = with_baton(places);
+  return begun;
+}
+
+VirtualClock* VirtualClock::next_turn(const WaitSpec& spec, std::span<VirtualClock* const> places) {
+  const Begun begun = begin_wait(spec, places);
+  if (begun.turn != nullptr) return begun.turn;
+  tell(begun.to);
+  return wait_in(places);
+}
+
+void VirtualClock::wait(const WaitSpec& spec) {
+  VirtualClock* const place = this;
+  (void)next_turn(spec, {&place, 1});
+}
+
+void VirtualClock::run(std::span<VirtualClock* const> places,
+                       std::span<Participant* const> participants) {
+  WaitSpec spec;
+  spec.until = places.front()->now();
+  VirtualClock* turn = places.front()->next_turn(spec, places);
+  while (turn != nullptr && !any_stopped(places)) {
+    const auto i = std::find(places.begin(), places.end(), turn) - places.begin();
+    spec = {};
+    participants[static_cast<std::size_t>(i)]->step(turn->now(), spec);
+    if (any_stopped(places)) return;  // the destructor gives the baton on
+    turn = turn->next_turn(spec, places);
+  }
+}
+
+bool VirtualClock::any_stopped(std::span<VirtualClock* const> places) noexcept {
+  return std::any_of(places.begin(), places.end(), [](const auto* p) { return p->stopped(); });
+}
+
+VirtualClock* VirtualClock::with_baton(std::span<VirtualClock* const> places) noexcept {
+  ClockBlock& block = places.front()->block_;
+  for (VirtualClock* place : places) {
+    if (block.baton != place->me_) continue;
+    for (const VirtualClock* p : places)
+      if (block.pacer == p->me_) block.pacer = ClockBlock::kNobody;
+    return place;
+  }
+  return nullptr;
+}
+
+VirtualClock* VirtualClock::wait_in(std::span<VirtualClock* const> places) {
+  VirtualClock& first = *places.front();
+  ClockBlock& block = first.block_;
+  const auto paces = [&] {
+    return std::any_of(places.begin(), places.end(),
+                       [&](const auto* p) { return block.pacer == p->me_; });
+  };
+  std::vector<pollfd>& fds = first.polled_;
   const Nanos since = monotonic_now();
   bool named = false;
   char baton = 0;
   for (;;) {
-    if (stopped()) return;  // the destructor gives the baton on if it came meanwhile
+    if (any_stopped(places)) return nullptr;  // the destructor gives the baton on if it came
     int timeout_ms = kLivenessMs;
     {
-      const Lock lock(block_);
+      const Lock lock(block);
       // It is back already, or whoever was to be told of it was gone.
-      if (block_.baton == me_) {
-        if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
-        while (recv(socket_, &baton, 1, MSG_DONTWAIT) == 1) {
+      if (VirtualClock* const turn = with_baton(places); turn != nullptr) {
+        while (recv(turn->socket_, &baton, 1, MSG_DONTWAIT) == 1) {
         }
-        return;
+        return turn;
       }
       Nanos left = 0;
-      if (block_.pacer == me_) {
-        const Nanos next = next_wake();
-        timeout_ms = next != kForever && must_pace(next, left)
+      if (paces()) {
+        const Nanos next = first.next_wake();
+        timeout_ms = next != kForever && first.must_pace(next, left)
                          ? static_cast<int>(std::min<Nanos>(left / kMillisecond + 1, kLivenessMs))
                          : 0;
       }
     }
-    const int ready = poll(fds, n, timeout_ms);
-    if (ready > 0 && fds[0].revents != 0) {
+    fds.clear();
+    for (const VirtualClock* place : places) {
+      fds.push_back({place->socket_, POLLIN, 0});
+      fds.push_back({place->stop_fd_, POLLIN, 0});
+      for (const int fd : place->fds_) fds.push_back({fd, POLLIN, 0});
+    }
+    const int ready = poll(fds.data(), fds.size(), timeout_ms);
+    bool told = false;
+    auto at = fds.begin();
+    for (VirtualClock* place : places) {
       // One is enough: another one, told late, only wakes once more.
-      (void)recv(socket_, &baton, 1, MSG_DONTWAIT);
-      const Lock lock(block_);
-      if (block_.baton == me_) {
-        if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
-        return;
-      }
+      if (at->revents != 0) told = recv(place->socket_, &baton, 1, MSG_DONTWAIT) == 1 || told;
+      at += 2 + static_cast<std::ptrdiff_t>(place->fds_.size());
+    }
+    if (told) {
+      const Lock lock(block);
+      if (VirtualClock* const turn = with_baton(places); turn != nullptr) return turn;
       continue;
     }
-    if (stopped()) return;
-    bool outside = false;
-    for (nfds_t i = 2; i < n; ++i) outside = outside || fds[i].revents != 0;
+    if (any_stopped(places)) return nullptr;
+    Handed to;
     {
-      const Lock lock(block_);
-      if (outside) {
-        block_.slot[me_].outside_ready = true;
-        n = 2;  // the baton is all that is missing now
+      const Lock lock(block);
+      at = fds.begin();
+      for (VirtualClock* place : places) {
+        at += 2;
+        bool any = false;
+        for (std::size_t i = 0; i < place->fds_.size(); ++i, ++at) any = any || at->revents != 0;
+        if (!any) continue;
+        block.slot[place->me_].outside_ready = true;
+        place->fds_.clear();  // the baton is all that is missing now
       }
-      if (block_.pacer == me_) block_.pacer = ClockBlock::kNobody;
+      for (const VirtualClock* place : places)
+        if (block.pacer == place->me_) block.pacer = ClockBlock::kNobody;
       if (ready == 0) {
-        drop_dead();
-        drop_baton_of_foreign();
+        first.drop_dead();
+        first.drop_baton_of_foreign();
       }
-      to = {};
-      if (block_.baton == ClockBlock::kNobody) to = dispatch();
-      if (block_.baton == me_) return;
+      if (block.baton == ClockBlock::kNobody) to = first.dispatch();
+      if (VirtualClock* const turn = with_baton(places); turn != nullptr) return turn;
     }
-    tell(to);
+    first.tell(to);
     if (named || monotonic_now() - since <= kNameHolderAfter) continue;
-    const Lock lock(block_);
-    const ClockSlot* holder = stalled_by();
-    if (holder != nullptr && speaks()) {
+    const Lock lock(block);
+    const ClockSlot* holder = first.stalled_by();
+    if (holder != nullptr && first.speaks()) {
       named = true;
       std::fprintf(stderr, "kerf: virtual time has stood still for 5 s: '%s' (process %lld) %s\n",
                    holder->name.c_str(), static_cast<long long>(holder->pid),

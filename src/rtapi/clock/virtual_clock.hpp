@@ -7,11 +7,14 @@
 // A participant whose process died is found by whoever waits (or by evict()) and removed.
 #pragma once
 
+#include <poll.h>
 #include <pthread.h>
 #include <unistd.h>
 
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "rtapi/base/fixed_string.hpp"
 #include "rtapi/base/result.hpp"
@@ -62,6 +65,14 @@ class VirtualClock final : public WaitClock {
  public:
   static Result<std::unique_ptr<VirtualClock>> join(Segment& segment, ClockBlock& block, Role role,
                                                     std::string_view name, bool foreign = false);
+  /// The same without its first turn: that is for run().
+  static Result<std::unique_ptr<VirtualClock>> take_place(Segment& segment, ClockBlock& block,
+                                                          Role role, std::string_view name,
+                                                          bool foreign = false);
+  /// Steps participants of this thread, each in its place: what goes from one to the other is no change of threads. Until one of the clocks
+  /// is stopped.
+  static void run(std::span<VirtualClock* const> places,
+                  std::span<Participant* const> participants);
   ~VirtualClock() override;
   VirtualClock(const VirtualClock&) = delete;
   VirtualClock& operator=(const VirtualClock&) = delete;
@@ -89,6 +100,8 @@ class VirtualClock final : public WaitClock {
   int stop_fd_{-1};
   StopWord stop_;
   std::string instance_;
+  StaticVector<int, 64> fds_;  ///< of this wait; none any more when one of them was ready
+  std::vector<pollfd> polled_;
 
   [[nodiscard]] bool is_due(const ClockSlot& slot) const noexcept;
   /// Who has the baton now and does not know it yet; `order` tells it from a later participant in that place.
@@ -100,6 +113,20 @@ class VirtualClock final : public WaitClock {
   [[nodiscard]] Handed dispatch();
   /// Not under the lock, which is the first that whoever is told takes: it would be woken only to wait for it.
   void tell(Handed to);
+  /// Whose turn it is in this thread's places; else who is to be told that he has the baton.
+  struct Begun {
+    VirtualClock* turn{nullptr};
+    Handed to;
+  };
+  /// Says what this place waits for, and gives the baton away.
+  [[nodiscard]] Begun begin_wait(const WaitSpec& spec, std::span<VirtualClock* const> places);
+  /// The same, and waits for the next turn of one of them; nullptr: one was stopped.
+  VirtualClock* next_turn(const WaitSpec& spec, std::span<VirtualClock* const> places);
+  [[nodiscard]] static bool any_stopped(std::span<VirtualClock* const> places) noexcept;
+  /// Waits in these places of this thread: the one that has the baton, or nullptr when one was stopped.
+  static VirtualClock* wait_in(std::span<VirtualClock* const> places);
+  /// Under the lock.
+  [[nodiscard]] static VirtualClock* with_baton(std::span<VirtualClock* const> places) noexcept;
   /// Gives the place back, and the baton away.
   [[nodiscard]] Handed leave();
   /// First in order among those that can run now, or kNobody; `held` tells whether somebody holds time.

@@ -118,6 +118,111 @@ TEST(VirtualClock, ProcessesRunInFixedOrderEachTime) {
   }
 }
 
+/// Writes its letter every so many ms, or whenever the cell that it watches was notified, and answers what comes from outside.
+class Letter final : public Participant {
+ public:
+  Letter(char c, Role role, Trace& trace) : c_(c), role_(role), trace_(trace) {}
+  [[nodiscard]] const char* name() const noexcept override { return "letter"; }
+  [[nodiscard]] Role role() const noexcept override { return role_; }
+  void step(Nanos now, WaitSpec& next) override {
+    const bool due = now > 0 && (watches_ != nullptr || now >= next_);
+    if (watches_ != nullptr) next.watch(*watches_);
+    if (fd_ >= 0) next.watch_fd(fd_);
+    if (due) {
+      trace_.add(c_);
+      if (notifies_ != nullptr) notifies_->notify();
+    }
+    if (period_ > 0 && (due || now == 0)) next_ = now + period_;
+    next.wake_at(next_);
+    char byte = 0;
+    if (fd_ >= 0 && recv(fd_, &byte, 1, MSG_DONTWAIT) == 1) {
+      trace_.add('!');
+      EXPECT_EQ(send(fd_, "y", 1, 0), 1);
+    }
+  }
+  Letter& every_ms(int ms) { return period_ = ms * kMillisecond, *this; }
+  Letter& notifies(Cell& cell) { return notifies_ = &cell, *this; }
+  Letter& watches(const Cell& cell) { return watches_ = &cell, *this; }
+  Letter& reads(int fd) { return fd_ = fd, *this; }
+
+ private:
+  char c_;
+  Role role_;
+  Trace& trace_;
+  Nanos period_{0}, next_{kForever};
+  Cell* notifies_{nullptr};
+  const Cell* watches_{nullptr};
+  int fd_{-1};
+};
+
+TEST(VirtualClock, PlacesOfOneThreadHaveTheirTurnsAmongThoseOfOthers) {
+  for (const bool shares : {true, false}) {
+    Fixture f("shared");
+    auto clock = join_clock(*f.segment, Role::launcher, "launcher");
+    ASSERT_TRUE(clock.ok());
+    int ends[2];
+    ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
+    Letter command('c', Role::task_command, *f.trace), io('o', Role::io, *f.trace);
+    command.every_ms(2).notifies(*f.cell).reads(ends[0]);
+    io.watches(*f.cell);
+    Participant* const both[] = {&command, &io};
+    std::vector<std::unique_ptr<WaitClock>> clocks;
+    std::unique_ptr<SharedThread> shared;
+    std::vector<std::thread> threads;
+    if (shares) {
+      shared = std::move(*SharedThread::join(*f.segment, both));
+      threads.emplace_back([&] { shared->run(); });
+    } else {
+      clocks.resize(2);
+      for (std::size_t i = 0; i < 2; ++i)
+        threads.emplace_back([&, i] {
+          clocks[i] = std::move(*join_clock(*f.segment, both[i]->role(), both[i]->name()));
+          run_participant(*clocks[i], *both[i]);
+        });
+    }
+    // Between them in the order, and before them.
+    const auto ticks = [](char c) {
+      return [=](Segment&, WaitClock& k, Trace& t) {
+        for (int i = 0; i < 6; ++i) {
+          sleep_ms(k, 1);
+          t.add(c);
+        }
+      };
+    };
+    const pid_t middle = spawn(f.segment->instance(), Role::task_interpreter, "middle", ticks('i'));
+    const pid_t host = spawn(f.segment->instance(), Role::realtime_host, "host", ticks('h'));
+    wait_joined(*f.segment, **clock, 5);
+    sleep_ms(**clock, 4);
+    EXPECT_STREQ(f.trace->text, "hihciohihcio") << shares;
+    // Real work outside is seen while time stands, by whoever waits for it.
+    ASSERT_EQ(send(ends[1], "x", 1, 0), 1);
+    WaitSpec answer;
+    answer.watch_fd(ends[1]);
+    answer.holds_time = true;
+    (*clock)->wait(answer);
+    sleep_ms(**clock, 2);
+    EXPECT_STREQ(f.trace->text, "hihciohihcio!hihcio") << shares;
+    EXPECT_EQ(finish(middle), 0);
+    EXPECT_EQ(finish(host), 0);
+    if (shares) shared->stop();
+    for (auto& k : clocks) k->stop();
+    for (std::thread& thread : threads) thread.join();
+    // Both places are free, so time is.
+    shared.reset();
+    clocks.clear();
+    sleep_ms(**clock, 5);
+    EXPECT_EQ((*clock)->now(), 11 * kMillisecond);
+    close(ends[0]);
+    close(ends[1]);
+  }
+}
+
+TEST(VirtualClock, AThreadIsNotSharedOnTheRealClock) {
+  auto segment = std::move(*Segment::create("vclock-real-" + std::to_string(getpid())));
+  ASSERT_TRUE(make_clock(*segment, ClockMode::real).ok());
+  EXPECT_EQ(SharedThread::join(*segment, {}).error().code, Errc::bad_argument);
+}
+
 TEST(VirtualClock, WhoHasNotLookedYetIsNotTakenForDead) {
   Fixture f("full");
   auto clock = join_clock(*f.segment, Role::realtime_host, "main");
