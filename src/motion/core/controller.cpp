@@ -53,7 +53,9 @@ void Controller::configure(const MachineConfig& config) noexcept {
   for (std::size_t j = 0; j + static_cast<std::size_t>(status_.extra_joints) < joints_; ++j)
     plain_kinematics_ =
         plain_kinematics_ && kinematics_.axis_of_joint(static_cast<std::int32_t>(j)) >= 0;
+  locks_ = false;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    locks_ = locks_ || config.axis[i].locking_joint >= 0;
     AxisConfig& limit = axis_limit_[i] = config.axis[i];
     for (std::size_t j = 0; j < joints_; ++j) {
       if (kinematics_.axis_of_joint(static_cast<std::int32_t>(j)) != static_cast<std::int32_t>(i))

@@ -184,6 +184,7 @@ class Controller {
   Joint joint_[kMaxJoints];
   LostCycles lost_[kMaxJoints];
   bool plain_kinematics_{true};  ///< each joint moves an axis alone
+  bool locks_{false};            ///< some axis has a joint that locks it
   double skew_[kMaxJoints]{};  ///< of a joint from its place by the inverse kinematics; set at rest
   JogPace::Movers axis_;
   JogPace jog_pace_;

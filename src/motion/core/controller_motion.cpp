@@ -245,6 +245,7 @@ bool Controller::joint_locked(std::size_t j) const noexcept {
 
 /// Jogs end where the lock is lost; homing waits for it by itself.
 void Controller::watch_locks() noexcept {
+  if (!locks_) return;
   for (std::size_t j = 0; j < joints_; ++j)
     if (mode_ == MotionMode::free && !homing_.active() && joint_locked(j)) joint_[j].mover.stop();
   for (std::size_t i = 0; i < rtapi::kAxes; ++i)
@@ -337,13 +338,18 @@ void Controller::turn_wheel(const WheelInputs& in, Wheel& wheel, bool allowed, A
 void Controller::take_wheels(const Inputs& in, const Orders& orders) noexcept {
   const Intent& want = *orders.values;
   const bool ready = may_jog(in, orders) && !in.jog_stop && !in.jog_stop_immediate;
-  for (std::size_t j = 0; j < joints_; ++j)
+  const auto rests = [](const WheelInputs& wheel_in, const Wheel& wheel) {
+    return wheel.known && wheel.counts == wheel_in.counts && !wheel.drives;
+  };
+  for (std::size_t j = 0; j < joints_; ++j) {
+    if (rests(in.joint_wheel[j], joint_wheel_[j])) continue;
     turn_wheel(in.joint_wheel[j], joint_wheel_[j], ready && may_jog_joint(j) && !joint_locked(j),
                joint_[j].mover, config_.joint[j].max_vel, config_.joint[j].max_acc,
                config_.joint[j].max_jerk, [&] { return joint_range(j, want); });
+  }
   const std::uint32_t axes = kinematics_.axis_mask();
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-    if ((axes >> i & 1U) == 0) continue;
+    if ((axes >> i & 1U) == 0 || rests(in.axis_wheel[i], axis_wheel_[i])) continue;
     turn_wheel(in.axis_wheel[i], axis_wheel_[i], ready && may_jog_axes() && !axis_locked(i),
                axis_[i], axis_limit_[i].max_vel, axis_limit_[i].max_acc, axis_limit_[i].max_jerk,
                [&] { return axis_range(i, want); });

@@ -22,6 +22,7 @@ double stop_way(double speed, double acc, double jerk) noexcept {
 }  // namespace
 
 void ExternalOffsets::configure(const AxisConfig* limits, std::uint32_t axes) noexcept {
+  possible_ = false;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     Axis& a = axis_[i];
     const AxisConfig& c = limits[i];
@@ -32,8 +33,12 @@ void ExternalOffsets::configure(const AxisConfig* limits, std::uint32_t axes) no
     a.low = c.min_limit;
     a.high = c.max_limit;
     a.mover.set_limits(a.limit.acc, a.limit.jerk);
+    possible_ = possible_ || a.limit.vel > 0;
   }
   pace_ = OffsetPace{};
+  if (possible_) return;
+  // Counts that nobody looks at are no news later.
+  for (Axis& a : axis_) a.known = a.enabled = false;
 }
 
 void ExternalOffsets::reset() noexcept {
@@ -64,6 +69,7 @@ bool ExternalOffsets::active() const noexcept {
 }
 
 void ExternalOffsets::take(const OffsetInputs* in, bool honoured) noexcept {
+  if (!possible_) return;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
     Axis& a = axis_[i];
     // Unsigned, so that a counter may run over.
@@ -95,12 +101,14 @@ bool ExternalOffsets::outward(const Axis& a, double path, double speed, double b
 }
 
 std::uint32_t ExternalOffsets::blocked(const Pose& path, const Pose& before, double dt) noexcept {
+  if (!possible_) return held_ = 0;
+  bool any = false;
+  for (const Axis& a : axis_)
+    any = any || (a.limit.vel > 0 && (a.request != 0 || a.mover.position() != 0));
   // The path brakes as hard as the slowest of its axes can.
   double slowest = 1e99, slowest_jerk = 0;
-  bool any = false;
-  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+  for (std::size_t i = 0; any && i < rtapi::kAxes; ++i) {
     const Axis& a = axis_[i];
-    any = any || (a.limit.vel > 0 && (a.request != 0 || a.mover.position() != 0));
     const double speed = std::abs(path[i] - before[i]) / dt;
     if (speed <= kSame || !(a.path_acc > 0)) continue;
     slowest = std::min(slowest, a.path_acc / speed);
@@ -148,7 +156,7 @@ void ExternalOffsets::set_pace(const OffsetPace& pace) noexcept {
 
 void ExternalOffsets::step(const Pose& path, const Pose& ahead, double dt) noexcept {
   limited_ = held_ != 0;
-  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+  for (std::size_t i = 0; possible_ && i < rtapi::kAxes; ++i) {
     Axis& a = axis_[i];
     if (!(a.limit.vel > 0)) continue;
     // Beside a path that is outside its limits itself only the way back is open.

@@ -63,6 +63,7 @@ class ExternalOffsets {
   OffsetPace pace_;
   std::uint32_t held_{0};  ///< axes of which the path has to stand until the offset has made room
   bool stopping_{false}, limited_{false};
+  bool possible_{false};  ///< some axis has a share of its limits for one
 };
 
 }  // namespace kerf::motion

@@ -217,6 +217,7 @@ bool LawStop::end_at(std::size_t i) noexcept {
 /// Whether the motion can get back to the law from node i.
 bool LawStop::leads_on(std::size_t i, double w) noexcept {
   for (; i + 1 < x_.size() && x_[i] > kStill * x_[0]; ++i) {
+    narrow_ = i;
     if (u_[i] >= slope(i) * x_[i] - kBack * std::abs(slope(i) * x_[i])) return true;
     if (!step_ahead(i)) return false;
     const double jerk = u_[i] * u_[i] / (2 * std::sqrt(x_[i]));
@@ -228,13 +229,13 @@ bool LawStop::leads_on(std::size_t i, double w) noexcept {
   return false;
 }
 
-/// So many intervals from i on, or until `way` from the start: down as far as the rows allow. False: that does not lead on.
-bool LawStop::fall(std::size_t i, double way, std::size_t& count, double& w) noexcept {
+/// So many intervals from i on, or until `way` from the start: down as far as the rows allow, or back to the law. False: that does not lead on.
+bool LawStop::go(std::size_t i, bool down, double way, std::size_t& count, double& w) noexcept {
   double now = w;
   const std::size_t first = i;
   for (const std::size_t end = i + count; i < end && (i == first || at_[i] < way); ++i) {
     if (i + kMostFall + 1 >= x_.size() || (i > 0 && !step_ahead(i)) ||
-        !reach(i, -kNoLimit, 1, now)) {
+        !reach(i, down ? -kNoLimit : back_at_law(i), 1, now)) {
       count = i + 1 - first;
       return false;
     }
@@ -269,7 +270,9 @@ bool LawStop::hold(std::size_t i, bool again, double& w) noexcept {
   // Behind an interval that has been held already hardly anything but the way back leads on.
   if (again) (void)look(1 - 0.99 * kNarrow);
   while (high - low > kNarrow) (void)look((low + high) / 2);
+  const std::size_t narrow = narrow_;
   if (!sure && !tried(1)) return false;
+  narrow_ = high < 1 ? 0 : narrow;
   (void)reach(i, lowest + high * range, 1, w);
   return true;
 }
@@ -324,7 +327,7 @@ void LawStop::brake() noexcept {
   while (settled_ + kMostFall + 1 < x_.size()) {
     const std::size_t i = settled_;
     std::size_t taken = count;
-    if (i + 1 != lost && fall(i, way, count, w)) {
+    if (i + 1 != lost && go(i, true, way, count, w)) {
       taken = count;
       held = false;
       if (way < kNoLimit)
@@ -338,6 +341,9 @@ void LawStop::brake() noexcept {
     } else if (hold(i, held, w)) {
       taken = count = 1;
       lost = 0;
+      // On the way back from one to the next: nothing else leads on before the place at which what is lower ends.
+      std::size_t back = held && narrow_ > i + 2 ? narrow_ - i - 2 : 0;
+      if (back > 0 && go(i + 1, false, kNoLimit, back, w)) taken += back;
       held = true;
     } else {
       return;

@@ -59,7 +59,8 @@ class LawStop {
   [[nodiscard]] double rest_way(std::size_t i) const noexcept;
   [[nodiscard]] bool reach(std::size_t i, double wanted, double share, double& w) noexcept;
   [[nodiscard]] bool leads_on(std::size_t i, double w) noexcept;
-  [[nodiscard]] bool fall(std::size_t i, double way, std::size_t& count, double& w) noexcept;
+  [[nodiscard]] bool go(std::size_t i, bool down, double way, std::size_t& count,
+                        double& w) noexcept;
   [[nodiscard]] bool hold(std::size_t i, bool again, double& w) noexcept;
   void brake() noexcept;
   [[nodiscard]] bool kept(std::size_t i) const noexcept;
@@ -78,6 +79,7 @@ class LawStop {
   bool follows_{false};     ///< what leads on gains speed where the law does
   std::size_t settled_{0};  ///< intervals that are taken, in `t_` seconds
   std::size_t kept_{0};     ///< of them are in the stop
+  std::size_t narrow_{0};   ///< where what was tried last came to no end
   double t_{0};
   Buffer<double> at_, x_, u_;  ///< of nodes: sigma from the start, and the state
   Buffer<LawPoint> along_;     ///< of the law there
