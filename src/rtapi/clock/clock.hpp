@@ -3,7 +3,8 @@
 // Everything that runs beside the realtime threads is a Participant: a state machine that does what can be done at this
 // instant and then says what it waits for. Three drivers run participants, and a participant cannot tell which one:
 //   - real programs on the real clock: a thread each (run_participant with a RealClock);
-//   - real programs on the virtual clock: a thread each, one at a time over all processes (VirtualClock, virtual_clock.hpp);
+//   - real programs on the virtual clock: one at a time over all processes (VirtualClock, virtual_clock.hpp), with a thread each or one for
+//     several (SharedThread, join_clock.hpp);
 //   - tests: all in one thread (LocalScheduler, local_scheduler.hpp).
 // So blocking is always `return from step()`, every wait can be ended by a stop, and virtual time is exact.
 #pragma once

@@ -26,7 +26,7 @@ constexpr double kRoom = 0.01;
 /// Back at the law but for that.
 constexpr double kBack = 1e-9;
 /// What would need so many times the jerk of a straight all along will not find its rest.
-constexpr double kLost = 1.3;
+constexpr double kLost = 1.5;
 /// Even jerk as a share of what a straight could do, above which it is not looked at.
 constexpr double kEven = 1.02;
 /// How near to what does not lead on what is taken has to be, as a share of the range of b2.
@@ -277,6 +277,26 @@ bool LawStop::hold(std::size_t i, bool again, double& w) noexcept {
   return true;
 }
 
+/// Interval i as the soonest stop has it. False: that one is elsewhere.
+bool LawStop::go_on_with_best(std::size_t i, double& w) noexcept {
+  if (steps_.size() <= i + 1) return false;
+  for (std::size_t k = std::min(kept_, i); k <= i; ++k) {
+    const Step& step = steps_[k];
+    const LawInterval& in = (*rows_)[k];
+    if (step.stretch != in.stretch || step.from != in.from || step.length != in.length)
+      return false;
+    double b[3];
+    coefficients(k, b);
+    if (step.b[0] != b[0] || step.b[1] != b[1] || (k < i && step.b[2] != b[2])) return false;
+  }
+  const Step& best = steps_[i];
+  const double d = best.length;
+  x_[i + 1] = best.b[2];
+  u_[i + 1] = (best.b[2] - best.b[1]) / d;
+  w = (best.b[2] - 2 * best.b[1] + best.b[0]) / (d * d);
+  return true;
+}
+
 bool LawStop::kept(std::size_t i) const noexcept {
   double b[3];
   coefficients(i, b);
@@ -342,9 +362,12 @@ void LawStop::brake() noexcept {
       taken = count = 1;
       lost = 0;
       // On the way back from one to the next: nothing else leads on before the place at which what is lower ends.
-      std::size_t back = held && narrow_ > i + 2 ? narrow_ - i - 2 : 0;
+      std::size_t back = held && narrow_ > i + 2 ? (narrow_ - i - 1) / 2 : 0;
       if (back > 0 && go(i + 1, false, kNoLimit, back, w)) taken += back;
       held = true;
+    } else if (go_on_with_best(i, w)) {
+      taken = count = 1;
+      lost = 0;
     } else {
       return;
     }

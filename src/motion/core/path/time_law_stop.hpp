@@ -62,6 +62,7 @@ class LawStop {
   [[nodiscard]] bool go(std::size_t i, bool down, double way, std::size_t& count,
                         double& w) noexcept;
   [[nodiscard]] bool hold(std::size_t i, bool again, double& w) noexcept;
+  [[nodiscard]] bool go_on_with_best(std::size_t i, double& w) noexcept;
   void brake() noexcept;
   [[nodiscard]] bool kept(std::size_t i) const noexcept;
   [[nodiscard]] bool end_at(std::size_t i) noexcept;
