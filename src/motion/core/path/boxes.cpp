@@ -60,19 +60,22 @@ Bends bends_of(const Piece& piece, double s0, double s1) noexcept {
   return out;
 }
 
-/// The largest v with c v^3 + 3 e a v <= room: Newton from above on a convex function stays above the root, so a hair is taken off.
-double jerk_speed(double c, double ea, double room) noexcept {
+/// The largest v with c v^3 + 3 e a v <= room, or `most` where that is less: Newton from above on a convex function stays above the root, so a hair is
+/// taken off.
+double jerk_speed(double c, double ea, double room, double most) noexcept {
   if (!(room > 0)) return 0;
+  const double high = most * (1 + 1e-8);
+  if (high * (c * high * high + 3 * ea) <= room) return most;
   double v = kNoLimit;
   if (c > 0) v = std::cbrt(room / c);
   if (ea > 0) v = std::min(v, room / (3 * ea));
-  if (!(c > 0) || !(ea > 0)) return v;
+  if (!(c > 0) || !(ea > 0)) return std::min(most, v);
   for (int i = 0; i < kSteps; ++i) {
     const double off = v * (c * v * v + 3 * ea) - room;
     if (off <= 1e-12 * room) break;
     v -= off / (3 * (c * v * v + ea));
   }
-  return v * (1 - 1e-9);
+  return std::min(most, v * (1 - 1e-9));
 }
 
 /// Largest |q'| on a whole piece, however far an arc turns.
@@ -136,8 +139,7 @@ double box_cap(const Piece& piece, double s0, double s1, const Box& box,
       v = room > 0 ? std::min(v, std::sqrt(room / b.e[i])) : 0.0;
     }
     if (limits.jerk[i] < kNoLimit && (b.e[i] > 0 || b.c[i] > 0))
-      v = std::min(
-          v, jerk_speed(b.c[i], b.e[i] * box.acc, limits.jerk[i] * kReserve - b.p[i] * box.jerk));
+      v = jerk_speed(b.c[i], b.e[i] * box.acc, limits.jerk[i] * kReserve - b.p[i] * box.jerk, v);
   }
   return v < 1e49 ? v * v : kNoLimit;
 }
@@ -151,7 +153,7 @@ double box_cap(const JointBends& joints, const Box& box) noexcept {
       v = room > 0 ? std::min(v, std::sqrt(room / b.e)) : 0.0;
     }
     if (b.jerk < kNoLimit && (b.e > 0 || b.c > 0))
-      v = std::min(v, jerk_speed(b.c, b.e * box.acc, b.jerk * kReserve - b.p * box.jerk));
+      v = jerk_speed(b.c, b.e * box.acc, b.jerk * kReserve - b.p * box.jerk, v);
   }
   return v < 1e49 ? v * v : kNoLimit;
 }

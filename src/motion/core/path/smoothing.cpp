@@ -79,12 +79,12 @@ bool Smoother::create(Memory& memory, std::size_t lines) noexcept {
   const std::size_t knots = knots_of(lines);
   return kink_.create(memory, lines + 1) && width_.create(memory, lines + 1) &&
          narrow_.create(memory, lines + 1) && shrink_.create(memory, lines + 1) &&
-         off_.create(memory, lines + 1) && guide_.create(memory, lines) &&
-         turn_.create(memory, lines + 1) && free_.create(memory, lines + 1) &&
-         order_.create(memory, lines + 1) && knot_.create(memory, knots) &&
-         centroid_.create(memory, knots) && area_.create(memory, knots) &&
-         bend_.create(memory, knots) && second_.create(memory, knots) &&
-         touch_.create(memory, lines + 1);
+         stray_.create(memory, lines + 1) && off_.create(memory, lines + 1) &&
+         guide_.create(memory, lines) && turn_.create(memory, lines + 1) &&
+         free_.create(memory, lines + 1) && order_.create(memory, lines + 1) &&
+         knot_.create(memory, knots) && centroid_.create(memory, knots) &&
+         area_.create(memory, knots) && bend_.create(memory, knots) &&
+         second_.create(memory, knots) && touch_.create(memory, lines + 1);
 }
 
 double Smoother::smooth(const Chain& chain, const SmoothingSettings& settings, Buffer<Piece>& out,
@@ -257,6 +257,8 @@ void Smoother::first_widths(const Chain& chain, const Tolerance& tolerance,
                             const SmoothingSettings& settings) noexcept {
   const std::size_t lines = chain.lines();
   width_.assign(lines + 1, 0.0);
+  stray_.assign(lines + 1, 0.0);
+  for (std::size_t v = 1; v < lines; ++v) stray_[v] = tolerance.share(kink_[v]);
   const double begin = chain.sigma.front(), end = chain.sigma.back();
   for (std::size_t v = 1; v < lines; ++v) {
     if (v <= spent()) width_[v] = lead_->width[v];
@@ -265,26 +267,31 @@ void Smoother::first_widths(const Chain& chain, const Tolerance& tolerance,
     const double widest = chain.widest.empty() ? settings.widest : chain.widest[v - 1];
     const double room = std::min({at - begin, end - at, widest});
     const double near = std::min(at - chain.sigma[v - 1], chain.sigma[v + 1] - at);
-    const double alone =
-        tolerance.share(kink_[v]) *
-        (settings.peaked ? kTriangleAtVertex : trapezoid_at_vertex(plateau_of(kink_[v])));
+    const double alone = stray_[v] * (settings.peaked ? kTriangleAtVertex
+                                                      : trapezoid_at_vertex(plateau_of(kink_[v])));
     double h = std::min(kAim / alone, room);
     if (h <= near) {
       width_[v] = h;
       continue;
     }
     // Others lie within reach: march up while all that is spread there stays within the tolerance at this vertex.
+    const auto each_near = [&](double reach, auto&& f) {
+      for (std::size_t j = v; j > 0 && at - chain.sigma[j] < reach; --j)
+        f(triangle_off(at - chain.sigma[j], reach), j);
+      for (std::size_t j = v + 1; j < lines && chain.sigma[j] - at < reach; ++j)
+        f(triangle_off(chain.sigma[j] - at, reach), j);
+    };
     double best = std::min(near, room);
     for (double next = best;; next *= kGrow) {
       next = std::min(next, room);
-      Vec off;
-      for (std::size_t j = v;; --j) {
-        if (at - chain.sigma[j] >= next || j == 0) break;
-        off.add(triangle_off(at - chain.sigma[j], next), kink_[j]);
+      // Together they are no farther off than all of them in one direction.
+      double most = 0;
+      each_near(next, [&](double by, std::size_t j) { most += by * stray_[j]; });
+      if (!(most <= kAim)) {
+        Vec off;
+        each_near(next, [&](double by, std::size_t j) { off.add(by, kink_[j]); });
+        if (tolerance.share(off) > kAim) break;
       }
-      for (std::size_t j = v + 1; j < lines && chain.sigma[j] - at < next; ++j)
-        off.add(triangle_off(chain.sigma[j] - at, next), kink_[j]);
-      if (tolerance.share(off) > kAim) break;
       best = next;
       if (next >= room) break;
     }

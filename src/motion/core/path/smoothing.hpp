@@ -124,6 +124,7 @@ class Smoother {
   Buffer<Vec> kink_;       ///< per vertex; ends: zero
   Buffer<double> width_;   ///< half-width of each vertex
   Buffer<double> narrow_;  ///< the same for the curve that cuts corners
+  Buffer<double> stray_;   ///< a kink as a share of the tolerance
   Buffer<double> shrink_;  ///< per vertex, after a check: factor for its width
   Buffer<Vec> off_;        ///< per vertex, after a check: of the curve there from the chain
   Chain guide_;
