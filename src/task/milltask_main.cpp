@@ -11,7 +11,6 @@
 #include <functional>
 #include <future>
 #include <span>
-
 #include <string>
 #include <thread>
 #include <vector>
