@@ -260,7 +260,7 @@ void stop_times(const std::vector<Entry>& entries, const char* only, std::size_t
   std::printf("%zu of %zu take more than 1.1 of the soonest\n", over, all);
 }
 
-/// Every family of short lines.
+/// Every family of short lines, and the arcs on which a servo cycle takes longest.
 std::vector<bench::Program> short_lines(bool quick, std::uint64_t seed) {
   const int lines = quick ? 2000 : 10000;
   std::vector<bench::Program> out;
@@ -274,6 +274,7 @@ std::vector<bench::Program> short_lines(bool quick, std::uint64_t seed) {
     out.push_back(bench::four_axis(lines / 20, 0.02, 100, reversing, seed));
   out.push_back(bench::inverse_time(lines / 10, 0.02, seed));
   for (const double feed : {50.0, 150.0}) out.push_back(bench::swarf(lines / 5, 0.02, feed));
+  out.push_back(bench::helix(0.1, 80));
   return out;
 }
 
