@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <functional>
 #include <future>
 #include <span>
 #include <string>
@@ -121,48 +120,29 @@ class Ending {
 class Runner {
  public:
   /// Returns when the thread has joined the clock: the order of joining is the order at one instant.
-  rtapi::Status start(rtapi::Segment& segment, rtapi::Participant& participant) {
-    return start([&]() -> rtapi::Status {
-      KERF_TRY(clock_, rtapi::join_clock(segment, participant.role(), participant.name()));
-      run_ = [this, &participant] {
-        // The heartbeat and an operator's stop must not wait for other programs.
-        if (participant.role() == rtapi::Role::task_command) (void)rtapi::prefer_this_thread();
-        rtapi::run_participant(*clock_, participant);
-      };
-      return {};
+  rtapi::Status start(rtapi::Segment& segment, std::span<rtapi::Participant* const> participants) {
+    std::promise<rtapi::Status> joined;
+    auto result = joined.get_future();
+    // The heartbeat and an operator's stop must not wait for other programs. On virtual time there is no hurry.
+    const bool hurries = rtapi::clock_mode(segment) == rtapi::ClockMode::real &&
+                         participants.front()->role() == rtapi::Role::task_command;
+    thread_ = std::thread([this, &segment, participants, hurries, &joined] {
+      auto shared = rtapi::SharedThread::join(segment, participants);
+      if (!shared.ok()) return joined.set_value(rtapi::Failure{shared.error()});
+      shared_ = std::move(*shared);
+      joined.set_value({});
+      if (hurries) (void)rtapi::prefer_this_thread();
+      shared_->run();
     });
-  }
-  rtapi::Status start_shared(rtapi::Segment& segment,
-                             std::span<rtapi::Participant* const> participants) {
-    return start([&]() -> rtapi::Status {
-      KERF_TRY(shared_, rtapi::SharedThread::join(segment, participants));
-      run_ = [this] { shared_->run(); };
-      return {};
-    });
+    return result.get();
   }
   void stop() {
-    if (clock_) clock_->stop();
     if (shared_) shared_->stop();
     if (thread_.joinable()) thread_.join();
   }
 
  private:
-  template <class Join>
-  rtapi::Status start(const Join& join) {
-    std::promise<rtapi::Status> joined;
-    auto result = joined.get_future();
-    thread_ = std::thread([this, &join, &joined] {
-      const rtapi::Status status = join();
-      const bool ok = status.ok();
-      joined.set_value(status);  // `join` is gone behind this
-      if (ok) run_();
-    });
-    return result.get();
-  }
-
-  std::unique_ptr<rtapi::WaitClock> clock_;
   std::unique_ptr<rtapi::SharedThread> shared_;
-  std::function<void()> run_;
   std::thread thread_;
 };
 
@@ -233,14 +213,14 @@ int run(const Options& options) {
   int status = 0;
   if (!wait_for_motion(task, ending, status)) return status;
 
-  const bool shares = rtapi::clock_mode(**segment) == rtapi::ClockMode::virtual_time;
   const std::vector<rtapi::Participant*> participants = task.participants();
+  const bool shares = rtapi::clock_mode(**segment) == rtapi::ClockMode::virtual_time;
+  const std::size_t each = shares ? participants.size() : 1;
   std::vector<std::unique_ptr<Runner>> runners;
   bool failed = false;
-  for (std::size_t i = 0; i < (shares ? 1 : participants.size()) && !failed; ++i) {
+  for (std::size_t i = 0; i < participants.size() && !failed; i += each) {
     runners.push_back(std::make_unique<Runner>());
-    const auto joined = shares ? runners.back()->start_shared(**segment, participants)
-                               : runners.back()->start(**segment, *participants[i]);
+    const auto joined = runners.back()->start(**segment, std::span(participants).subspan(i, each));
     if (joined.ok()) continue;
     status = fail_with(joined.error());
     failed = true;

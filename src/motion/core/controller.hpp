@@ -130,10 +130,10 @@ class Controller {
     bool drives{false};      ///< the mover moves by this wheel
   };
   void take_wheels(const Inputs& in, const Orders& orders) noexcept;
-  /// `range_of()` is asked for only when the wheel has turned.
-  template <class RangeOf>
-  static void turn_wheel(const WheelInputs& in, Wheel& wheel, bool allowed, AxisMover& mover,
-                         double max_vel, double max_acc, double max_jerk,
+  /// `allowed()` and `range_of()` are asked for only when the wheel has turned.
+  template <class Allowed, class RangeOf>
+  static void turn_wheel(const WheelInputs& in, Wheel& wheel, const Allowed& allowed,
+                         AxisMover& mover, double max_vel, double max_acc, double max_jerk,
                          const RangeOf& range_of) noexcept;
   void take_homing(const Inputs& in, const Orders& orders) noexcept;
   void take_unhome(std::int32_t which) noexcept;

@@ -297,9 +297,9 @@ void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
 
 /// Manual, motion(9), jog-counts: each count moves the target by jog-scale; in velocity mode the target keeps no farther ahead than
 /// the way to stop.
-template <class RangeOf>
-void Controller::turn_wheel(const WheelInputs& in, Wheel& wheel, bool allowed, AxisMover& mover,
-                            double max_vel, double max_acc, double max_jerk,
+template <class Allowed, class RangeOf>
+void Controller::turn_wheel(const WheelInputs& in, Wheel& wheel, const Allowed& allowed,
+                            AxisMover& mover, double max_vel, double max_acc, double max_jerk,
                             const RangeOf& range_of) noexcept {
   // Unsigned, so that a counter may run over.
   const auto turned = static_cast<std::int32_t>(static_cast<std::uint32_t>(in.counts) -
@@ -307,13 +307,14 @@ void Controller::turn_wheel(const WheelInputs& in, Wheel& wheel, bool allowed, A
   const bool moved = wheel.known && turned != 0;
   wheel.counts = in.counts;
   wheel.known = true;
+  if (!moved && !wheel.drives) return;
   max_acc = std::max(max_acc, kLeastAcc);
   if (wheel.drives && !mover.active()) {
     wheel.drives = false;
     mover.set_limits(max_acc, max_jerk);
   }
   // A jog by button goes first.
-  if (!moved || !allowed || !in.enable || (mover.active() && !wheel.drives)) return;
+  if (!moved || !in.enable || (mover.active() && !wheel.drives) || !allowed()) return;
   const double way = turned * in.per_count;
   if (!std::isfinite(way) || way == 0) return;
   const bool fraction = in.accel_fraction > 0 && in.accel_fraction < 1;
@@ -338,21 +339,20 @@ void Controller::turn_wheel(const WheelInputs& in, Wheel& wheel, bool allowed, A
 void Controller::take_wheels(const Inputs& in, const Orders& orders) noexcept {
   const Intent& want = *orders.values;
   const bool ready = may_jog(in, orders) && !in.jog_stop && !in.jog_stop_immediate;
-  const auto rests = [](const WheelInputs& wheel_in, const Wheel& wheel) {
-    return wheel.known && wheel.counts == wheel_in.counts && !wheel.drives;
-  };
-  for (std::size_t j = 0; j < joints_; ++j) {
-    if (rests(in.joint_wheel[j], joint_wheel_[j])) continue;
-    turn_wheel(in.joint_wheel[j], joint_wheel_[j], ready && may_jog_joint(j) && !joint_locked(j),
-               joint_[j].mover, config_.joint[j].max_vel, config_.joint[j].max_acc,
-               config_.joint[j].max_jerk, [&] { return joint_range(j, want); });
-  }
+  for (std::size_t j = 0; j < joints_; ++j)
+    turn_wheel(
+        in.joint_wheel[j], joint_wheel_[j],
+        [&] { return ready && may_jog_joint(j) && !joint_locked(j); }, joint_[j].mover,
+        config_.joint[j].max_vel, config_.joint[j].max_acc, config_.joint[j].max_jerk,
+        [&] { return joint_range(j, want); });
   const std::uint32_t axes = kinematics_.axis_mask();
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
-    if ((axes >> i & 1U) == 0 || rests(in.axis_wheel[i], axis_wheel_[i])) continue;
-    turn_wheel(in.axis_wheel[i], axis_wheel_[i], ready && may_jog_axes() && !axis_locked(i),
-               axis_[i], axis_limit_[i].max_vel, axis_limit_[i].max_acc, axis_limit_[i].max_jerk,
-               [&] { return axis_range(i, want); });
+    if ((axes >> i & 1U) == 0) continue;
+    turn_wheel(
+        in.axis_wheel[i], axis_wheel_[i],
+        [&] { return ready && may_jog_axes() && !axis_locked(i); }, axis_[i],
+        axis_limit_[i].max_vel, axis_limit_[i].max_acc, axis_limit_[i].max_jerk,
+        [&] { return axis_range(i, want); });
   }
 }
 

@@ -22,6 +22,18 @@ class SegmentClock final : public Clock {
   const ClockBlock& block_;
 };
 
+class RealThread final : public SharedThread {
+ public:
+  explicit RealThread(Participant& participant)
+      : clock_(make_real_clock()), participant_(participant) {}
+  void run() override { run_participant(*clock_, participant_); }
+  void stop() noexcept override { clock_->stop(); }
+
+ private:
+  std::unique_ptr<WaitClock> clock_;
+  Participant& participant_;
+};
+
 class VirtualThread final : public SharedThread {
  public:
   Status add(Segment& segment, ClockBlock& block, Participant& participant) {
@@ -80,6 +92,8 @@ Result<std::unique_ptr<WaitClock>> join_clock(Segment& segment, Role role, std::
 Result<std::unique_ptr<SharedThread>> SharedThread::join(
     Segment& segment, std::span<Participant* const> participants) {
   ClockBlock* block = find_virtual(segment);
+  if (block == nullptr && participants.size() == 1)
+    return std::unique_ptr<SharedThread>(std::make_unique<RealThread>(*participants.front()));
   if (block == nullptr) return fail(Errc::bad_argument, "a thread is shared on virtual time only");
   auto thread = std::make_unique<VirtualThread>();
   for (Participant* participant : participants)

@@ -29,11 +29,11 @@ ClockMode clock_mode(const Segment& segment);
 Result<std::unique_ptr<WaitClock>> join_clock(Segment& segment, Role role, std::string_view name,
                                               bool foreign = false);
 
-/// Runs participants in this thread on the virtual clock, each in a place of its own, in the order in which they are given; what goes from one to the
-/// other is no change of threads then.
+/// Runs participants in the thread that joins: on the real clock one, on the virtual clock several too, each in a place of its own, in the order in
+/// which they are given; what goes from one to the other is no change of threads then.
 class SharedThread {
  public:
-  /// Takes their places; bad_argument: the instance runs on the real clock, where each has its own thread.
+  /// Takes their places; bad_argument: several on the real clock.
   static Result<std::unique_ptr<SharedThread>> join(Segment& segment,
                                                     std::span<Participant* const> participants);
   virtual ~SharedThread() = default;

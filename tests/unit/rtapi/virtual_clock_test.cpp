@@ -217,10 +217,17 @@ TEST(VirtualClock, PlacesOfOneThreadHaveTheirTurnsAmongThoseOfOthers) {
   }
 }
 
-TEST(VirtualClock, AThreadIsNotSharedOnTheRealClock) {
+TEST(VirtualClock, AThreadIsForOneOnTheRealClock) {
   auto segment = std::move(*Segment::create("vclock-real-" + std::to_string(getpid())));
   ASSERT_TRUE(make_clock(*segment, ClockMode::real).ok());
-  EXPECT_EQ(SharedThread::join(*segment, {}).error().code, Errc::bad_argument);
+  Trace trace;
+  Letter letter('a', Role::io, trace);
+  Participant* const both[] = {&letter, &letter};
+  EXPECT_EQ(SharedThread::join(*segment, both).error().code, Errc::bad_argument);
+  const auto shared = std::move(*SharedThread::join(*segment, {both, 1}));
+  std::thread runs([&] { shared->run(); });
+  shared->stop();
+  runs.join();
 }
 
 TEST(VirtualClock, WhoHasNotLookedYetIsNotTakenForDead) {

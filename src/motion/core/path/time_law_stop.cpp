@@ -166,6 +166,14 @@ bool LawStop::step_ahead(std::size_t i) noexcept {
   return add_step(i, step);
 }
 
+/// Interval i has these coefficients; gives its w.
+void LawStop::take(std::size_t i, const double b[3], double& w) noexcept {
+  const double d = (*rows_)[i].length;
+  w = (b[2] - 2 * b[1] + b[0]) / (d * d);
+  x_[i + 1] = b[2];
+  u_[i + 1] = (b[2] - b[1]) / d;
+}
+
 /// Interval i with the b2 that is nearest to what is wanted. `w`: of the one before, then of this one. False: no limits are kept so.
 bool LawStop::reach(std::size_t i, double wanted, double share, double& w) noexcept {
   const double d = (*rows_)[i].length;
@@ -184,9 +192,7 @@ bool LawStop::reach(std::size_t i, double wanted, double share, double& w) noexc
     whole = range.whole && range.low <= range.high;
     if (std::abs(b[2] - before) < kSameB2 * b[1]) break;
   }
-  w = (b[2] - 2 * b[1] + b[0]) / (d * d);
-  x_[i + 1] = b[2];
-  u_[i + 1] = (b[2] - b[1]) / d;
+  take(i, b, w);
   // What is only tried is certified when it becomes a stop.
   return (share < 1 && whole) || kept(i);
 }
@@ -246,8 +252,9 @@ bool LawStop::go(std::size_t i, bool down, double way, std::size_t& count, doubl
   return true;
 }
 
-/// Interval i: down as far as it leads on, when that is less than the rows allow; `again`: the one before is such a one. False: nothing leads on.
-bool LawStop::hold(std::size_t i, bool again, double& w) noexcept {
+/// Interval i: down as far as it leads on, when that is less than the rows allow; `again`: the one before is such a one. `back`: so many behind it may go on back to the law
+/// before what is lower than that comes to its end. False: nothing leads on.
+bool LawStop::hold(std::size_t i, bool again, std::size_t& back, double& w) noexcept {
   double now = w;
   (void)reach(i, -kNoLimit, 1, now);
   const double lowest = x_[i + 1];
@@ -272,7 +279,7 @@ bool LawStop::hold(std::size_t i, bool again, double& w) noexcept {
   while (high - low > kNarrow) (void)look((low + high) / 2);
   const std::size_t narrow = narrow_;
   if (!sure && !tried(1)) return false;
-  narrow_ = high < 1 ? 0 : narrow;
+  back = again && high == 1 && narrow > i + 2 ? narrow - i - 2 : 0;
   (void)reach(i, lowest + high * range, 1, w);
   return true;
 }
@@ -289,11 +296,7 @@ bool LawStop::go_on_with_best(std::size_t i, double& w) noexcept {
     coefficients(k, b);
     if (step.b[0] != b[0] || step.b[1] != b[1] || (k < i && step.b[2] != b[2])) return false;
   }
-  const Step& best = steps_[i];
-  const double d = best.length;
-  x_[i + 1] = best.b[2];
-  u_[i + 1] = (best.b[2] - best.b[1]) / d;
-  w = (best.b[2] - 2 * best.b[1] + best.b[0]) / (d * d);
+  take(i, steps_[i].b, w);
   return true;
 }
 
@@ -346,7 +349,7 @@ void LawStop::brake() noexcept {
   bool held = false;
   while (settled_ + kMostFall + 1 < x_.size()) {
     const std::size_t i = settled_;
-    std::size_t taken = count;
+    std::size_t taken = count, back = 0;
     if (i + 1 != lost && go(i, true, way, count, w)) {
       taken = count;
       held = false;
@@ -358,11 +361,11 @@ void LawStop::brake() noexcept {
       lost = i + count;
       count /= 2;
       continue;
-    } else if (hold(i, held, w)) {
+    } else if (hold(i, held, back, w)) {
       taken = count = 1;
       lost = 0;
-      // On the way back from one to the next: nothing else leads on before the place at which what is lower ends.
-      std::size_t back = held && narrow_ > i + 2 ? (narrow_ - i - 1) / 2 : 0;
+      // Half of it at once: something lower may lead on from there.
+      back = (back + 1) / 2;
       if (back > 0 && go(i + 1, false, kNoLimit, back, w)) taken += back;
       held = true;
     } else if (go_on_with_best(i, w)) {

@@ -61,7 +61,8 @@ class LawStop {
   [[nodiscard]] bool leads_on(std::size_t i, double w) noexcept;
   [[nodiscard]] bool go(std::size_t i, bool down, double way, std::size_t& count,
                         double& w) noexcept;
-  [[nodiscard]] bool hold(std::size_t i, bool again, double& w) noexcept;
+  void take(std::size_t i, const double b[3], double& w) noexcept;
+  [[nodiscard]] bool hold(std::size_t i, bool again, std::size_t& back, double& w) noexcept;
   [[nodiscard]] bool go_on_with_best(std::size_t i, double& w) noexcept;
   void brake() noexcept;
   [[nodiscard]] bool kept(std::size_t i) const noexcept;
