@@ -377,7 +377,9 @@ Program threading(int passes, double pitch, double rpm) {
 }
 
 Program swarf(int moves, double p_mm, double feed, std::uint64_t seed) {
-  ProgramWriter w(titled("wall on a tilting table", p_mm), p_mm, feed);
+  char name[60];
+  std::snprintf(name, sizeof name, "wall on a tilting table at %g", feed);
+  ProgramWriter w(titled(name, p_mm), p_mm, feed);
   w.program().machine = Machine::table;
   Random r(seed);
   double s = 0;

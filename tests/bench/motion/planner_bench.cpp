@@ -52,7 +52,7 @@ std::vector<Entry> families(bool quick, std::uint64_t seed) {
   add(bench::four_axis(quick ? 100 : 1000, 0.02, 100, false, seed));
   add(bench::four_axis(quick ? 100 : 1000, 0.02, 100, true, seed));
   add(bench::inverse_time(quick ? 200 : 2000, 0.02, seed));
-  add(bench::swarf(quick ? 400 : 4000, 0.02, 50));
+  for (const double feed : {50.0, 150.0}) add(bench::swarf(quick ? 400 : 4000, 0.02, feed));
   add(bench::threading(quick ? 4 : 20, 1.5, 600));
   for (std::uint64_t i = 0; i < (quick ? 2 : 12); ++i) add(bench::mixture(400, seed + i));
   return out;
@@ -376,7 +376,6 @@ int whole_stack(bool quick, std::uint64_t seed) {
 
 int write_programs(const char* folder, std::uint64_t seed) {
   for (const Entry& e : families(true, seed)) {
-    if (e.program.machine == bench::Machine::table) continue;
     std::string name = e.program.name;
     for (char& c : name)
       if (c == ' ' || c == ',') c = '_';
@@ -385,8 +384,9 @@ int write_programs(const char* folder, std::uint64_t seed) {
       return 2;
     }
     const bench::RunResult r = bench::run(e.program, {0, false, seed, true});
-    std::printf("%s\t%g\t%.3f\t%.3f\t%.5f\t%.6f\t%.3f\n", name.c_str(), e.program.p_mm, r.seconds,
-                r.length, r.acc, r.deviation, bench::feed_floor(e.program));
+    std::printf("%s\t%s\t%g\t%.3f\t%.3f\t%.5f\t%.6f\t%.3f\n", name.c_str(),
+                e.program.machine == bench::Machine::table ? "table" : "mill", e.program.p_mm,
+                r.seconds, r.length, r.acc, r.deviation, bench::feed_floor(e.program));
   }
   return 0;
 }

@@ -490,11 +490,14 @@ bool write_gcode(const Program& program, const std::string& file) {
     std::fprintf(out, " G64 P%.9g%s\n", program.p_mm, program.merges ? "" : " Q0");
   else
     std::fprintf(out, " G61.1\n");
-  std::fprintf(out, "G0 X0 Y0 Z0 A0\n%s", program.inverse_time ? "G93\n" : "");
+  const bool table = program.machine == Machine::table;
+  std::fprintf(out, "G0 X0 Y0 Z0 A0%s\n%s", table ? " C0" : "",
+               program.inverse_time ? "G93\n" : "");
   Pose at;
   const auto words = [&](const Pose& end, double feed) {
     const double length = std::hypot(end.x - at.x, end.y - at.y, end.z - at.z);
     std::fprintf(out, " X%.6f Y%.6f Z%.6f A%.6f", end.x, end.y, end.z, end.a);
+    if (table) std::fprintf(out, " C%.6f", end.c);
     if (feed > 0) std::fprintf(out, " F%.6f", feed * 60 / (program.inverse_time ? length : 1.0));
     at = end;
   };
