@@ -178,6 +178,7 @@ std::vector<std::uint64_t> Epoll::ready(std::size_t most) const {
   std::vector<epoll_event> events(most);
   const int n = epoll_wait(fd_, events.data(), static_cast<int>(most), 0);
   std::vector<std::uint64_t> tags;
+  tags.reserve(static_cast<std::size_t>(std::max(n, 0)));
   for (int i = 0; i < n; ++i) tags.push_back(events[static_cast<std::size_t>(i)].data.u64);
   return tags;
 }
