@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "task/interpreter/spline_cubics.hpp"
-#include "task/interpreter/spline_path.hpp"
 
 namespace kerf::task {
 
@@ -199,29 +198,31 @@ void CanonToPath::nurbs_feed(std::span<const interp::SplinePoint> points, int or
   }
   const double velocity_mm_s = linear_mm_s();
   const interp::NurbsCurve curve(machine, order);
-  const std::vector<CubicPiece> cubics = spline_cubics(curve);
-  for (const CubicPiece& piece : cubics) {
-    motion::CubicMove move;
-    move.end = state_.position;
-    move.end.x = piece.x;
-    move.end.y = piece.y;
-    move.first = {.x = piece.dx, .y = piece.dy};
-    move.second = {.x = piece.ddx, .y = piece.ddy};
-    move.length = piece.length;
-    move.vel_mm_s = velocity_mm_s;
+  const auto drive = [&](const auto& move) {
     add_path(move);
     state_.position = move.end;
     state_.pending_outputs = 0;
-  }
-  if (!cubics.empty()) return;
-  // A cusp: the curve has no direction there.
-  for (const SplinePiece& piece : spline_pieces(curve)) {
-    Pose end = state_.position;
-    end.x = piece.x;
-    end.y = piece.y;
-    if (piece.turn == 0) {
-      add_path(motion::LinearMove{end, velocity_mm_s, MotionKind::feed});
-    } else {
+  };
+  for (const SplinePart& part : spline_parts(curve)) {
+    for (const CubicPiece& piece : part.cubics) {
+      motion::CubicMove move;
+      move.end = state_.position;
+      move.end.x = piece.x;
+      move.end.y = piece.y;
+      move.first = {.x = piece.dx, .y = piece.dy};
+      move.second = {.x = piece.ddx, .y = piece.ddy};
+      move.length = piece.length;
+      move.vel_mm_s = velocity_mm_s;
+      drive(move);
+    }
+    for (const SplinePiece& piece : part.arcs) {
+      Pose end = state_.position;
+      end.x = piece.x;
+      end.y = piece.y;
+      if (piece.turn == 0) {
+        drive(motion::LinearMove{end, velocity_mm_s, MotionKind::feed});
+        continue;
+      }
       motion::ArcMove arc;
       arc.end = end;
       arc.centre[0] = piece.cx;
@@ -229,10 +230,8 @@ void CanonToPath::nurbs_feed(std::span<const interp::SplinePoint> points, int or
       arc.centre[2] = end.z;
       arc.normal[2] = piece.turn;
       arc.vel_mm_s = velocity_mm_s;
-      add_path(arc);
+      drive(arc);
     }
-    state_.position = end;
-    state_.pending_outputs = 0;
   }
 }
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <tuple>
+#include <utility>
 
 #include "task/interpreter/spline_vec.hpp"
 
@@ -13,41 +16,61 @@ using spline::Vec;
 
 constexpr double kNothing = 1e-6;  ///< mm; shorter than this there is no direction to be had
 constexpr int kCells = 64;         ///< of the table of lengths, in each knot span
-constexpr std::size_t kMostPieces = 2048;  ///< in one run
+constexpr std::size_t kMostPieces = 32768;  ///< in one run
 constexpr double kShortestPiece =
     1e-3;                         ///< mm; a bend that needs shorter ones is a cusp to a machine
 constexpr double kGrowth = 2.01;  ///< of neighbouring pieces
 constexpr int kChecks = 6;        ///< places of each piece that are compared with the curve
 /// How far |q'| may be from 1: speeds are true within it.
 constexpr double kEven = 1e-3;
+/// Slower by the parameter than this share of its fastest the curve stands.
+constexpr double kStands = 1e-6;
+/// Where it stands at an end it has the direction that it has so far behind it (of a cell).
+constexpr double kBehind = 1e-4;
+/// Spans that bend too tightly are left out of so many runs; what is left of the curve then is no cubics either.
+constexpr int kMostTight = 32;
 
-/// Part of a curve between two knots that has a direction and a curvature everywhere, by its length.
-class Run {
+/// The whole curve by its length, and where it stands.
+class Lengths {
  public:
-  Run(const interp::NurbsCurve& curve, int first, int last) : curve_(curve), first_(first) {
-    at_.push_back(0);
-    double lowest = 1e99, highest = 0;
-    for (int span = first; span < last; ++span) {
+  explicit Lengths(const interp::NurbsCurve& curve) : curve_(curve), at_{0} {
+    const int spans = curve.spans();
+    std::vector<double> slowest(static_cast<std::size_t>(spans), 1e99);
+    std::vector<double> at_knot(static_cast<std::size_t>(spans) + 1, 1e99);
+    for (int span = 0; span < spans; ++span) {
       for (int i = 0; i < kCells; ++i) {
-        const double u0 = span + 1.0 * i / kCells;
-        at_.push_back(at_.back() + length_between(u0, u0 + 1.0 / kCells, span));
-        const double v = speed(u0, span);
-        lowest = std::min({lowest, v, speed(u0 + 1.0 / kCells, span)});
-        highest = std::max(highest, v);
+        const double u = span + 1.0 * i / kCells;
+        at_.push_back(at_.back() + length_between(u, u + 1.0 / kCells, span));
+        fastest_ = std::max({fastest_, speed(u, span), speed(u + 1.0 / kCells, span)});
+        double& slow = slowest[static_cast<std::size_t>(span)];
+        if (i > 0) slow = std::min(slow, speed(u, span));
+      }
+      for (const int knot : {span, span + 1}) {
+        double& slow = at_knot[static_cast<std::size_t>(knot)];
+        slow = std::min(slow, speed(knot, span));
       }
     }
-    cusp_ = !(lowest > 1e-6 * highest);
+    for (const double v : slowest) stands_within_.push_back(stands(v));
+    for (const double v : at_knot) stands_at_.push_back(stands(v));
   }
-  [[nodiscard]] double length() const { return at_.back(); }
-  [[nodiscard]] bool has_cusp() const { return cusp_; }
+  [[nodiscard]] bool stands_within(int span) const {
+    return stands_within_[static_cast<std::size_t>(span)];
+  }
+  [[nodiscard]] bool stands_at(int knot) const {
+    return stands_at_[static_cast<std::size_t>(knot)];
+  }
+  /// From the begin of the curve.
+  [[nodiscard]] double at_knot(int knot) const {
+    return at_[static_cast<std::size_t>(knot) * kCells];
+  }
+  [[nodiscard]] int span_of(double s) const { return static_cast<int>(cell_of(s)) / kCells; }
 
-  /// Place and unit tangent at a length.
-  void place(double s, Vec& point, Vec& tangent) const {
-    s = std::clamp(s, 0.0, length());
-    auto cell = static_cast<std::size_t>(std::upper_bound(at_.begin(), at_.end(), s) - at_.begin());
-    cell = std::clamp<std::size_t>(cell, 1, at_.size() - 1) - 1;
-    const int span = first_ + static_cast<int>(cell) / kCells;
-    const double u0 = first_ + static_cast<double>(cell) / kCells, u1 = u0 + 1.0 / kCells;
+  /// Place and unit tangent at a length, seen from the spans [first, last).
+  void place(double s, int first, int last, Vec& point, Vec& tangent) const {
+    const std::size_t cell = std::clamp(cell_of(s), static_cast<std::size_t>(first) * kCells,
+                                        static_cast<std::size_t>(last) * kCells - 1);
+    const int span = static_cast<int>(cell) / kCells;
+    const double u0 = static_cast<double>(cell) / kCells, u1 = u0 + 1.0 / kCells;
     const double part = at_[cell + 1] - at_[cell];
     double u = part > 0 ? u0 + (u1 - u0) * (s - at_[cell]) / part : u0;
     for (int i = 0; i < 8; ++i) {
@@ -56,13 +79,21 @@ class Run {
       u = std::clamp(u - step, u0, u1);
       if (std::fabs(step) < 1e-14) break;
     }
-    const interp::CurvePoint p = curve_.at(u, span);
+    interp::CurvePoint p = curve_.at(u, span);
     point = {p.x, p.y};
+    const double behind = kBehind / kCells;
+    if (stands(std::hypot(p.dx, p.dy)))
+      p = curve_.at(u - u0 < u1 - u ? u + behind : u - behind, span);
     const double v = std::hypot(p.dx, p.dy);
     tangent = {p.dx / v, p.dy / v};
   }
 
  private:
+  [[nodiscard]] bool stands(double v) const { return !(v > kStands * fastest_); }
+  [[nodiscard]] std::size_t cell_of(double s) const {
+    const auto above = std::upper_bound(at_.begin(), at_.end(), s) - at_.begin();
+    return std::clamp<std::size_t>(static_cast<std::size_t>(above), 1, at_.size() - 1) - 1;
+  }
   [[nodiscard]] double speed(double u, int span) const {
     const interp::CurvePoint p = curve_.at(u, span);
     return std::hypot(p.dx, p.dy);
@@ -81,9 +112,24 @@ class Run {
   }
 
   const interp::NurbsCurve& curve_;
-  int first_;
   std::vector<double> at_;  ///< length at each cell's begin, and the whole
-  bool cusp_{false};
+  double fastest_{0};
+  std::vector<bool> stands_within_, stands_at_;
+};
+
+/// The spans [first, last) of a curve, which has a direction and a curvature everywhere between their ends.
+class Run {
+ public:
+  Run(const Lengths& curve, int first, int last) : curve_(curve), first_(first), last_(last) {}
+  [[nodiscard]] double length() const { return curve_.at_knot(last_) - curve_.at_knot(first_); }
+  /// Place and unit tangent at a length.
+  void place(double s, Vec& point, Vec& tangent) const {
+    curve_.place(curve_.at_knot(first_) + s, first_, last_, point, tangent);
+  }
+
+ private:
+  const Lengths& curve_;
+  int first_, last_;
 };
 
 /// The clamped spline through the curve at `knots` (lengths); false at each piece that is too far from it or not by its length.
@@ -141,8 +187,8 @@ class Fit {
 };
 
 /// Pieces that are not near are halved, and those that are more than twice as long as their neighbours, so that a tight bend makes short pieces where
-/// it is and nowhere else. False: too many, or too short.
-bool fit(const Run& run, double tolerance_mm, std::vector<CubicPiece>& out) {
+/// it is and nowhere else. Else where it bends too tightly for that.
+std::optional<double> fit(const Run& run, double tolerance_mm, std::vector<CubicPiece>& out) {
   std::vector<double> knots{0, run.length()};
   for (;;) {
     const Fit spline(run, knots);
@@ -156,7 +202,7 @@ bool fit(const Run& run, double tolerance_mm, std::vector<CubicPiece>& out) {
     }
     if (good) {
       for (std::size_t i = 0; i < count; ++i) out.push_back(spline.piece(i));
-      return true;
+      return {};
     }
     const auto length = [&](std::size_t i) { return spline.h(i) / (halve[i] != 0 ? 2 : 1); };
     for (bool more = true; more;) {
@@ -171,28 +217,79 @@ bool fit(const Run& run, double tolerance_mm, std::vector<CubicPiece>& out) {
     }
     std::vector<double> next{0};
     for (std::size_t i = 0; i < count; ++i) {
-      if (halve[i] != 0 && spline.h(i) < 2 * kShortestPiece) return false;
+      if (halve[i] != 0 && spline.h(i) < 2 * kShortestPiece) return (knots[i] + knots[i + 1]) / 2;
       if (halve[i] != 0) next.push_back((knots[i] + knots[i + 1]) / 2);
       next.push_back(knots[i + 1]);
     }
-    if (next.size() > kMostPieces) return false;
+    if (next.size() > kMostPieces) return run.length() / 2;
     knots = std::move(next);
   }
 }
 
+/// Appends to a curve's parts what its spans [first, last) are.
+class Parts {
+ public:
+  Parts(const interp::NurbsCurve& curve, double tolerance_mm)
+      : curve_(curve), length_(curve), tolerance_(tolerance_mm) {}
+
+  std::vector<SplinePart> run() {
+    const int spans = curve_.spans();
+    // From order 4 on curvature goes on over the knots; below that each span has its own.
+    const bool goes_on = curve_.order() >= 4;
+    for (int first = 0, last = 1; first < spans; first = last, ++last) {
+      if (length_.stands_within(first)) {
+        arcs(first, last);
+        continue;
+      }
+      while (goes_on && last < spans && !length_.stands_at(last) && !length_.stands_within(last))
+        ++last;
+      cubics(first, last);
+    }
+    return std::move(parts_);
+  }
+
+ private:
+  void arcs(int first, int last) {
+    std::vector<SplinePiece> pieces = spline_pieces(curve_, first, last);
+    if (!pieces.empty()) parts_.push_back({{}, std::move(pieces)});
+  }
+  /// Spans that bend too tightly are arcs, and those before and behind them are tried without.
+  void cubics(int first, int last) {
+    std::vector<std::pair<int, int>> left{{first, last}};
+    while (!left.empty()) {
+      std::tie(first, last) = left.back();
+      left.pop_back();
+      if (first >= last) continue;
+      const Run run(length_, first, last);
+      if (!(run.length() > kNothing)) continue;
+      SplinePart part;
+      const auto tight = tight_ < kMostTight ? fit(run, tolerance_, part.cubics) : 0.0;
+      if (!tight) {
+        parts_.push_back(std::move(part));
+      } else if (last - first == 1 || tight_ >= kMostTight) {
+        arcs(first, last);
+      } else {
+        ++tight_;
+        const int span =
+            std::clamp(length_.span_of(length_.at_knot(first) + *tight), first, last - 1);
+        left.emplace_back(span + 1, last);
+        left.emplace_back(span, span + 1);
+        left.emplace_back(first, span);
+      }
+    }
+  }
+
+  const interp::NurbsCurve& curve_;
+  Lengths length_;
+  double tolerance_;
+  int tight_{0};  ///< spans so far
+  std::vector<SplinePart> parts_;
+};
+
 }  // namespace
 
-std::vector<CubicPiece> spline_cubics(const interp::NurbsCurve& curve, double tolerance_mm) {
-  std::vector<CubicPiece> out;
-  // From order 4 on curvature goes on over the knots; below that each span has its own.
-  const int step = curve.order() >= 4 ? curve.spans() : 1;
-  for (int first = 0; first < curve.spans(); first += step) {
-    const Run run(curve, first, std::min(first + step, curve.spans()));
-    if (!(run.length() > kNothing)) continue;
-    if (run.has_cusp()) return {};
-    if (!fit(run, tolerance_mm, out)) return {};
-  }
-  return out;
+std::vector<SplinePart> spline_parts(const interp::NurbsCurve& curve, double tolerance_mm) {
+  return Parts(curve, tolerance_mm).run();
 }
 
 }  // namespace kerf::task

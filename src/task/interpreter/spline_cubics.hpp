@@ -1,4 +1,4 @@
-// Splines as cubics of their own length: what motion::CubicMove carries. The curvature of the spline is kept, so the machine need not slow down
+// Splines as cubics of their own length, and as arcs where they have none: what motion::CubicMove carries. The curvature of the spline is kept, so the machine need not slow down
 // where two pieces meet, and the pieces follow the curve within a ten-thousandth of a millimetre.
 // Source: clamped cubic splines through points at known lengths (de Boor, A Practical Guide to Splines).
 #pragma once
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "interp/nurbs.hpp"
+#include "task/interpreter/spline_path.hpp"
 
 namespace kerf::task {
 
@@ -20,8 +21,14 @@ struct CubicPiece {
   double length{0};
 };
 
-/// Empty when the curve cannot be had so: a point, or a cusp, where it has no direction.
-[[nodiscard]] std::vector<CubicPiece> spline_cubics(const interp::NurbsCurve& curve,
-                                                    double tolerance_mm = kCubicTolerance);
+/// Of a curve, in its order: cubics, or arcs (spline_path.hpp) where it has no direction (a cusp) or bends too tightly for them. One of both is empty.
+struct SplinePart {
+  std::vector<CubicPiece> cubics;
+  std::vector<SplinePiece> arcs;
+};
+
+/// A part ends where the curve has no direction, or no curvature that goes on. What is a point has no parts.
+[[nodiscard]] std::vector<SplinePart> spline_parts(const interp::NurbsCurve& curve,
+                                                   double tolerance_mm = kCubicTolerance);
 
 }  // namespace kerf::task

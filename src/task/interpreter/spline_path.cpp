@@ -55,8 +55,8 @@ class Fitter {
   Fitter(const interp::NurbsCurve& curve, double tolerance_mm)
       : curve_(curve), tolerance_(tolerance_mm) {}
 
-  std::vector<SplinePiece> run() {
-    for (span_ = 0; span_ < curve_.spans(); ++span_) fit(span_, span_ + 1.0, 0);
+  std::vector<SplinePiece> run(int first, int last) {
+    for (span_ = first; span_ < last; ++span_) fit(span_, span_ + 1.0, 0);
     return std::move(pieces_);
   }
 
@@ -140,8 +140,9 @@ class Fitter {
 
 }  // namespace
 
-std::vector<SplinePiece> spline_pieces(const interp::NurbsCurve& curve, double tolerance_mm) {
-  return Fitter(curve, tolerance_mm).run();
+std::vector<SplinePiece> spline_pieces(const interp::NurbsCurve& curve, int first, int last,
+                                       double tolerance_mm) {
+  return Fitter(curve, tolerance_mm).run(first, last);
 }
 
 }  // namespace kerf::task

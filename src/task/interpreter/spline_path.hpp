@@ -18,9 +18,10 @@ struct SplinePiece {
   int turn{0};          ///< 0: straight; 1: counter-clockwise arc; -1: clockwise
 };
 
-/// Arcs (straight pieces where the curve is straight) no further than `tolerance_mm` from the curve. Neighbours share the
+/// The spans [first, last) as arcs (straight pieces where the curve is straight) no further than `tolerance_mm` from the curve. Neighbours share the
 /// tangent wherever the curve has one; each arc is less than half a circle.
-[[nodiscard]] std::vector<SplinePiece> spline_pieces(const interp::NurbsCurve& curve,
+[[nodiscard]] std::vector<SplinePiece> spline_pieces(const interp::NurbsCurve& curve, int first,
+                                                     int last,
                                                      double tolerance_mm = kSplineTolerance);
 
 }  // namespace kerf::task

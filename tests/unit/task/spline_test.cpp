@@ -88,7 +88,7 @@ TEST(Spline, weights_make_exact_circles) {
     EXPECT_NEAR(std::hypot(p.x, p.y), 1, 1e-12);
   }
   EXPECT_NEAR(curve.length(), M_PI / 2, 1e-9);
-  const auto pieces = spline_pieces(curve);
+  const auto pieces = spline_pieces(curve, 0, curve.spans());
   ASSERT_EQ(pieces.size(), 2u) << "one pair of arcs";
   for (const auto& p : pieces) {
     EXPECT_EQ(p.turn, 1);
@@ -119,7 +119,7 @@ TEST(Spline, arcs_stay_within_tolerance_and_touch) {
     std::vector<SplinePoint> points(static_cast<std::size_t>(order + round % 5));
     for (SplinePoint& p : points) p = {place(random), place(random), weight(random)};
     const NurbsCurve curve(points, order);
-    const auto pieces = spline_pieces(curve);
+    const auto pieces = spline_pieces(curve, 0, curve.spans());
     ASSERT_FALSE(pieces.empty());
     EXPECT_LT(pieces.size(), 4000u) << round;
     EXPECT_NEAR(pieces.back().x, points.back().x, 1e-9);
@@ -149,14 +149,14 @@ TEST(Spline, odd_control_points_end_too) {
   };
   for (const auto& points : odd) {
     const NurbsCurve curve(points, 4);
-    const auto pieces = spline_pieces(curve);
+    const auto pieces = spline_pieces(curve, 0, curve.spans());
     EXPECT_LT(pieces.size(), 5000u);
     if (!pieces.empty()) {
       EXPECT_LE(largest_distance(curve, pieces), kSplineTolerance * 1.5);
     }
   }
-  EXPECT_TRUE(spline_pieces(NurbsCurve(odd[0], 4)).empty());
-  EXPECT_EQ(spline_pieces(NurbsCurve(odd[1], 4)).back().turn, 0);
+  EXPECT_TRUE(spline_pieces(NurbsCurve(odd[0], 4), 0, 1).empty());
+  EXPECT_EQ(spline_pieces(NurbsCurve(odd[1], 4), 0, 1).back().turn, 0);
 }
 
 /// Point of a piece, and its first and second derivative.
@@ -171,6 +171,16 @@ std::array<Vec, 3> on(Vec from, const CubicPiece& p, double s) {
   return {Vec{x[0], y[0]}, Vec{x[1], y[1]}, Vec{x[2], y[2]}};
 }
 
+/// Of a curve that is nothing but cubics; else none.
+std::vector<CubicPiece> all_cubics(const NurbsCurve& curve) {
+  std::vector<CubicPiece> out;
+  for (const SplinePart& part : spline_parts(curve)) {
+    if (!part.arcs.empty()) return {};
+    out.insert(out.end(), part.cubics.begin(), part.cubics.end());
+  }
+  return out;
+}
+
 TEST(Spline, cubics_follow_it_by_its_length_and_with_its_curvature) {
   std::mt19937 rng(7);
   std::uniform_real_distribution<double> size(-20, 20), weight(0.5, 2);
@@ -182,7 +192,7 @@ TEST(Spline, cubics_follow_it_by_its_length_and_with_its_curvature) {
     for (int i = 0; i < order + program % 4; ++i)
       points.push_back({15.0 * i + size(rng) / 2, size(rng), program % 2 == 0 ? 1.0 : weight(rng)});
     const NurbsCurve curve(points, order);
-    const auto pieces = spline_cubics(curve);
+    const auto pieces = all_cubics(curve);
     if (pieces.empty()) continue;
     ++had;
     Vec from{curve.at(0).x, curve.at(0).y};
@@ -225,11 +235,53 @@ TEST(Spline, cubics_follow_it_by_its_length_and_with_its_curvature) {
     EXPECT_LE(worst, 2 * kCubicTolerance) << "program " << program;
   }
   EXPECT_GT(had, 50);
-  // A cusp and a point have no direction.
+}
+
+TEST(Spline, has_arcs_only_where_it_has_no_direction) {
+  // A cusp and a point.
   const SplinePoint cusp[] = {{0, 0}, {10, 10}, {0, 10}, {10, 0}},
                     point[] = {{1, 1}, {1, 1}, {1, 1}};
-  EXPECT_TRUE(spline_cubics(NurbsCurve(cusp, 4)).empty());
-  EXPECT_TRUE(spline_cubics(NurbsCurve(point, 3)).empty());
+  const auto of_cusp = spline_parts(NurbsCurve(cusp, 4));
+  ASSERT_EQ(of_cusp.size(), 1U);
+  EXPECT_FALSE(of_cusp[0].arcs.empty());
+  EXPECT_TRUE(spline_parts(NurbsCurve(point, 3)).empty());
+  // At its ends, where control points coincide, it only begins slowly by its parameter.
+  const SplinePoint doubled[] = {{0, 0}, {0, 0}, {10, 5}, {20, -5}, {30, 0}, {30, 0}};
+  EXPECT_FALSE(all_cubics(NurbsCurve(doubled, 4)).empty());
+  // Four points that coincide: the curve stands at a knot, with one direction before it and another one behind.
+  const SplinePoint corner[] = {{0, 0},   {10, 8},  {20, 3},  {30, 10}, {30, 10},
+                                {30, 10}, {40, -5}, {50, -8}, {60, 0}};
+  const NurbsCurve curve(corner, 4);
+  const auto parts = spline_parts(curve);
+  ASSERT_EQ(parts.size(), 2U);
+  for (const SplinePart& part : parts) EXPECT_TRUE(part.arcs.empty());
+  EXPECT_NEAR(parts[0].cubics.back().x, 30, 1e-9);
+  EXPECT_NEAR(parts[1].cubics.back().x, 60, 1e-9);
+  // A cusp within one span of many: the others are cubics all the same.
+  const SplinePoint within[] = {{0, 0},   {10, 3}, {20, -2}, {30, 0},  {40, 10},
+                                {30, 10}, {40, 0}, {50, 3},  {60, -3}, {70, 0}};
+  const NurbsCurve with_cusp(within, 4);
+  double arcs = 0, cubics = 0;
+  Vec from{};
+  for (const SplinePart& part : spline_parts(with_cusp)) {
+    for (const SplinePiece& p : part.arcs) {
+      arcs += std::hypot(p.x - from.x, p.y - from.y);
+      from = {p.x, p.y};
+    }
+    for (const CubicPiece& p : part.cubics) {
+      cubics += p.length;
+      from = {p.x, p.y};
+    }
+  }
+  EXPECT_NEAR(arcs + cubics, with_cusp.length(), 1e-3 * with_cusp.length());
+  EXPECT_GT(cubics, 0.8 * with_cusp.length());
+  EXPECT_NEAR(from.x, 70, 1e-9);
+}
+
+TEST(Spline, of_thousands_of_points_is_cubics) {
+  std::vector<SplinePoint> points;
+  for (int i = 0; i < 6000; ++i) points.push_back({0.05 * i, 0.02 * std::sin(0.3 * i)});
+  EXPECT_GT(all_cubics(NurbsCurve(points, 4)).size(), 2000U);
 }
 
 /// Elsewhere pieces stay long: the servo cycle has to pass them all.
@@ -237,7 +289,7 @@ TEST(Spline, a_tight_bend_makes_short_cubics_only_where_it_is) {
   const double x = -33.7116, y = 25.2517, to_x = -34.3913, to_y = 26.1173;
   const SplinePoint points[] = {
       {x, y}, {x + 1.8311, y - 1.6101}, {to_x + 0.9688, to_y - 1.7569}, {to_x, to_y}};
-  const auto pieces = spline_cubics(NurbsCurve(points, 4));
+  const auto pieces = all_cubics(NurbsCurve(points, 4));
   ASSERT_FALSE(pieces.empty());
   double shortest = 1e9, longest = 0;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
