@@ -280,6 +280,7 @@ TEST(Spline, has_arcs_only_where_it_has_no_direction) {
 
 TEST(Spline, of_thousands_of_points_is_cubics) {
   std::vector<SplinePoint> points;
+  points.reserve(6000);
   for (int i = 0; i < 6000; ++i) points.push_back({0.05 * i, 0.02 * std::sin(0.3 * i)});
   EXPECT_GT(all_cubics(NurbsCurve(points, 4)).size(), 2000U);
 }
