@@ -25,7 +25,9 @@ Program random_program(std::uint64_t seed) {
         case 3: return wander(3000, seed);
         default: return freeform(600, 0.05, 180, seed, false);
       }
-    case 1: return arc_spiral(0.1, 80);
+    case 1:
+      return seed % 16 < 8 ? arc_spiral(0.1, 80)
+                           : tangent_moves(60, seed % 32 < 16, seed % 64 < 32, seed);
     case 2: return fractal(4, 0.5, 0.05, 100);
     case 3: return four_axis(60, 0.02, 100, seed % 16 < 8, seed);
     case 4: return helical_arcs(0.01, 80);

@@ -393,6 +393,66 @@ Program swarf(int moves, double p_mm, double feed, std::uint64_t seed) {
   return w.done();
 }
 
+Program tangent_moves(int moves, bool exact, bool rounded_off, std::uint64_t seed) {
+  Random r(seed);
+  ProgramWriter w("tangent moves", exact ? 0 : std::pow(10, r.between(-2.5, -0.5)), 60, false);
+  Program program = w.done();
+  if (exact)
+    std::get<motion::PathControl>(program.items.front()).mode =
+        motion::PathControl::Mode::exact_path;
+  const auto written = [&](double v) { return rounded_off ? std::round(v * 1e3) / 1e3 : v; };
+  Pose at;  // as it is written
+  double x = 0, y = 0, heading = r.between(0, 2 * kPi);
+  for (int i = 0; i < moves; ++i) {
+    const double feed = r.between(10, 190), tx = std::cos(heading), ty = std::sin(heading);
+    switch (r.below(3)) {
+      case 0: {
+        const double length = std::pow(10, r.between(-1.5, 1));
+        x += length * tx, y += length * ty;
+        at = xyz(written(x), written(y), 0);
+        motion::LinearMove line;
+        line.end = at;
+        line.vel_mm_s = feed;
+        program.items.emplace_back(line);
+        break;
+      }
+      case 1: {
+        const double radius = std::pow(10, r.between(-0.7, 1.5)), side = r.below(2) == 0 ? 1 : -1;
+        const double cx = x - side * radius * ty, cy = y + side * radius * tx;
+        heading += side * r.between(0.2, 3.2);
+        x = cx + side * radius * std::sin(heading);
+        y = cy - side * radius * std::cos(heading);
+        motion::ArcMove arc;
+        arc.centre[0] = at.x + written(cx - at.x), arc.centre[1] = at.y + written(cy - at.y);
+        arc.normal[0] = arc.normal[1] = 0;
+        arc.normal[2] = side;
+        at = xyz(written(x), written(y), 0);
+        arc.end = at;
+        arc.vel_mm_s = feed;
+        program.items.emplace_back(arc);
+        break;
+      }
+      default: {
+        // From where it really begins: a spline is no points with decimals.
+        const double bend = r.between(-1, 1), length = std::min(0.15 / std::abs(bend), 2.0);
+        motion::CubicMove cubic;
+        cubic.first.x = tx, cubic.first.y = ty;
+        cubic.second.x = -bend * ty, cubic.second.y = bend * tx;
+        const double third = -bend * bend * length;
+        const double along = length * (1 + third * length / 6), across = bend * length * length / 2;
+        x = at.x + along * tx - across * ty, y = at.y + along * ty + across * tx;
+        heading += std::atan2(bend * length, 1 + third * length / 2);
+        at = xyz(x, y, 0);
+        cubic.end = at;
+        cubic.length = length;
+        cubic.vel_mm_s = feed;
+        program.items.emplace_back(cubic);
+      }
+    }
+  }
+  return program;
+}
+
 Program mixture(int moves, std::uint64_t seed) {
   Random r(seed);
   const double p = std::exp(r.between(std::log(0.005), std::log(0.2)));

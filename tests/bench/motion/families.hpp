@@ -80,6 +80,9 @@ void reference_machine(motion::MachineConfig& config);
 [[nodiscard]] Program threading(int passes, double pitch, double rpm);
 /// Short five-axis moves along a wall that leans to all sides, on a tilting table.
 [[nodiscard]] Program swarf(int moves, double p_mm, double feed, std::uint64_t seed = 3);
+/// Lines, arcs and cubics that go on in one direction, with jumps of curvature where they meet; with P or on an exact path (G61). `rounded`: points with
+/// three decimals, so that they meet at small angles.
+[[nodiscard]] Program tangent_moves(int moves, bool exact, bool rounded, std::uint64_t seed);
 [[nodiscard]] Program mixture(int moves, std::uint64_t seed);
 /// Rows of lines of one length, straight, bending to either side or noisy, with corners, single tiny or long moves, small arcs and other feeds between
 /// them: what the planner cuts, of every kind.

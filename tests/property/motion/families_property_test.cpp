@@ -298,72 +298,11 @@ TEST(Families, DenseLinesKeepTheirFeedWhereThePathIsCut) {
     }
 }
 
-/// Lines, arcs and cubics that go on in one direction, with jumps of curvature where they meet.
-bench::Program tangent_moves(std::mt19937_64& random, bool exact) {
-  const auto share = [&] { return static_cast<double>(random() % 100000) / 100000; };
-  bench::Program program =
-      bench::ProgramWriter("tangent moves", exact ? 0 : std::pow(10, -2.5 + 2 * share()), 60, false)
-          .done();
-  if (exact)
-    for (auto& item : program.items)
-      if (auto* control = std::get_if<motion::PathControl>(&item))
-        control->mode = motion::PathControl::Mode::exact_path;
-  double x = 0, y = 0, heading = 6 * share();
-  for (int i = 0; i < 60; ++i) {
-    const double feed = 10 + 180 * share(), tx = std::cos(heading), ty = std::sin(heading);
-    motion::Pose end;
-    switch (random() % 3) {
-      case 0: {
-        const double length = std::pow(10, -1.5 + 2.5 * share());
-        x += length * tx, y += length * ty;
-        end.x = x, end.y = y;
-        motion::LinearMove line;
-        line.end = end;
-        line.vel_mm_s = feed;
-        program.items.emplace_back(line);
-        break;
-      }
-      case 1: {
-        const double radius = std::pow(10, -0.7 + 2.2 * share()), side = random() % 2 == 0 ? 1 : -1;
-        const double turn = side * (0.2 + 3 * share());
-        motion::ArcMove arc;
-        arc.centre[0] = x - side * radius * ty, arc.centre[1] = y + side * radius * tx;
-        arc.normal[0] = arc.normal[1] = 0;
-        arc.normal[2] = side;
-        heading += turn;
-        x = arc.centre[0] + side * radius * std::sin(heading);
-        y = arc.centre[1] - side * radius * std::cos(heading);
-        end.x = x, end.y = y;
-        arc.end = end;
-        arc.vel_mm_s = feed;
-        program.items.emplace_back(arc);
-        break;
-      }
-      default: {
-        const double bend = 2 * share() - 1, length = std::min(0.15 / std::abs(bend), 2.0);
-        motion::CubicMove cubic;
-        cubic.first.x = tx, cubic.first.y = ty;
-        cubic.second.x = -bend * ty, cubic.second.y = bend * tx;
-        const double third = -bend * bend * length;
-        const double along = length * (1 + third * length / 6), across = bend * length * length / 2;
-        x += along * tx - across * ty, y += along * ty + across * tx;
-        heading += std::atan2(bend * length, 1 + third * length / 2);
-        end.x = x, end.y = y;
-        cubic.end = end;
-        cubic.length = length;
-        cubic.vel_mm_s = feed;
-        program.items.emplace_back(cubic);
-      }
-    }
-  }
-  return program;
-}
-
 TEST(Families, JumpsOfCurvatureKeepTheLimitsUnderChangingOverrides) {
   const int count = motion::test::property_count(12);
   for (int i = 1; i <= count && !testing::Test::HasFailure(); ++i) {
-    std::mt19937_64 random(static_cast<std::uint64_t>(i));
-    run(tangent_moves(random, i % 3 == 0), static_cast<std::uint64_t>(i));
+    const auto seed = static_cast<std::uint64_t>(i);
+    run(bench::tangent_moves(60, i % 3 == 0, i % 2 == 0, seed), seed);
   }
 }
 

@@ -114,7 +114,7 @@ TEST_F(Jerk, AHoldWhileItSpeedsUpAndOneWhileItBrakes) {
   expect_no_fault();
 }
 
-TEST_F(Jerk, ALineThatRunsIntoAnArcIsBlendedOrStops) {
+TEST_F(Jerk, ALineThatRunsIntoAnArcIsBlendedOnAnExactPathTooWithinItsTolerance) {
   for (const double p : {0.02, 0.0}) {
     PathControl control;
     control.mode = p > 0 ? PathControl::Mode::continuous : PathControl::Mode::exact_path;
@@ -129,18 +129,37 @@ TEST_F(Jerk, ALineThatRunsIntoAnArcIsBlendedOrStops) {
     arc.normal[2] = 1;
     arc.vel_mm_s = 40;
     rig.push(arc);
-    double slowest = 1e9;
+    double slowest = 1e9, off = 0;
     run_until([&] {
       const Pose& now = rig.status().pos_cmd;
-      if (std::hypot(now.x - at.x - 10, now.y - at.y) < 0.3)
+      const double x = now.x - arc.centre[0], y = now.y - arc.centre[1];
+      if (std::hypot(x, y + 4) < 0.3) slowest = std::min(slowest, rig.status().vel_mm_s);
+      off = std::max(off, x < 0 && y < 0 ? std::abs(y + 4) : std::abs(std::hypot(x, y) - 4));
+      return rig.status().executed_seq >= rig.seq && rig.status().path_empty;
+    });
+    EXPECT_GT(slowest, p > 0 ? 8 : 3);
+    EXPECT_LE(off, p > 0 ? p : path::kExact);
+  }
+  expect_no_fault();
+}
+
+/// Angles that come from points with three decimals are none to stop at; others are.
+TEST_F(Jerk, OnAnExactPathOnlyWhatIsNoCornerIsPassed) {
+  rig.push(PathControl{.mode = PathControl::Mode::exact_path});
+  for (const double kink : {0.001, 0.02}) {
+    const Pose at = rig.status().pos_cmd;
+    rig.line({.x = at.x + 10, .y = at.y}, 40);
+    rig.line({.x = at.x + 20, .y = at.y + 10 * kink}, 40);
+    double slowest = 1e9;
+    run_until([&] {
+      if (std::abs(rig.status().pos_cmd.x - at.x - 10) < 0.3)
         slowest = std::min(slowest, rig.status().vel_mm_s);
       return rig.status().executed_seq >= rig.seq && rig.status().path_empty;
     });
-    if (p > 0) {
-      EXPECT_GT(slowest, 8);
-    } else {
-      EXPECT_LT(slowest, 1);
-    }
+    if (kink < 0.01)
+      EXPECT_GT(slowest, 2) << kink;
+    else
+      EXPECT_LT(slowest, 1) << kink;
   }
   expect_no_fault();
 }

@@ -13,6 +13,8 @@ constexpr double kNoPace = 1e6;  ///< mm/s: nothing holds it back
 constexpr double kTangent = 1e-9;
 /// Nearly one: on an exact path a kink up to this one comes from points with three decimals, and is no corner to stop at.
 constexpr double kNearlyTangent = 0.02;
+/// With jerk limits sharper ones are passed at a crawl, if at all: a blend as small as that is shorter than what a law can tell from nothing.
+constexpr double kNearlyTangentByJerk = 0.004;
 /// With jerk limits curvature has to go on too (1/mm).
 constexpr double kSameBend = 1e-9;
 /// A move as short as this at the end of what is driven without a stop is driven by itself: no law is found over a blend within it (sigma).
@@ -118,7 +120,7 @@ ProgramPath::Joint ProgramPath::joint_between(const Move& a, const Move& b) cons
       kink < kTangent && (!settings_.limits.jerks ||
                           max_abs(b.piece.second(0) - a.piece.second(a.piece.length)) < kSameBend);
   const bool exact = a.mode.corners == PathMode::Corners::exact_path &&
-                     (settings_.limits.jerks || kink > kNearlyTangent);
+                     kink > (settings_.limits.jerks ? kNearlyTangentByJerk : kNearlyTangent);
   if (!tangent && (exact || !(a.mode.tolerance.mm > 0))) return Joint::stop;
   if (lines) return settings_.limits.jerks && sharp(a, b) ? Joint::stop : Joint::chain;
   return tangent ? Joint::pass : Joint::blend;
