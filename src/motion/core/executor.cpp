@@ -18,6 +18,8 @@ constexpr std::size_t kBoundsPerCycle = 8;
 constexpr double kNoStretch = 1e-10;
 /// An x below this is a standstill that rounding has missed (1e-7 mm/s).
 constexpr double kNoSpeed = 1e-14;
+/// A stretch that takes longer than so many seconds, at a mean speed below half of this share of what is wanted.
+constexpr double kLingers = 0.05, kSlow = 0.5;
 constexpr double kRestSpeed = 1e-6;  ///< sigma/s
 constexpr int kStopRounds = 4;
 constexpr double kStopReserve = 1.01;
@@ -464,34 +466,43 @@ double Executor::run_even(const PathSpan& move, const Ends& ends, double x_wante
   return used;
 }
 
+/// Up in the first half of what was left of a stretch, down in the second: x where they meet, as it is wanted now. `end_x`: what the stretch may end with.
+double Executor::half_way_x(const PathSpan& move, double end_x, double x_wanted) const noexcept {
+  const double end = move.from + move.length - cut_, x = sigma_speed_ * sigma_speed_;
+  if (!(left_ - half_way_ > kNoStretch)) return x;
+  path::Rows rows;
+  rows_of(move, end - half_way_, end, limits_, rows);
+  const double most = path::largest_x0(rows.all(), end_x);
+  rows_of(move, end - left_, end - half_way_, limits_, rows);
+  const path::Range range = path::range_of_x1(rows.all(), x, x > 0);
+  const double high = range.high * (1.0 - 1e-6);
+  return std::clamp(std::min({most, x_wanted, move.speed.cap}), std::min(range.low, high), high);
+}
+
 /// x is linear to the end of the stretch; what it is there is decided anew every cycle, by the rows of what is left.
 double Executor::run_curved(const PathSpan& move, const Ends& ends, double x_wanted,
                             double dt) noexcept {
   const double hard = ends.hard;
-  const double soft = x_wanted > 0 ? std::min(ends.soft, x_wanted) : 0.0;
+  const double soft = x_wanted > 0 ? std::min(ends.soft, x_wanted) : 0.0,
+               low_end = std::min(soft, hard);
   const double end = move.from + move.length - cut_;
-  double x = sigma_speed_ * sigma_speed_;
-  double stretch = left_ - half_way_;
-  path::Rows rows;
-  if (x <= 0 && half_way_ <= 0 && std::min(soft, hard) <= kNoSpeed) {
+  const double x = sigma_speed_ * sigma_speed_;
+  if (x <= 0 && half_way_ <= 0 && low_end <= kNoSpeed) {
     if (x_wanted <= 0) return dt;
-    // From rest to rest within one stretch: up in the first half, down in the second.
+    // From rest to rest within one stretch.
     half_way_ = left_ / 2;
-    stretch = left_ - half_way_;
-    rows_of(move, end - half_way_, end, limits_, rows);
-    const double most = path::largest_x0(rows.all(), 0);
-    rows_of(move, end - left_, end - half_way_, limits_, rows);
-    half_speed_ = std::sqrt(std::min(
-        {most, path::range_of_x1(rows.all(), 0).high * (1.0 - 1e-6), x_wanted, move.speed.cap}));
   }
+  if (x_wanted <= 0) half_way_ = 0;
+  double stretch = left_ - half_way_;
   double x1 = 0;
   if (half_way_ > 0) {
-    x1 = half_speed_ * half_speed_;
+    x1 = half_way_x(move, low_end, x_wanted);
   } else if (stretch > kNoStretch) {
     // To stand, as hard as the limits allow on the next bit of the way: over the whole stretch a bend still to come would count now. It stays
     // possible: braking over the whole stretch is one of the ways to brake here, and whatever a speed can do, a lower one can.
     if (x_wanted <= 0 && x > 0)
       stretch = std::min(stretch, std::max(sigma_speed_ * period_ * kBrakeStep, kNoStretch));
+    path::Rows rows;
     rows_of(move, end - left_, end - left_ + stretch, limits_, rows);
     const path::Range range = path::range_of_x1(rows.all(), x, left_ < move.length);
     if (x_wanted <= 0 && range.low < 0) return stop_within(move, range.low, stretch, dt);
@@ -499,6 +510,14 @@ double Executor::run_curved(const PathSpan& move, const Ends& ends, double x_wan
     // `hard` can always be met; that range.low is a rounding above it sometimes must not leave speed at a stop.
     x1 = std::min(x1, move.speed.cap);
     if (stretch >= left_) x1 = std::min(x1, hard);
+    // Slow at both ends of it (the feed was low, or 0, until now): not at that pace all along.
+    const double pace = sigma_speed_ + std::sqrt(x1);
+    if (x_wanted > 0 && x1 < range.high && 2.0 * stretch > kLingers * pace &&
+        pace < kSlow * std::sqrt(std::min(x_wanted, move.speed.cap))) {
+      half_way_ = left_ / 2;
+      stretch = left_ - half_way_;
+      x1 = std::max(half_way_x(move, low_end, x_wanted), 0.0);
+    }
   } else {
     x1 = x;
   }

@@ -186,6 +186,8 @@ class Executor {
   [[nodiscard]] Ends ends_of(const PathSpan& move) const noexcept;
   [[nodiscard]] double run_even(const PathSpan& move, const Ends& ends, double x_wanted,
                                 double dt) noexcept;
+  [[nodiscard]] double half_way_x(const PathSpan& move, double end_x,
+                                  double x_wanted) const noexcept;
   [[nodiscard]] double run_curved(const PathSpan& move, const Ends& ends, double x_wanted,
                                   double dt) noexcept;
   double drive(const PathSpan& move, const Ends& ends, double x_wanted, double dt) noexcept;
@@ -283,13 +285,11 @@ class Executor {
   double sigma_acc_{0};    ///< with jerk limits; signed
   double period_{0};       ///< of the servo cycle
   double left_{0};         ///< of the span in execution (sigma)
-  double half_way_{
-      0};  ///< above 0: the span begins and ends at rest; it speeds up until this much is left ...
-  double half_speed_{0};  ///< ... and this is its speed there
-  double speed_{0};       ///< in mm/s (deg/s)
-  bool started_{false};   ///< the span at the ring's front is in execution
-  bool ending_{false};    ///< it ends where it comes to rest: probe contact
-  bool failing_{false};   ///< the same, and the path behind it is void
+  double half_way_{0};   ///< above 0: the stretch ends slowly; it speeds up until this much is left
+  double speed_{0};      ///< in mm/s (deg/s)
+  bool started_{false};  ///< the span at the ring's front is in execution
+  bool ending_{false};   ///< it ends where it comes to rest: probe contact
+  bool failing_{false};  ///< the same, and the path behind it is void
   bool probe_before_{false};
   bool after_traverse_{false};
   bool arriving_{false};  ///< the machine moves from one span into the next

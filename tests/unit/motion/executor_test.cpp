@@ -418,6 +418,43 @@ TEST(Executor, OverridesScaleTheFeedUpToTheCeiling) {
   EXPECT_TRUE(rig.faults.empty());
 }
 
+/// Held on a circle by an override of 0, and let go with hardly any: what it begins to do at that pace it does not go on with when the feed is back.
+TEST(Executor, AFeedThatComesBackFromNothingIsDrivenAtOnce) {
+  for (const bool holds : {false, true}) {
+    Rig rig;
+    rig.ready();
+    ArcMove arc;
+    arc.centre[0] = 10;
+    arc.end = {.x = 20};
+    arc.normal[2] = 1;
+    arc.vel_mm_s = 50;
+    rig.push(arc);
+    rig.run(300);
+    rig.intent.feed_override = 0;
+    rig.run(300);
+    ASSERT_EQ(rig.status().vel_mm_s, 0);
+    ASSERT_GT(rig.status().distance_to_go, 5);
+    // The planner has not seen it yet: where this stretch ends the path still stands.
+    rig.plan = false;
+    rig.intent.feed_override = 0.001;
+    rig.run(20);
+    EXPECT_GT(rig.status().vel_mm_s, 0);
+    if (holds) {
+      rig.orders.hold = true;
+      rig.run(20);
+      EXPECT_EQ(rig.status().vel_mm_s, 0);
+      rig.orders.hold = false;
+      rig.run(20);
+    }
+    rig.plan = true;
+    rig.intent.feed_override = 1;
+    rig.run(100);
+    EXPECT_NEAR(rig.status().vel_mm_s, 50, 1e-3);
+    EXPECT_GT(rig.finish(), 0);
+    EXPECT_TRUE(rig.faults.empty());
+  }
+}
+
 TEST(Executor, TraversesRunAtTheCeilingTimesTheRapidOverride) {
   Rig rig;
   rig.ready();
