@@ -164,6 +164,36 @@ TEST_F(Jerk, OnAnExactPathOnlyWhatIsNoCornerIsPassed) {
   expect_no_fault();
 }
 
+/// As an adaptive feed has it that swings and touches 0. A machine that goes on at that is in a state from which no law leads anywhere.
+TEST_F(Jerk, AFeedOfNextToNothingIsDrivenOrNone) {
+  rig.push(PathControl{.mode = PathControl::Mode::continuous, .tolerance_mm = 0.02});
+  for (int i = 0; i < 30; ++i) {
+    ArcMove arc;
+    arc.centre[0] = 30.0 * i + 15;
+    arc.end = {.x = 30.0 * i + 30};
+    arc.normal[2] = i % 2 == 0 ? 1 : -1;
+    arc.vel_mm_s = 40;
+    rig.push(arc);
+  }
+  const auto run = [&](int cycles) { run_until([] { return false; }, cycles); };
+  run(500);
+  for (const double feed : {0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-12, 1e-15}) {
+    rig.intent.feed_override = feed;
+    run(100);
+    EXPECT_LT(rig.status().vel_mm_s, 30) << feed;
+    run(200);
+    EXPECT_LT(rig.status().vel_mm_s, 1.2 * 40 * feed + 0.5) << feed;
+    if (40 * feed < 1e-6) {
+      EXPECT_EQ(rig.status().vel_mm_s, 0) << feed;
+      EXPECT_EQ(rig.status().waiting_for, PathWait::zero_override);
+    }
+    rig.intent.feed_override = 1;
+    run(250);
+    EXPECT_GT(rig.status().vel_mm_s, 35) << feed;
+  }
+  expect_no_fault();
+}
+
 TEST_F(Jerk, ANegativeAdaptiveFeedTurnsBackWithinTheLimit) {
   OverrideEnable e;
   e.feed = e.feed_hold = e.adaptive = true;
@@ -190,6 +220,26 @@ TEST_F(Jerk, TheGuardLatchesAJumpOfAcceleration) {
   ASSERT_TRUE(rig.saw(Fault::limit_jerk));
   EXPECT_EQ(rig.faults.front().index, 0);
   EXPECT_EQ(rig.faults.front().tag.line, 1);
+}
+
+/// However slow: a law of days must not lose the seconds at its start.
+TEST(JerkFromRest, AProgrammedFeedIsReachedSoonHoweverSlow) {
+  for (const double jerk : {5000.0, 50000.0, 1e6})
+    for (const double feed : {1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, 2e-6}) {
+      Rig slow;
+      for (auto& j : slow.config.joint) j.max_jerk = jerk;
+      slow.apply_config();
+      slow.ready();
+      ArcMove arc;
+      arc.centre[0] = 15;
+      arc.end = {.x = 30};
+      arc.normal[2] = 1;
+      arc.vel_mm_s = feed;
+      slow.push(arc);
+      slow.run(100);
+      EXPECT_GT(slow.status().vel_mm_s, 0.9 * feed) << jerk;
+      EXPECT_LT(slow.status().vel_mm_s, 1.03 * feed) << jerk;
+    }
 }
 
 }  // namespace

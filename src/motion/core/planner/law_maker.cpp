@@ -26,6 +26,12 @@ constexpr double kRestAhead = 0.25;
 constexpr double kSoonAtRest = 1.1;
 /// Of place (sigma), and of speed and acceleration as a share.
 constexpr double kSamePlace = 1e-9, kSameSpeed = 1e-9;
+/// Where a feed falls to less than this (of x) and no law leads there, it is driven from rest.
+constexpr double kFarBelow = 1e-4;
+/// From rest laws to less than this (of x: 1e-3 mm/s) lose seconds at their start: what they gain there is nothing beside all that they last.
+constexpr double kSlow = 1e-6;
+/// From less than this (sigma/s) no law is begun: steps would be finer than rounding there.
+constexpr double kMoves = 1e-7;
 /// After a law that was not found.
 constexpr double kRetry = 0.010;
 /// A law from rest is not made again sooner for another feed (s): one that swings (adaptive feed) would have it made in each cycle, and it would never be
@@ -124,7 +130,7 @@ bool LawMaker::locate(std::size_t running, double t, LawKey& key, Place& place) 
     place.span = step.span;
     place.left = step.left + (step.length - state.s);
     place.start = {state.speed * state.speed, state.acc};
-    return state.speed > 0 && place.left > 0;
+    return state.speed > kMoves && place.left > 0;
   }
   return false;
 }
@@ -235,8 +241,11 @@ bool LawMaker::solved(path::TimeLaw::Result result, const Place& place, Count& c
 
 /// A law from rest there.
 void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t running) noexcept {
-  if (span >= next_ || !stretch(span).by_law || !(wanted_x(stretch(span).speed, scale_) > 0))
-    return;
+  if (span >= next_ || !stretch(span).by_law) return;
+  const double wish = wanted_x(stretch(span).speed, scale_);
+  // A feed that swings is waited for.
+  const bool slow = stretch(span).speed.feed_cap < kSlow;
+  if (!(wish > 0) || (wish < kSlow && !slow)) return;
   std::size_t old = kNone;
   for (std::size_t i = 0; i < Laws::kSlots; ++i) {
     const LawKey& key = laws_.head[i].key;
@@ -262,8 +271,9 @@ void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t runni
   key.left = left;
   Window window;
   const bool filled = fill({span, left, {}}, span, For::soon, window);
-  // A single straight from rest to rest is driven in the least time by ramps; and what no law was found for is driven as well as boxes can.
-  if (!filled || (window.straight && window.final) ||
+  // A single straight from rest to rest is driven in the least time by ramps; so is what has hardly any speed; and what no law was found for is
+  // driven as well as boxes can.
+  if (!filled || (window.straight && window.final) || slow ||
       !solved(solver_.solve({}), {span, left, {}}, counts_.rests))
     key.kind = LawKey::Kind::boxes;
   // Until here the servo could begin with the old one.
@@ -338,10 +348,13 @@ void LawMaker::make_child(std::size_t running, double now, bool changed) noexcep
   key.kind = LawKey::Kind::go;
   const bool stops = laws_.head[running].key.kind == LawKey::Kind::stop;
   Window window;
-  if (!fill(place, stops ? place.span : info_[running].last_span,
-            changed || stops ? For::soon : For::path, window) ||
-      !solved(solver_.solve(place.start), place, counts_.children))
-    return;
+  const bool found = fill(place, stops ? place.span : info_[running].last_span,
+                          changed || stops ? For::soon : For::path, window) &&
+                     solved(solver_.solve(place.start), place, counts_.children);
+  if (!found) {
+    const double wish = wanted_x(stretch(place.span).speed, scale_);
+    if (wish >= kFarBelow * place.start.x || !brake(running, key, place, false, window)) return;
+  }
   publish(slot, key, window).begins = begins;
   lead_ *= kLessLead;
 }
@@ -375,6 +388,19 @@ void LawMaker::make_stop(std::size_t running, double now, double before) noexcep
   info.next_stop = found == StopFound::no ? begins + kStopAgain : at + kStopEvery;
 }
 
+/// From a place of the running law to rest, by the solver or by braking.
+bool LawMaker::brake(std::size_t running, const LawKey& key, const Place& place, bool search,
+                     Window& window) noexcept {
+  const Law& law = laws_.law[running];
+  const path::LawStep& step = law.step[key.index];
+  const path::LawAlong along{&step, law.count - key.index, path::at(step, key.seconds).s};
+  const bool filled = fill(place, place.span, For::stop, window);
+  const auto result = !filled  ? path::TimeLaw::Result::failed
+                      : search ? solver_.search_stop(place.start)
+                               : solver_.brake_stop(place.start, along);
+  return solved(result, place, counts_.stops);
+}
+
 /// By the solver, or by braking.
 LawMaker::StopFound LawMaker::make_stop_at(std::size_t running, std::size_t slot, double begins,
                                            bool search) noexcept {
@@ -385,14 +411,7 @@ LawMaker::StopFound LawMaker::make_stop_at(std::size_t running, std::size_t slot
   if (info_[running].total - begins < kSoonAtRest * even_stop(place)) return StopFound::not_needed;
   key.kind = LawKey::Kind::stop;
   Window window;
-  const Law& law = laws_.law[running];
-  const path::LawStep& step = law.step[key.index];
-  const path::LawAlong along{&step, law.count - key.index, path::at(step, key.seconds).s};
-  const bool filled = fill(place, place.span, For::stop, window);
-  const auto result = !filled  ? path::TimeLaw::Result::failed
-                      : search ? solver_.search_stop(place.start)
-                               : solver_.brake_stop(place.start, along);
-  if (!solved(result, place, counts_.stops)) return StopFound::no;
+  if (!brake(running, key, place, search, window)) return StopFound::no;
   publish(slot, key, window).begins = begins;
   return StopFound::yes;
 }

@@ -78,6 +78,11 @@ class LawMaker {
     path::TimeLaw::Start start;
   };
 
+  struct Window {
+    bool final{true}, wants{false};  ///< see Info
+    bool straight{true};             ///< all of it is one straight
+  };
+
   void reclaim(const ServoView& view) noexcept;
   [[nodiscard]] std::size_t free_slot() const noexcept;
   [[nodiscard]] std::size_t find(std::uint64_t number) const noexcept;
@@ -89,6 +94,8 @@ class LawMaker {
   void make_child(std::size_t running, double now, bool changed) noexcept;
   [[nodiscard]] double even_stop(const Place& place) const noexcept;
   void make_stop(std::size_t running, double now, double before) noexcept;
+  [[nodiscard]] bool brake(std::size_t running, const LawKey& key, const Place& place, bool search,
+                           Window& window) noexcept;
   enum class StopFound { no, yes, not_needed };
   [[nodiscard]] StopFound make_stop_at(std::size_t running, std::size_t slot, double begins,
                                        bool search) noexcept;
@@ -96,10 +103,6 @@ class LawMaker {
                             Place& place) const noexcept;
   /// Where the law is `place.seconds` into interval `place.index`, from its start.
   [[nodiscard]] static double elapsed(const Law& law, const LawPlace& at) noexcept;
-  struct Window {
-    bool final{true}, wants{false};  ///< see Info
-    bool straight{true};             ///< all of it is one straight
-  };
   /// More path; soon, as the servo stands or drives otherwise than is wanted; only as much as it takes to stop.
   enum class For { path, soon, stop };
   [[nodiscard]] bool fill(const Place& place, std::uint64_t at_least, For what,
