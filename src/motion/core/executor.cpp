@@ -18,7 +18,7 @@ constexpr std::size_t kBoundsPerCycle = 8;
 constexpr double kNoStretch = 1e-10;
 /// An x below this is a standstill that rounding has missed (1e-7 mm/s).
 constexpr double kNoSpeed = 1e-14;
-/// A stretch that takes longer than so many seconds, at a mean speed below half of this share of what is wanted.
+/// A stretch lingers that takes longer than so many seconds, and is slow when its speeds at both ends together are below this share of what is wanted.
 constexpr double kLingers = 0.05, kSlow = 0.5;
 constexpr double kRestSpeed = 1e-6;  ///< sigma/s
 constexpr int kStopRounds = 4;
@@ -476,7 +476,8 @@ double Executor::half_way_x(const PathSpan& move, double end_x, double x_wanted)
   rows_of(move, end - left_, end - half_way_, limits_, rows);
   const path::Range range = path::range_of_x1(rows.all(), x, x > 0);
   const double high = range.high * (1.0 - 1e-6);
-  return std::clamp(std::min({most, x_wanted, move.speed.cap}), std::min(range.low, high), high);
+  return std::max(
+      0.0, std::clamp(std::min({most, x_wanted, move.speed.cap}), std::min(range.low, high), high));
 }
 
 /// x is linear to the end of the stretch; what it is there is decided anew every cycle, by the rows of what is left.
@@ -516,7 +517,7 @@ double Executor::run_curved(const PathSpan& move, const Ends& ends, double x_wan
         pace < kSlow * std::sqrt(std::min(x_wanted, move.speed.cap))) {
       half_way_ = left_ / 2;
       stretch = left_ - half_way_;
-      x1 = std::max(half_way_x(move, low_end, x_wanted), 0.0);
+      x1 = half_way_x(move, low_end, x_wanted);
     }
   } else {
     x1 = x;
