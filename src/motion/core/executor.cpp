@@ -378,7 +378,7 @@ double Executor::wanted(const PathSpan& move, const PathInputs& in,
                         const FeedScale& scale) noexcept {
   requested_ = move.requested;
   double x = wanted_x(move.speed, scale);
-  if (!(x > 0)) {
+  if (!(x > 0) || (move.by_law && at_rest() && awaits_feed(move.speed, x))) {
     x = 0;
     const bool turns = move.speed.per_rev < 0 || scale_.rps[move.speed.per_rev] > 0;
     if (turns)

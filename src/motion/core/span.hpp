@@ -1,6 +1,7 @@
 // Span: what the planner hands to the servo cycle, in path order; and what the servo tells the planner.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <variant>
 
@@ -197,6 +198,12 @@ struct FeedScale {
 
 /// The x that is wanted at a scale; 0 stands.
 [[nodiscard]] double wanted_x(const SpeedBounds& speed, const FeedScale& scale) noexcept;
+/// Of x, 1e-3 mm/s. Laws from rest to less lose seconds at their start: what they gain there is nothing beside all that they last.
+inline constexpr double kLeastFromRest = 1e-6;
+/// With jerk limits a feed that overrides hold below that is waited for at rest.
+[[nodiscard]] inline bool awaits_feed(const SpeedBounds& speed, double x) noexcept {
+  return x < kLeastFromRest && std::min(speed.cap, speed.feed_cap) >= kLeastFromRest;
+}
 
 /// Servo -> planner, once a cycle.
 struct ServoView {

@@ -28,8 +28,6 @@ constexpr double kSoonAtRest = 1.1;
 constexpr double kSamePlace = 1e-9, kSameSpeed = 1e-9;
 /// Where a feed falls to less than this (of x) and no law leads there, it is driven from rest.
 constexpr double kFarBelow = 1e-4;
-/// From rest laws to less than this (of x: 1e-3 mm/s) lose seconds at their start: what they gain there is nothing beside all that they last.
-constexpr double kSlow = 1e-6;
 /// From less than this (sigma/s) no law is begun: steps would be finer than rounding there.
 constexpr double kMoves = 1e-7;
 /// After a law that was not found.
@@ -243,9 +241,8 @@ bool LawMaker::solved(path::TimeLaw::Result result, const Place& place, Count& c
 void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t running) noexcept {
   if (span >= next_ || !stretch(span).by_law) return;
   const double wish = wanted_x(stretch(span).speed, scale_);
-  // A feed that swings is waited for.
-  const bool slow = stretch(span).speed.feed_cap < kSlow;
-  if (!(wish > 0) || (wish < kSlow && !slow)) return;
+  if (!(wish > 0) || awaits_feed(stretch(span).speed, wish)) return;
+  const bool slow = wish < kLeastFromRest;
   std::size_t old = kNone;
   for (std::size_t i = 0; i < Laws::kSlots; ++i) {
     const LawKey& key = laws_.head[i].key;
