@@ -76,8 +76,10 @@ TEST_F(Jerk, AShortExactStopTakesTheFourPhases) {
   constexpr double kWay = 0.5;
   constexpr int kMoves = 20;
   rig.push(PathControl{.mode = PathControl::Mode::exact_stop});
-  for (int i = 0; i < kMoves; ++i)
-    rig.line({.x = kWay * ((i + 2) / 2), .y = kWay * ((i + 1) / 2)}, kSpeed);
+  for (int i = 0; i < kMoves; ++i) {
+    const int along = (i + 2) / 2, across = (i + 1) / 2;
+    rig.line({.x = kWay * along, .y = kWay * across}, kSpeed);
+  }
   const double least = kMoves * 4 * std::cbrt(kWay / (2 * kJerk));
   const double seconds = finish() * Rig::kPeriod;
   EXPECT_LE(seconds, 1.03 * least);
