@@ -248,7 +248,7 @@ TEST(Spline, has_arcs_only_where_it_has_no_direction) {
   // At its ends, where control points coincide, it only begins slowly by its parameter.
   const SplinePoint doubled[] = {{0, 0}, {0, 0}, {10, 5}, {20, -5}, {30, 0}, {30, 0}};
   EXPECT_FALSE(all_cubics(NurbsCurve(doubled, 4)).empty());
-  // Four points that coincide: the curve stands at a knot, with one direction before it and another one behind.
+  // Three points that coincide: the curve stands at a knot, with one direction before it and another one behind.
   const SplinePoint corner[] = {{0, 0},   {10, 8},  {20, 3},  {30, 10}, {30, 10},
                                 {30, 10}, {40, -5}, {50, -8}, {60, 0}};
   const NurbsCurve curve(corner, 4);
