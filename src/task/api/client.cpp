@@ -60,6 +60,7 @@ rtapi::Status Client::poll() {
     auto packet = rtapi::receive_packet(fd_);
     if (!packet.ok()) {
       end_connection("milltask has ended");
+      if (packet.error().code == Errc::dead) return fail(Errc::dead, "milltask has ended");
       return rtapi::Failure{packet.error()};
     }
     if (!packet->has_value()) return {};
