@@ -177,7 +177,7 @@ bool LawRows::push_node(double at) noexcept {
   return room_;
 }
 
-void LawRows::divide(std::size_t k) noexcept {
+void LawRows::divide(std::size_t k, double gone) noexcept {
   const LawStretch& s = stretches_[k];
   // Backwards from the end, so that a later window gets the same nodes; then forwards up to where the backward steps have come.
   const double g = growth_of(s.fineness);
@@ -205,8 +205,8 @@ void LawRows::divide(std::size_t k) noexcept {
   const auto next = [&](double node) {
     // The last one ends in even jerk, of which a part is nothing that the grid expresses.
     const bool stops = k + 1 == used_ && node == s.to;
-    while (k == 0 && !stops && room_) {
-      const double most = fine_ + kFineGrowth * (at - s.from),
+    while (!stops && room_) {
+      const double most = fine_ + kFineGrowth * (gone + at - s.from),
                    parts = std::ceil((node - at) / most - 1e-9);
       if (parts <= 1) break;
       const double to = at + (parts <= kEvenParts ? (node - at) / parts : most);
@@ -259,9 +259,9 @@ void LawRows::choose_steps(double x0, double u0) noexcept {
     while (h > std::max(slow, kFinest)) h /= kCoarser;
     return h;
   };
-  if (x0 <= 0)
-    head.first = at_rest(head, head.from);
-  else {
+  if (x0 <= 0) {
+    fine_ = head.first = at_rest(head, head.from);
+  } else {
     // Where it is slow for what jerk can do, the way on which jerk makes that speed: beyond it x grows by a power 4/3 of the way.
     straight_limits(head, head.from, limits_, acc, jerk);
     const double change = kFirstChange * x0 / std::max(2 * std::abs(u0), 1e-99);
@@ -287,7 +287,11 @@ bool LawRows::make(double x0, double u0, std::size_t least) noexcept {
   choose_steps(x0, u0);
   for (;;) {
     intervals_.clear();
-    for (std::size_t k = 0; k < used_; ++k) divide(k);
+    double gone = 0;
+    for (std::size_t k = 0; k < used_; ++k) {
+      divide(k, gone);
+      gone += stretches_[k].to - stretches_[k].from;
+    }
     if (!room_) return false;
     if (intervals_.size() >= least) break;
     for (LawStretch& s : stretches_) s.step /= 2, s.first /= 2, s.last /= 2;

@@ -129,7 +129,7 @@ class LawRows {
 
  private:
   void choose_steps(double x0, double u0) noexcept;
-  void divide(std::size_t k) noexcept;
+  void divide(std::size_t k, double gone) noexcept;
   bool push_node(double at) noexcept;
   void push(std::size_t k, double from, double to) noexcept;
   [[nodiscard]] bool make_rows(std::size_t i) noexcept;
@@ -146,7 +146,7 @@ class LawRows {
   std::size_t used_{0};  ///< stretches of the window
   double way_{kNoLimit}, widest_{kNoLimit};
   double at_{0};           ///< where the next step begins on the last of them
-  double fine_{kNoLimit};  ///< widest step at the start of the first stretch
+  double fine_{kNoLimit};  ///< widest step at the start
   bool room_{true};
 };
 

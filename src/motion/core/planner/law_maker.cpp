@@ -14,9 +14,9 @@ constexpr double kStopLead = 0.006, kStopEvery = 0.018;
 /// After one that was not found; and how much before, so often at most, it is looked for another.
 constexpr double kStopAgain = 0.003, kStopBefore = 0.003;
 constexpr int kStopsBefore = 2;
-/// Time and intervals of a window that may go on beyond what it has to reach; the time when it is wanted soon; intervals at most.
+/// Time and intervals of a window that may go on beyond what it has to reach; the time when it is wanted soon; intervals when it is only to begin, and at most.
 constexpr double kWindowTime = 0.6, kSoonTime = 0.3;
-constexpr std::size_t kWindow = 400;
+constexpr std::size_t kWindow = 400, kStart = 48;
 constexpr std::size_t kMost = Law::kSteps * 3 / 4;
 /// A law is made longer when that share of it is driven, or so many stopping times are left of it.
 constexpr double kShare = 0.75, kStopTimes = 1.5;
@@ -26,8 +26,9 @@ constexpr double kRestAhead = 0.25;
 constexpr double kSoonAtRest = 1.1;
 /// Of place (sigma), and of speed and acceleration as a share.
 constexpr double kSamePlace = 1e-9, kSameSpeed = 1e-9;
-/// Where a feed falls to less than this (of x) and no law leads there, it is driven from rest.
-constexpr double kFarBelow = 1e-4;
+/// A feed that falls to less than this (of x) is driven from rest: a law that leads to hardly any speed within an interval takes many times as long as a
+/// stop. And from where on a feed that rises again is taken up without standing.
+constexpr double kFarBelow = 2e-3, kGoesOn = 0.5;
 /// From less than this (sigma/s) no law is begun: steps would be finer than rounding there.
 constexpr double kMoves = 1e-7;
 /// After a law that was not found.
@@ -137,7 +138,8 @@ bool LawMaker::locate(std::size_t running, double t, LawKey& key, Place& place) 
 /// `at_least`.
 bool LawMaker::fill(const Place& place, std::uint64_t at_least, For what, Window& out) noexcept {
   const bool stops = what == For::stop;
-  const double enough = what == For::soon ? kSoonTime : kWindowTime;
+  const double enough = what == For::path ? kWindowTime : what == For::soon ? kSoonTime : 0.0;
+  const std::size_t most = what == For::start ? kStart : kWindow;
   solver_.begin(limits_);
   out = Window{};
   double left = place.left, way = 0, time = 0, acc = path::kNoLimit, jerk = path::kNoLimit;
@@ -180,7 +182,7 @@ bool LawMaker::fill(const Place& place, std::uint64_t at_least, For what, Window
         break;
       }
     } else if (n >= at_least &&
-               ((solver_.intervals() > kWindow && time > enough) || solver_.intervals() > kMost)) {
+               ((solver_.intervals() > most && time > enough) || solver_.intervals() > kMost)) {
       out.final = false;
       break;
     }
@@ -267,11 +269,14 @@ void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t runni
   key.span = span;
   key.left = left;
   Window window;
-  const bool filled = fill({span, left, {}}, span, For::soon, window);
-  // A single straight from rest to rest is driven in the least time by ramps; so is what has hardly any speed; and what no law was found for is
-  // driven as well as boxes can.
-  if (!filled || (window.straight && window.final) || slow ||
-      !solved(solver_.solve({}), {span, left, {}}, counts_.rests))
+  const Place place{span, left, {}};
+  const auto found = [&](For what) {
+    return fill(place, span, what, window) && solved(solver_.solve({}), place, counts_.rests);
+  };
+  // A single straight from rest to rest is driven in the least time by ramps; so is what has hardly any speed. What no law is found for, of few
+  // intervals either, is driven as well as boxes can.
+  if (!fill(place, span, For::soon, window) || (window.straight && window.final) || slow ||
+      !(found(For::soon) || found(For::start)))
     key.kind = LawKey::Kind::boxes;
   // Until here the servo could begin with the old one.
   if (old != kNone) take_back(old);
@@ -344,15 +349,19 @@ void LawMaker::make_child(std::size_t running, double now, bool changed) noexcep
   if (slot == kNone || !locate(running, begins, key, place)) return;
   key.kind = LawKey::Kind::go;
   const bool stops = laws_.head[running].key.kind == LawKey::Kind::stop;
+  const Info& from = info_[running];
+  const double wish = wanted_x(stretch(place.span).speed, scale_);
+  if (from.rests && from.single_step == single_step_ && wish < kGoesOn * place.start.x) return;
   Window window;
-  const bool found = fill(place, stops ? place.span : info_[running].last_span,
-                          changed || stops ? For::soon : For::path, window) &&
-                     solved(solver_.solve(place.start), place, counts_.children);
-  if (!found) {
-    const double wish = wanted_x(stretch(place.span).speed, scale_);
-    if (wish >= kFarBelow * place.start.x || !brake(running, key, place, false, window)) return;
-  }
-  publish(slot, key, window).begins = begins;
+  const bool rests = wish < kFarBelow * place.start.x && brake(running, key, place, false, window);
+  if (!rests && !(fill(place, stops ? place.span : from.last_span,
+                       changed || stops ? For::soon : For::path, window) &&
+                  solved(solver_.solve(place.start), place, counts_.children)))
+    return;
+  if (rests) window.final = true;
+  Info& info = publish(slot, key, window);
+  info.begins = begins;
+  info.rests = rests;
   lead_ *= kLessLead;
 }
 

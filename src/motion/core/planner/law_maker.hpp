@@ -59,6 +59,7 @@ class LawMaker {
     State state{State::free};
     bool final{false};  ///< it ends where the path has to stop
     bool wants{false};  ///< it ends for want of path
+    bool rests{false};  ///< it brakes as hardly any feed is wanted
     bool single_step{false};
     std::uint64_t number{0};
     std::uint64_t known{0};  ///< spans that there were
@@ -103,8 +104,8 @@ class LawMaker {
                             Place& place) const noexcept;
   /// Where the law is `place.seconds` into interval `place.index`, from its start.
   [[nodiscard]] static double elapsed(const Law& law, const LawPlace& at) noexcept;
-  /// More path; soon, as the servo stands or drives otherwise than is wanted; only as much as it takes to stop.
-  enum class For { path, soon, stop };
+  /// More path; soon, as the servo stands or drives otherwise than is wanted; as little as it takes to begin, or to stop.
+  enum class For { path, soon, start, stop };
   [[nodiscard]] bool fill(const Place& place, std::uint64_t at_least, For what,
                           Window& out) noexcept;
   Info& publish(std::size_t slot, const LawKey& key, const Window& window) noexcept;
