@@ -115,6 +115,68 @@ TEST(Probe, WhatIsSoAlreadyIsAnErrorOrAResultWithoutAMove) {
   EXPECT_NEAR(m->joint(1), 2, 1e-9);
 }
 
+/// Where joints bend along it a probe move is driven in several stretches. It is one move all the same: what it goes for is asked for at its start, an
+/// error of its end comes at its end, and behind the contact nothing of it is left.
+TEST(Probe, AMoveInSeveralStretchesIsOne) {
+  for (const char* jerk : {"", "MAX_LINEAR_JERK = 20000\n"}) {
+    MachineOptions o;
+    o.ini = std::string(KERF_SOURCE_DIR) + "/configs/sim/xyzac-trt/xyzac-trt.ini";
+    o.replace = {{"[TRAJ]\n", std::string("[TRAJ]\n") + jerk}};
+    o.hal = {"loadrt comp names=touch",
+             "addf touch servo-thread",
+             "setp touch.in0 1000",
+             "setp touch.hyst 0.0001",
+             "net turned joint.4.pos-cmd touch.in1",
+             "net touched touch.out motion.probe-input"};
+    auto m = Machine::start(o);
+    ASSERT_TRUE(m->ready()) << m->errors();
+    ASSERT_TRUE(m->power_on_and_home()) << m->errors();
+    const auto start = [&](double contact) {
+      ASSERT_TRUE(m->hal("setp touch.in0 1000"));
+      ASSERT_TRUE(m->mdi("G21 G90 G94 G64 P0.05 G0 X30 Y5 Z-40 A-20 C0")) << m->errors();
+      ASSERT_TRUE(m->hal("setp touch.in0 " + std::to_string(contact)));
+      for (int i = 0; i < 3; ++i) m->cycle();
+    };
+    const auto ends_at = [&](double c, double success) {
+      EXPECT_NEAR(m->motion().pos_cmd.c, c, 1e-9);
+      // The parameters, by where they send the machine.
+      ASSERT_TRUE(m->mdi("G0 X[10 + #5070]")) << m->errors();
+      EXPECT_NEAR(m->motion().pos_cmd.x, 10 + success, 1e-9);
+    };
+    // Nothing is met: with G38.3 a result, with G38.2 an error, both at the end.
+    start(1000);
+    ASSERT_TRUE(m->mdi("F1200 G38.3 C40")) << m->errors();
+    ends_at(40, 0);
+    start(1000);
+    EXPECT_FALSE(m->mdi("F1200 G38.2 C40"));
+    EXPECT_NEAR(m->motion().pos_cmd.c, 40, 1e-9);
+    EXPECT_NE(m->errors().find("ended without contact"), std::string::npos) << m->errors();
+    // Met anywhere, at the ends of stretches (of a degree, or so) too. Programs go on from there.
+    for (const double contact : {0.3, 3.0, 4.9, 5.0, 5.01, 11.0, 19.99, 25.0, 34.0, 39.0, 39.7}) {
+      start(contact);
+      const auto reply = m->run_text("F1200\nG1 X31 C0\nG38.3 C40\n#1=#5066\nG1 C[#1]\nM2\n");
+      ASSERT_EQ(reply.state, task::CommandState::done) << reply.text << m->errors() << contact;
+      EXPECT_NEAR(m->motion().pos_cmd.c, contact, 0.05) << contact;
+      ends_at(m->motion().pos_cmd.c, 1);
+    }
+    // There already.
+    start(-1);
+    ASSERT_TRUE(m->mdi("F1200 G38.3 C40")) << m->errors();
+    ends_at(0, 1);
+    // Stopped on the way, and begun again.
+    start(20);
+    const auto run = m->start_program(m->write_program("F600\nG38.2 C40\nM2\n"));
+    ASSERT_TRUE(m->run_until([&] { return m->motion().pos_cmd.c > 8; }));
+    ASSERT_TRUE(m->does({"abort"}));
+    EXPECT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }));
+    ASSERT_TRUE(m->does({"mode", "mdi"}));
+    ASSERT_TRUE(m->mdi("F600 G38.2 C40")) << m->errors();
+    EXPECT_GT(m->motion().pos_cmd.c, 20);
+    EXPECT_LT(m->motion().pos_cmd.c, 25);
+    EXPECT_EQ(m->motion().faults, 1U) << m->errors();  // that which met nothing
+  }
+}
+
 TEST(SmoothPath, CoolantBetweenLinesThatQJoinsKeepsItsPlace) {
   auto m = homed_machine();
   double flood_at = -1, off_at = -1;

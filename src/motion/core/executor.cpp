@@ -47,7 +47,7 @@ void Executor::place(const Pose& pose) noexcept {
   distance_ = 0;
   laws_.leave();
   law_lost_ = false;
-  started_ = ending_ = failing_ = arriving_ = false;
+  started_ = probing_ = ending_ = failing_ = arriving_ = false;
   kind_ = MotionKind::none;
   forget_track();
   sync_.end();
@@ -93,6 +93,7 @@ void Executor::drop_before(std::uint32_t epoch) noexcept {
     if (started_ || track_.on) place(pose_);
     forget_track();
   }
+  if (!started_) probing_ = ending_ = false;  // between two stretches of a probe move
   sync_.end();
   lock_again();
   (void)next();
@@ -117,7 +118,7 @@ void Executor::fail_path(const Span& span) noexcept { void_epoch(span.epoch); }
 void Executor::finish(const Span& span, std::uint64_t done_seq) noexcept {
   (void)span;
   if (done_seq > executed_seq_) executed_seq_ = done_seq;
-  started_ = ending_ = false;
+  started_ = false;
   half_way_ = left_ = 0;
   kind_ = MotionKind::none;
   if (sigma_speed_ == 0) {
@@ -298,6 +299,10 @@ bool Executor::stands_at(const Pose& place) const noexcept {
 Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, const PathInputs& in,
                                        FaultList& faults) noexcept {
   const bool rests = at_rest();
+  if (rests && ending_ && move.probe) {
+    end_probe(span, move);  // behind the contact
+    return Outcome::done;
+  }
   if (rests) {
     if (!in.may_move || waits_for_lock()) return Outcome::blocked;
     if (move.kind == MotionKind::index_rotary && !move.point &&
@@ -335,17 +340,20 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
   current_seq_ = span.seq;
   if (!in.stop) fire_synchronised();
   if (move.probe) {
-    probe_tripped_ = false;
-    probed_ = move.end + in.shift;  // the programmed point, until something is met
-    if (!move.point && in.probe != move.probe_until_open)
+    const bool goes_on = probing_;
+    probing_ = true;
+    if (!goes_on) probe_tripped_ = false;
+    if (!probe_tripped_)
+      probed_ = move.end + in.shift;  // the programmed point, until something is met
+    if (!goes_on && !move.point && in.probe != move.probe_until_open)
       return probe_is_there(span, move, in, faults);
   }
   if (move.point) {
     if (move.probe) {
       if (rests) pose_ = move.end;
-      ++place_number_;
-    }
-    finish(span, move.done_seq);
+      end_probe(span, move);
+    } else
+      finish(span, move.done_seq);
     return Outcome::done;
   }
   started_ = true;
@@ -422,10 +430,18 @@ Executor::Outcome Executor::probe_is_there(const Span& span, const PathSpan& mov
     return Outcome::done;
   }
   probed_ = in.pose_fb;
-  probe_tripped_ = true;
-  ++place_number_;
-  finish(span, move.done_seq);
+  probe_tripped_ = ending_ = true;
+  end_probe(span, move);
   return Outcome::done;
+}
+
+/// A probe move may be several stretches, where joints bend along it. It is over with the last of them.
+void Executor::end_probe(const Span& span, const PathSpan& move) noexcept {
+  const bool last = move.point || move.stop_at_end;
+  finish(span, move.done_seq);
+  if (!last) return;
+  probing_ = ending_ = false;
+  ++place_number_;
 }
 
 void Executor::watch_probe(const Span& span, const PathSpan& move, const PathInputs& in,
@@ -632,8 +648,7 @@ double Executor::run_move(const Span& span, const PathSpan& move, const PathInpu
   }
   if (at_rest() && ending_) {
     history_.clear();
-    finish(span, span.seq);
-    ++place_number_;
+    end_probe(span, move);
     return dt;
   }
   return used;
@@ -649,13 +664,14 @@ void Executor::end_span(const Span& span, const PathSpan& move, FaultList& fault
   else
     history_.add(span, move, ends_of(move).hard);
   ready_way_back(1);
-  const bool probe = move.probe, missed = probe && !ending_ && move.probe_fail_is_error;
+  const bool missed = move.probe && move.stop_at_end && !ending_ && move.probe_fail_is_error;
   if (missed) raise(faults, Fault::probe_no_contact, -1, 0, 0, span.tag);
   if ((failing_ && at_rest()) || missed)
     fail_path(span);
+  else if (move.probe)
+    end_probe(span, move);
   else
     finish(span, move.done_seq);
-  if (probe) ++place_number_;
 }
 
 void Executor::output(const OutputChange& change) noexcept {

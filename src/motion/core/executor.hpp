@@ -174,6 +174,7 @@ class Executor {
                                         const FeedScale& scale) noexcept;
   Outcome probe_is_there(const Span& span, const PathSpan& move, const PathInputs& in,
                          FaultList& faults) noexcept;
+  void end_probe(const Span& span, const PathSpan& move) noexcept;
   void watch_probe(const Span& span, const PathSpan& move, const PathInputs& in,
                    FaultList& faults) noexcept;
   /// Gives the time used.
@@ -288,6 +289,7 @@ class Executor {
   double half_way_{0};   ///< above 0: the stretch ends slowly; it speeds up until this much is left
   double speed_{0};      ///< in mm/s (deg/s)
   bool started_{false};  ///< the span at the ring's front is in execution
+  bool probing_{false};  ///< a probe move has begun
   bool ending_{false};   ///< it ends where it comes to rest: probe contact
   bool failing_{false};  ///< the same, and the path behind it is void
   bool probe_before_{false};
