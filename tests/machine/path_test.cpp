@@ -159,6 +159,24 @@ TEST(Probe, AMoveInSeveralStretchesIsOne) {
       EXPECT_NEAR(m->motion().pos_cmd.c, contact, 0.05) << contact;
       ends_at(m->motion().pos_cmd.c, 1);
     }
+    // In single steps, and held while it brakes.
+    start(20);
+    ASSERT_TRUE(m->does({"mode", "auto"}));
+    ASSERT_TRUE(m->does({"open", m->write_program("F600\nG38.3 C40\nG1 C10\nM2\n")}));
+    const auto is_at = [&](double c) {
+      for (int i = 0; i < 4000; ++i) m->cycle();
+      EXPECT_NEAR(m->motion().pos_cmd.c, c, 0.3);
+      EXPECT_EQ(m->motion().vel_mm_s, 0);
+    };
+    ASSERT_TRUE(m->does({"step"}));
+    ASSERT_TRUE(m->run_until([&] { return m->motion().probe_tripped; }));
+    ASSERT_TRUE(m->does({"pause"}));
+    is_at(20);
+    ASSERT_TRUE(m->does({"step"}));
+    is_at(10);
+    ASSERT_TRUE(m->does({"step"}));
+    is_at(10);
+    ASSERT_TRUE(m->does({"mode", "mdi"}));
     // There already.
     start(-1);
     ASSERT_TRUE(m->mdi("F1200 G38.3 C40")) << m->errors();
