@@ -147,6 +147,10 @@ void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept
       continue;
     }
     if (!started_) {
+      if (ending_ && at_rest()) {
+        if (!pass_over_probe()) break;
+        continue;
+      }
       // Held: nothing new begins at rest, but what is queued stays.
       if (in.stand && at_rest()) {
         if (!spans_.empty()) blocked(PathWait::hold);
@@ -299,10 +303,6 @@ bool Executor::stands_at(const Pose& place) const noexcept {
 Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, const PathInputs& in,
                                        FaultList& faults) noexcept {
   const bool rests = at_rest();
-  if (rests && ending_ && move.probe) {
-    end_probe(span, move);  // behind the contact
-    return Outcome::done;
-  }
   if (rests) {
     if (!in.may_move || waits_for_lock()) return Outcome::blocked;
     if (move.kind == MotionKind::index_rotary && !move.point &&
@@ -442,6 +442,18 @@ void Executor::end_probe(const Span& span, const PathSpan& move) noexcept {
   if (!last) return;
   probing_ = ending_ = false;
   ++place_number_;
+}
+
+/// Of a stretch behind the contact nothing is driven. False: it is not there yet.
+bool Executor::pass_over_probe() noexcept {
+  const Span* span = next();
+  if (span == nullptr) return false;
+  const auto* move = std::get_if<PathSpan>(&span->body);
+  if (move != nullptr && move->probe)
+    end_probe(*span, *move);
+  else
+    probing_ = ending_ = false;
+  return true;
 }
 
 void Executor::watch_probe(const Span& span, const PathSpan& move, const PathInputs& in,

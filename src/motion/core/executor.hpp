@@ -175,6 +175,7 @@ class Executor {
   Outcome probe_is_there(const Span& span, const PathSpan& move, const PathInputs& in,
                          FaultList& faults) noexcept;
   void end_probe(const Span& span, const PathSpan& move) noexcept;
+  bool pass_over_probe() noexcept;
   void watch_probe(const Span& span, const PathSpan& move, const PathInputs& in,
                    FaultList& faults) noexcept;
   /// Gives the time used.
