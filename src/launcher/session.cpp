@@ -31,8 +31,8 @@ namespace {
 /// Real time that a part may take to come up.
 constexpr int kStartPatienceMs = 20'000;
 constexpr int kDeathNoticeMs = 200;
-/// A process that was killed closes its connections before it has ended; on a busy computer seconds before. Nothing moves
-/// meanwhile: motion stops by itself when task is gone.
+/// A process that was killed closes its connections before it has ended; on a busy computer seconds before. Motion does
+/// not wait for this: it stops by itself when task has been silent for HEARTBEAT_TIMEOUT.
 constexpr int kBusyDeathNoticeMs = 20'000;
 
 /// Command, interpreter and io: the threads of milltask that run on the instance's clock.

@@ -17,7 +17,8 @@ constexpr double kRestShare = 0.1, kRestOfPiece = 1.0 / 40;
 constexpr double kRestOfWish = 0.5, kCoarser = 8;
 /// A node nearer than this share of a step to the end of a stretch is left out.
 constexpr double kTooNear = 0.3, kNearHead = 0.03;
-/// At the start from a moving state x may change by this share within the first step; steps are divided there, from fine to wide, so that an older law
+/// At the start from a moving state x may change by this share within the first step; steps are divided there (and from rest, where the first stretch is
+/// short), from fine to wide across the ends of stretches, so that an older law
 /// stays one that the new grid can express. None is finer than rounding (mm).
 constexpr double kFirstChange = 0.25, kFineGrowth = 0.5, kFinest = 1e-11;
 
@@ -177,6 +178,7 @@ bool LawRows::push_node(double at) noexcept {
   return room_;
 }
 
+/// `gone`: the way before it.
 void LawRows::divide(std::size_t k, double gone) noexcept {
   const LawStretch& s = stretches_[k];
   // Backwards from the end, so that a later window gets the same nodes; then forwards up to where the backward steps have come.

@@ -270,13 +270,11 @@ void LawMaker::prepare_rest(std::uint64_t span, double left, std::uint64_t runni
   key.left = left;
   Window window;
   const Place place{span, left, {}};
-  const auto found = [&](For what) {
-    return fill(place, span, what, window) && solved(solver_.solve({}), place, counts_.rests);
-  };
+  const auto solves = [&] { return solved(solver_.solve({}), place, counts_.rests); };
   // A single straight from rest to rest is driven in the least time by ramps; so is what has hardly any speed. What no law is found for, of few
   // intervals either, is driven as well as boxes can.
   if (!fill(place, span, For::soon, window) || (window.straight && window.final) || slow ||
-      !(found(For::soon) || found(For::start)))
+      !(solves() || (fill(place, span, For::start, window) && solves())))
     key.kind = LawKey::Kind::boxes;
   // Until here the servo could begin with the old one.
   if (old != kNone) take_back(old);
@@ -358,7 +356,7 @@ void LawMaker::make_child(std::size_t running, double now, bool changed) noexcep
                        changed || stops ? For::soon : For::path, window) &&
                   solved(solver_.solve(place.start), place, counts_.children)))
     return;
-  if (rests) window.final = true;
+  if (rests) window.final = true;  // what comes next begins from rest
   Info& info = publish(slot, key, window);
   info.begins = begins;
   info.rests = rests;
