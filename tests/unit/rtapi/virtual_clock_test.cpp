@@ -166,6 +166,17 @@ TEST(VirtualClock, PlacesOfOneThreadHaveTheirTurnsAmongThoseOfOthers) {
     command.every_ms(2).notifies(*f.cell).reads(ends[0]);
     io.watches(*f.cell);
     Participant* const both[] = {&command, &io};
+    // Between them in the order, and before them. Forked while there is no other thread, which might hold a lock of the allocator.
+    const auto ticks = [](char c) {
+      return [=](Segment&, WaitClock& k, Trace& t) {
+        for (int i = 0; i < 6; ++i) {
+          sleep_ms(k, 1);
+          t.add(c);
+        }
+      };
+    };
+    const pid_t middle = spawn(f.segment->instance(), Role::task_interpreter, "middle", ticks('i'));
+    const pid_t host = spawn(f.segment->instance(), Role::realtime_host, "host", ticks('h'));
     std::vector<std::unique_ptr<WaitClock>> clocks;
     std::unique_ptr<SharedThread> shared;
     std::vector<std::thread> threads;
@@ -180,17 +191,6 @@ TEST(VirtualClock, PlacesOfOneThreadHaveTheirTurnsAmongThoseOfOthers) {
           run_participant(*clocks[i], *both[i]);
         });
     }
-    // Between them in the order, and before them.
-    const auto ticks = [](char c) {
-      return [=](Segment&, WaitClock& k, Trace& t) {
-        for (int i = 0; i < 6; ++i) {
-          sleep_ms(k, 1);
-          t.add(c);
-        }
-      };
-    };
-    const pid_t middle = spawn(f.segment->instance(), Role::task_interpreter, "middle", ticks('i'));
-    const pid_t host = spawn(f.segment->instance(), Role::realtime_host, "host", ticks('h'));
     wait_joined(*f.segment, **clock, 5);
     sleep_ms(**clock, 4);
     EXPECT_STREQ(f.trace->text, "hihciohihcio") << shares;
