@@ -31,9 +31,9 @@ namespace {
 /// Real time that a part may take to come up.
 constexpr int kStartPatienceMs = 20'000;
 constexpr int kDeathNoticeMs = 200;
-/// A process that was killed closes its connections before it has ended; on a busy computer seconds before. Motion does
+/// A process that was killed closes its connections before it has ended; on a busy computer long before. Motion does
 /// not wait for this: it stops by itself when task has been silent for HEARTBEAT_TIMEOUT.
-constexpr int kBusyDeathNoticeMs = 20'000;
+constexpr int kBusyDeathNoticeMs = 3000;
 
 /// Command, interpreter and io: the threads of milltask that run on the instance's clock.
 constexpr int kTaskParticipants = 3;

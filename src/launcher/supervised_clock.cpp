@@ -160,8 +160,8 @@ void SupervisedClock::look() {
     task();
   }
   for (auto at = children_.begin(); at != children_.end();) {
-    look_at(*at);
-    at = at->child->running() ? std::next(at) : children_.erase(at);
+    // One look: an end between two would be left untold.
+    at = has_ended(*at) ? children_.erase(at) : std::next(at);
   }
   if (told_ && take(g_child_fd)) look_for_strays();
   if (take(signal_fd_)) stop();
@@ -197,19 +197,20 @@ void SupervisedClock::watch_strays(std::function<void(pid_t, const ExitState&)> 
   if (told_) look_for_strays();
 }
 
-void SupervisedClock::look_at(Watched& watched) {
+bool SupervisedClock::has_ended(Watched& watched) {
   const auto exit = watched.child->poll_exit();
-  if (!exit) return;
+  if (!exit) return false;
   rtapi::VirtualClock::evict(segment_, watched.child->pid());
-  if (stopped()) return;
+  if (stopped()) return true;
   const bool regular = !exit->by_signal && exit->number == 0;
   if (watched.ends_session && regular) {
     reason_ = {StopReason::Kind::display_closed, watched.child->name() + " was closed"};
-    return;
+    return true;
   }
   reason_ = {StopReason::Kind::part_died, watched.child->name() + " (process " +
                                               std::to_string(watched.child->pid()) + ") " +
                                               describe_exit(*exit)};
+  return true;
 }
 
 bool SupervisedClock::poll_until(const std::function<bool()>& done, int limit_ms, bool hold) {

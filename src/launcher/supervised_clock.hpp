@@ -78,7 +78,8 @@ class SupervisedClock final : public rtapi::WaitClock {
   void look();
   void look_for_strays();
   [[nodiscard]] bool watches(pid_t pid) const;
-  void look_at(Watched& watched);
+  /// True when it has, which may be the reason to stop.
+  bool has_ended(Watched& watched);
   bool poll_until(const std::function<bool()>& done, int limit_ms, bool hold);
 
   rtapi::Segment& segment_;
