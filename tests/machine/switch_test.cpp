@@ -227,5 +227,93 @@ TEST(Switching, AHexapodThatCannotBeWhereItsJointsStandStaysInJointMode) {
   EXPECT_NEAR(m->joint(0), 1, 1e-9);
 }
 
+/// The table mill with the length of the tool in its kinematics, as its integrator wires it.
+std::unique_ptr<Machine> table_mill_with_tools() {
+  auto m = table_mill();
+  EXPECT_TRUE(m->hal("net tool-length motion.tooloffset.z => xyzac-trt-kins.tool-offset"));
+  return m;
+}
+
+TEST(PinsOfKinematics, MoveNoJointWhereTheMachineStands) {
+  auto m = table_mill_with_tools();
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> length(-100, 100), angle(-120, 120);
+  const auto text = [](const char* format, auto... value) {
+    char line[140];
+    std::snprintf(line, sizeof line, format, value...);
+    return std::string(line);
+  };
+  double tip_moved = 0;
+  for (int n = 0; n < 200; ++n) {
+    ASSERT_TRUE(m->mdi(text("G90 G53 G0 X%.3f Y%.3f Z%.3f A%.3f C%.3f", length(random),
+                            length(random), length(random), angle(random), angle(random))))
+        << m->errors();
+    const motion::MotionStatus before = m->motion();
+    double moved = 0;
+    m->on_cycle([&](const motion::MotionStatus& s) {
+      for (int j = 0; j < 5; ++j)
+        moved = std::max(moved, std::fabs(s.joint[j].pos_cmd - before.joint[j].pos_cmd));
+    });
+    switch (n % 4) {
+      case 0: EXPECT_TRUE(m->mdi(text("G43.1 Z%.3f", length(random)))); break;
+      case 1: EXPECT_TRUE(m->mdi("G49")); break;
+      case 2: EXPECT_TRUE(m->hal(text("setp xyzac-trt-kins.y-offset %.3f", length(random)))); break;
+      default:
+        EXPECT_TRUE(m->hal(text("setp xyzac-trt-kins.z-offset %.3f", length(random))));
+        // Axes are jogged from where the tip is now.
+        EXPECT_TRUE(m->does({"mode", "manual"}) && m->does({"teleop", "on"}));
+    }
+    m->run_for(0.1);
+    EXPECT_LT(moved, 1e-9) << n;
+    tip_moved = std::max(tip_moved, std::fabs(m->motion().pos_cmd.y - before.pos_cmd.y));
+    // Nor does a line to where it is said to be.
+    EXPECT_TRUE(m->mdi(m->line_to_shown_place())) << m->errors();
+    for (std::size_t j = 0; j < 5; ++j)
+      EXPECT_NEAR(m->joint(j), before.joint[j].pos_cmd, 1e-6) << n << ", joint " << j;
+    m->on_cycle([](const motion::MotionStatus&) {});
+  }
+  EXPECT_EQ(m->motion().faults, 0U) << m->errors();
+  EXPECT_GT(tip_moved, 50.0);
+}
+
+/// Whatever the tools were before, a line ends where it does with the tool alone.
+TEST(PinsOfKinematics, APathGoesOnToItsPlacesWithATheOtherTool) {
+  const std::string to = "G0 X10 Y20 Z30 A-35 C40\nG1 X22 Y5 F3000\n";
+  const auto ends = [&](const std::string& text) {
+    auto m = table_mill_with_tools();
+    double worst = 0, last[5]{};
+    bool first = true;
+    m->on_cycle([&](const motion::MotionStatus& s) {
+      for (int j = 0; j < 5; ++j) {
+        if (!first) worst = std::max(worst, std::fabs(s.joint[j].pos_cmd - last[j]));
+        last[j] = s.joint[j].pos_cmd;
+      }
+      first = false;
+    });
+    const auto reply = m->run_text("G21 G90 G64 P0.1\n" + text + "M2\n");
+    EXPECT_EQ(reply.state, task::CommandState::done) << text << reply.text << m->errors();
+    EXPECT_EQ(m->motion().faults, 0U) << text << m->errors();
+    EXPECT_LT(worst, 0.51) << text;
+    std::vector<double> at;
+    for (std::size_t j = 0; j < 5; ++j) at.push_back(m->joint(j));
+    return at;
+  };
+  const std::vector<double> wanted = ends("G43 H3\n" + to);
+  for (const std::string& before :
+       {"G43.1 Z20\n" + to + "G43 H3\n" + to, "G43.1 Z20\n" + to + "G1 X30\nG43 H3 G1 X10\n" + to,
+        to + "G43 H3 G0 Z40\nG0 Y3\n" + to,
+        "G43.1 Z-10\n" + to + "G49\nG91 G1 Y3\nG1 X3\nG90\nG43 H3\nG1 X0\n" + to}) {
+    const std::vector<double> at = ends(before);
+    for (std::size_t j = 0; j < 5; ++j) EXPECT_NEAR(at[j], wanted[j], 1e-6) << before << j;
+  }
+  // A line that names one axis moves the tip along it alone.
+  auto m = table_mill_with_tools();
+  const auto reply = m->run_text("G21 G90 G43.1 Z20\n" + to +
+                                 "G43 H3\nM68 E1 Q[#5420]\nM68 E2 Q[#5421]\nG91 G0 X5\nM2\n");
+  EXPECT_EQ(reply.state, task::CommandState::done) << reply.text;
+  EXPECT_NEAR(m->motion().pos_cmd.x, m->motion().analog_out[1] + 5, 1e-6);
+  EXPECT_NEAR(m->motion().pos_cmd.y, m->motion().analog_out[2], 1e-6);
+}
+
 }  // namespace
 }  // namespace kerf::harness

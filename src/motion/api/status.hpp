@@ -138,7 +138,8 @@ struct MotionStatus {
   bool reverse{false};      ///< a negative adaptive feed runs the path backwards
   bool retraces{false};     ///< it does, or runs forwards over what it has been driven back over
   bool sync_in_step{false};  ///< G33, G33.1, G76: the path is where the spindle wants it
-  /// motion.switchkins-type asks for other kinematics than those in force, and they come as soon as the machine stands.
+  /// Other kinematics than those in force come as soon as the machine stands: motion.switchkins-type asks for them, or pins of
+  /// theirs have changed, or may yet change with a new tool_offset.
   bool kinematics_pending{false};
   Pose pos_cmd,
       pos_fb;  ///< machine coordinates, mm and degrees; the first without external offsets

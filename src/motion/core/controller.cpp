@@ -146,6 +146,7 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
     record.number = ++fault_number_;
     record.time_ns = now_ns;
   }
+  watch_tool_offset();
   fill_status(in, orders, dt, now_ns);
   note_changes();
 }

@@ -43,6 +43,11 @@ class Controller {
   /// Puts another kind of the kinematics in force while may_switch() and the planner stands still. The joints stay where they
   /// are; the position becomes what they mean now. False: refused, which the next step() says, and all is as before.
   bool switch_kinematics(Kinematics& kinematics, std::int32_t kind) noexcept;
+  /// Pins of the kinematics (the length of a tool, a pivot) have changed while the machine stands: its joints mean another position
+  /// now. They are held where they are until take_up_kinematics().
+  [[nodiscard]] bool kinematics_moved() const noexcept { return kinematics_moved_; }
+  /// As switch_kinematics(), of what has changed by itself. Without a position there the next step() switches the machine off.
+  void take_up_kinematics() noexcept { unplaced_ = !settle(); }
 
   void step(const Inputs& in, const Orders& orders, double dt, std::int64_t now_ns) noexcept;
 
@@ -140,7 +145,8 @@ class Controller {
   void watch_jog_stop(const Inputs& in) noexcept;
   void watch_probe(const Inputs& in) noexcept;
   void move(const Inputs& in, const Orders& orders, double dt) noexcept;
-  void move_joints() noexcept;
+  void move_joints(bool still) noexcept;
+  void watch_tool_offset() noexcept;
   void step_axes(double dt) noexcept;
   void step_mixing_axes(double dt) noexcept;
   void pace_offsets() noexcept;
@@ -185,6 +191,10 @@ class Controller {
   LostCycles lost_[kMaxJoints];
   bool plain_kinematics_{true};  ///< each joint moves an axis alone
   bool locks_{false};            ///< some axis has a joint that locks it
+  bool kinematics_moved_{false}, unplaced_{false};
+  int offset_told_{
+      0};  ///< cycles within which pins of the kinematics may follow a new offset of the tool
+  Pose offset_before_;         ///< of the tool, in the last cycle
   double skew_[kMaxJoints]{};  ///< of a joint from its place by the inverse kinematics; set at rest
   JogPace::Movers axis_;
   JogPace jog_pace_;

@@ -10,6 +10,8 @@ namespace {
 /// A continuous jog without limits goes this far at most (mm, degrees).
 constexpr double kEndlessJog = 1e6;
 constexpr double kAtLimit = 1e-9;
+constexpr double kOtherPlace =
+    1e-6;  ///< mm, degrees; rounding, and searches of kinematics, are below
 constexpr double kLeastAcc = 1e-6;  ///< movers divide by it
 /// The way on which jogs would stop is looked at in so many places.
 constexpr std::size_t kPartsOfStop = 8;
@@ -400,6 +402,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
     for (std::size_t j = 0; j < joints_; ++j)
       if (!is_posthome(j)) joint_[j].pos_cmd = feedback[j];
     pose_ = pose_fb_ - offsets_.pose();
+    kinematics_moved_ = unplaced_ = false;
     guard_.follow(joints_, joint_);
     return;
   }
@@ -434,6 +437,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   for (std::size_t j = 0; j < joints_; ++j) path.unlocked |= joint_[j].is_unlocked ? 1U << j : 0U;
   executor_.step(path, dt, faults_);
   if (mode_ == MotionMode::free) {
+    kinematics_moved_ = unplaced_ = false;
     JointVector q{};
     for (std::size_t j = 0; j < joints_; ++j) {
       if (!is_posthome(j)) joint_[j].mover.step(dt);
@@ -448,11 +452,13 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
     }
     if (!plain_kinematics_) pace_offsets();
     const PathSpan* under_way = away_ ? nullptr : executor_.move();
+    const Pose offset_before = offsets_.pose();
     offsets_.step(pose_, under_way != nullptr ? under_way->end + shift_ : pose_, dt);
+    const bool still = pose_ == pose_before_ && offsets_.pose() == offset_before;
     if (!away_ && shift_leads_out())
       disable();
     else
-      move_joints();
+      move_joints(still);
   }
   follow_posthome(in, dt);
   // Pins that lead have no jerk limit.
@@ -610,13 +616,34 @@ void Controller::pace_offsets() noexcept {
   offsets_.set_pace(OffsetPace::at(pose_ + offsets_.pose(), used, machine));
 }
 
-void Controller::move_joints() noexcept {
+/// The kinematics may know the length of the tool, by a net from motion.tooloffset.z: they have it in the next cycle.
+void Controller::watch_tool_offset() noexcept {
+  constexpr int kCycles = 3;
+  const Pose& offset = executor_.tool_offset();
+  if (offset != offset_before_)
+    offset_told_ = plain_kinematics_ ? 0 : kCycles;
+  else
+    offset_told_ = std::max(offset_told_ - 1, 0);
+  offset_before_ = offset;
+}
+
+/// `still`: neither the path nor an offset has moved in this cycle.
+void Controller::move_joints(bool still) noexcept {
   JointVector q{};
   for (std::size_t j = 0; j < joints_; ++j) q[j] = joint_[j].pos_cmd - skew_[j];
-  if (!kinematics_.inverse(pose_ + offsets_.pose(), q)) {
+  kinematics_moved_ = false;
+  if (unplaced_ || !kinematics_.inverse(pose_ + offsets_.pose(), q)) {
+    unplaced_ = false;
     raise(faults_, Fault::no_inverse, -1, 0, 0, status_.current);
     disable();
     return;
+  }
+  // Other equations must not throw the machine to where the old position is by them.
+  if (still && !plain_kinematics_ && may_switch()) {
+    for (std::size_t j = 0; j < joints_; ++j)
+      kinematics_moved_ =
+          kinematics_moved_ || std::abs(q[j] + skew_[j] - joint_[j].pos_cmd) > kOtherPlace;
+    if (kinematics_moved_) return;
   }
   for (std::size_t j = 0; j < joints_; ++j) joint_[j].pos_cmd = q[j] + skew_[j];
 }

@@ -105,6 +105,7 @@ void Controller::restore(const Rest& r) noexcept {
             std::begin(spindle_stop_seen_));
   home_seen_ = r.home_seen, unhome_seen_ = r.unhome_seen, wishes_seen_ = r.wishes_seen;
   seen_ = r.seen;
+  offset_before_ = executor_.tool_offset();
 }
 
 }  // namespace kerf::motion

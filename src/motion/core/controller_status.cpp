@@ -76,6 +76,7 @@ void Controller::fill_status(const Inputs& in, const Orders& orders, double dt,
   s.probe_input = in.probe;
   s.kinematics_type = static_cast<std::int32_t>(kinematics_.type());
   s.kinematics_kind = kinematics_.kind();
+  s.kinematics_pending = kinematics_moved_ || offset_told_ > 0;
   s.enables = executor_.enables();
   for (std::size_t i = 0; i < rtapi::kAxes; ++i)
     s.axis_vel[i] = axis_[i].speed() * (plain_kinematics_ ? 1 : jog_pace_.scale());

@@ -217,8 +217,9 @@ void Motmod::take_config() noexcept {
   const std::uint64_t version = shared_->config.version();
   std::int32_t kind = 0;
   const bool other_kind = config_version_ != 0 && wants_switch(kind);
+  const bool moved = config_version_ != 0 && controller_->kinematics_moved();
   const bool wish = (version != config_version_ && controller_->may_configure()) ||
-                    (other_kind && controller_->may_switch());
+                    ((other_kind || moved) && controller_->may_switch());
   if (!wish)
     config_wish_ = 0;
   else if (config_wish_ == 0)
@@ -239,6 +240,7 @@ void Motmod::take_config() noexcept {
     return;
   }
   if (switches) refused_kind_ = controller_->switch_kinematics(*kinematics_, kind) ? kNoKind : kind;
+  if (moved && !switches && controller_->may_switch()) controller_->take_up_kinematics();
   take_screws();
   controller_->configure(config);
   if (homing_ != nullptr) homing_->configure(config, true);
@@ -305,7 +307,7 @@ void Motmod::motion_controller(const hal::Period& period) noexcept {
   io_.write(controller_->outputs());
   // Behind the outputs: M68 may have asked for it in this cycle, and who waits for the program's end must see both at once.
   if (std::int32_t kind = 0; kinematics_->kinds() > 1) {
-    status.kinematics_pending = wants_switch(kind);
+    status.kinematics_pending = status.kinematics_pending || wants_switch(kind);
     if (wanted_kind() != refused_kind_) refused_kind_ = kNoKind;
   }
   for (std::size_t i = 0; i < io_.analog_count(); ++i)

@@ -38,7 +38,8 @@ bool InterpreterParticipant::pump(rtapi::WaitSpec& next) {
     TaskItem& item = list_.front();
     if (!step_allows(item)) return moved;
     if (is_path(item)) {
-      if (!motion_ready() || !push(std::get<PathBody>(item.body), item.tag)) return moved;
+      if (!motion_ready() || !settled() || !push(std::get<PathBody>(item.body), item.tag))
+        return moved;
       history_.queued(item.tag.id, last_seq_);
     } else if (is_aside(item)) {
       asides_.push_back({pending_seq_, std::move(item)});
@@ -46,7 +47,7 @@ bool InterpreterParticipant::pump(rtapi::WaitSpec& next) {
     } else {
       if (!barrier_.marked) {
         // The marker carries the tag, so that everybody sees at which line the machine stands.
-        if (!push(motion::Marker{item.tag.id}, item.tag)) return moved;
+        if (!settled() || !push(motion::Marker{item.tag.id}, item.tag)) return moved;
         barrier_.marked = true;
         barrier_.marker_seq = last_seq_;
         history_.marked(item.tag.id, last_seq_);

@@ -139,7 +139,7 @@ void InterpreterParticipant::follow_abort() {
   barrier_ = {};
   tool_order_ = 0;
   news_ = {};
-  pending_seq_ = 0;
+  pending_seq_ = settling_seq_ = 0;
   stopped_ = false;
   ring_full_ = false;
   waiting_for_ = {};
@@ -225,6 +225,9 @@ bool InterpreterParticipant::push(const PathBody& body, const motion::SourceTag&
   news_.probe = news_.probe || std::holds_alternative<motion::ProbeMove>(body);
   pending_seq_ = ++last_seq_;
   last_tag_ = tag.id;
+  const auto* tool = std::get_if<motion::ToolOffset>(&body);
+  if (tool != nullptr && !status_.shifts_path && tool->offset != status_.tool_offset)
+    settling_seq_ = last_seq_;
   run_.in_thread = std::holds_alternative<motion::SyncMove>(body) ||
                    (run_.in_thread && !motion::ends_thread(body) &&
                     !std::holds_alternative<motion::Marker>(body));
@@ -317,6 +320,9 @@ void InterpreterParticipant::take_outcome(Outcome outcome, std::size_t items_bef
   }
   if (outcome == Outcome::idle || outcome == Outcome::program_end) run_.source_done = true;
   if (outcome == Outcome::needs_sync) run_.sync_pending = true;
+  // Where the machine stands with the other tool, only its kinematics know.
+  if (record.offset_before != interp_.modal().frame.tool() && !status_.shifts_path)
+    run_.sync_pending = true;
   record.tag = canon_.tag();
   record.tool_awaited =
       std::any_of(list_.begin() + static_cast<std::ptrdiff_t>(items_before), list_.end(),

@@ -135,6 +135,11 @@ class InterpreterParticipant final : public rtapi::Participant {
            !status_.kinematics_pending;
   }
   [[nodiscard]] bool motion_ready() const;
+  /// Moves begin where the machine stands once its kinematics have the length of the tool that was told last.
+  [[nodiscard]] bool settled() {
+    if (status_.executed_seq >= settling_seq_ && !status_.kinematics_pending) settling_seq_ = 0;
+    return settling_seq_ == 0;
+  }
   bool push(const PathBody& body, const motion::SourceTag& tag);
   void finish_ticket(CommandState state, const std::string& text = {});
   /// The program cannot go on.
@@ -207,6 +212,7 @@ class InterpreterParticipant final : public rtapi::Participant {
   std::uint64_t last_seq_{0};
   std::uint64_t last_tag_{0};      ///< of it
   std::uint64_t pending_seq_{0};   ///< last item queued under this epoch
+  std::uint64_t settling_seq_{0};  ///< item that moves wait for (settled()); 0: none
   bool aside_before_next_{false};  ///< task does something before the next item
   bool pushed_{false};
   int silent_blocks_{0};
