@@ -10,6 +10,7 @@
 #include "bench/motion/machines.hpp"
 #include "motion/core/planner/ceilings.hpp"
 #include "motion/core/planner/joint_bounds.hpp"
+#include "motion/core/planner/turn.hpp"
 
 namespace kerf::motion {
 namespace {
@@ -156,6 +157,75 @@ TEST(JointCurve, TellsWhatTheJointsOfATiltingTableDo) {
     }
   }
   EXPECT_LT(stretches / kPieces, 8) << "few of them do";
+}
+
+/// Lines that turn the tilting table, by several turns some, and helices on it: a joint's soft limit a hair beyond its farthest place lets
+/// the move pass, and one a hair before that refuses it.
+TEST(SoftLimits, SeeWhereAJointTurnsBackBetweenTheEndsOfAMove) {
+  constexpr int kDense = 20'000;
+  constexpr double kHair = 3e-6;
+  Random r;
+  const test::RigKinematics kinematics(bench::kTable);
+  int turned = 0;
+  for (int n = 0; n < 400; ++n) {
+    MachineConfig config;
+    bench::set_limits(config, bench::Machine::table, 0);
+    for (auto& a : config.axis) a.min_limit = -1e6, a.max_limit = 1e6;
+    for (auto& j : config.joint) j.min_limit = -1e6, j.max_limit = 1e6;
+    const auto place = [&](double turns) {
+      Pose p;
+      for (std::size_t i : {0U, 1U, 2U}) p[i] = r(-150, 150);
+      p[3] = r(-90, 90);
+      p[5] = r(-360, 360) * turns;
+      return p;
+    };
+    Curve curve;
+    const Pose start = place(1), end = place(n % 4 == 0 ? 6 : 1);
+    if (n % 3 == 0) {
+      ArcMove arc;
+      arc.end = end;
+      arc.normal[2] = 1;
+      arc.centre[0] = r(-100, 100);
+      arc.centre[1] = r(-100, 100);
+      arc.turns = 1 + static_cast<std::int32_t>(r(0, 5));
+      ASSERT_TRUE(make_arc(start, arc, curve));
+    } else {
+      ASSERT_TRUE(make_line(start, end, 0x1FF, curve));
+    }
+    JointVector first{};
+    ASSERT_TRUE(kinematics.inverse(start, first));
+    JointVector before = first, here = first, at = first, most = first;
+    bool between[kMaxJoints]{};
+    for (int k = 1; k <= kDense; ++k) {
+      before = here;
+      here = at;
+      ASSERT_TRUE(kinematics.inverse(point_at(curve, curve.length * k / kDense), at));
+      for (std::size_t j = 0; j < 5; ++j) {
+        const Turn turn = k > 1 ? turn_of(before[j], here[j], at[j]) : Turn{};
+        const double value = std::max(at[j], turn.within ? turn.value : at[j]);
+        if (value > most[j]) most[j] = value, between[j] = turn.within;
+      }
+    }
+    const double none[kMaxJoints]{};
+    for (std::size_t j = 0; j < 3; ++j) {
+      turned += between[j] ? 1 : 0;
+      for (const bool passes : {true, false}) {
+        // Where it only leads inside, it may begin outside.
+        if (!passes && most[j] - first[j] < 2 * kHair) continue;
+        config.joint[j].max_limit = most[j] + (passes ? kHair : -kHair);
+        JointVector joint = first;
+        FaultRecord fault;
+        EXPECT_EQ(within_soft_limits(curve, kinematics, config, none, {}, joint, fault), passes)
+            << n << " joint " << j << " of most " << most[j];
+        if (!passes) {
+          EXPECT_EQ(fault.fault, Fault::joint_soft_limit_max);
+          EXPECT_EQ(fault.index, static_cast<std::int32_t>(j));
+        }
+      }
+      config.joint[j].max_limit = 1e6;
+    }
+  }
+  EXPECT_GT(turned, 400) << "most of them between the ends";
 }
 
 }  // namespace

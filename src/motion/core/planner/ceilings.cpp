@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "motion/core/planner/turn.hpp"
 
 namespace kerf::motion {
 namespace {
@@ -12,7 +15,10 @@ constexpr double kLimitTolerance = 1e-6;
 constexpr double kTangentialShare = 0.6;
 constexpr double kSampleAngle = 0.1;  ///< rad between samples of an arc
 constexpr int kMostSamples = 4096;
-constexpr int kGeneralSamples = 65;  ///< of any curve under kinematics that mix axes
+constexpr int kGeneralSamples = 65;  ///< of any curve under kinematics that mix axes, at least
+/// Degrees of an axis or an arc between two places at which joints are looked at, and the most of these.
+constexpr double kLookAngle = 4;
+constexpr double kMostLooks = 50'000;
 constexpr double kJerkShare = 0.85;  ///< the same of jerk limits, with third differences
 constexpr double kGeneralShare =
     0.95;  ///< of the limits used there, since differences between samples are not bounded
@@ -295,6 +301,45 @@ void limit_jerk(const Sampler& sampler, double traj_jerk, Ceilings& out) noexcep
   out.jerk *= k * k * k;
 }
 
+/// How many places of a curve show what joints do along it.
+int looks_at(const Curve& curve, const Pose& low, const Pose& high) noexcept {
+  double angle = 0;
+  if (curve.shape == Curve::Shape::arc) angle = curve.angle * 180 / std::numbers::pi;
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    if (rtapi::is_rotary(i)) angle = std::max(angle, high[i] - low[i]);
+  return std::max(kGeneralSamples, static_cast<int>(std::min(angle / kLookAngle, kMostLooks)) + 1);
+}
+
+/// Joints along a curve, place by place.
+class JointWay {
+ public:
+  JointWay(const Curve& curve, const Kinematics& kinematics, int looks) noexcept
+      : curve_(curve), kinematics_(kinematics), step_(curve.length / (looks - 1)) {}
+  /// False: no joints there. `joint`: those of a place nearby, then of this one.
+  [[nodiscard]] bool at(double look, JointVector& joint) const noexcept {
+    return kinematics_.inverse(point_at(curve_, std::clamp(look * step_, 0.0, curve_.length)),
+                               joint);
+  }
+  /// The farthest that joint j comes about `turn`, which is where it turns as the places about `look` have it.
+  [[nodiscard]] double farthest(std::size_t j, double look, const Turn& turn,
+                                const JointVector& near) const noexcept {
+    constexpr double kNearer = 0.125;
+    const double place = look + turn.at;
+    JointVector q[3]{near, near, near};
+    for (int k = 0; k < 3; ++k)
+      if (!at(place + kNearer * (k - 1), q[k])) return turn.value;
+    const Turn nearer = turn_of(q[0][j], q[1][j], q[2][j]);
+    JointVector there = q[1];
+    if (nearer.within && at(place + kNearer * nearer.at, there)) return there[j];
+    return q[1][j];
+  }
+
+ private:
+  const Curve& curve_;
+  const Kinematics& kinematics_;
+  double step_;
+};
+
 }  // namespace
 
 bool ceilings_of(const Curve& curve, const Kinematics& kinematics, const MachineConfig& config,
@@ -369,19 +414,33 @@ bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
   }
   JointVector first = joint;
   if (!kinematics.inverse(curve.start, first)) return out.fault = Fault::no_inverse, false;
-  JointVector at = first;
-  for (int k = 1; k < kGeneralSamples; ++k) {
-    const double s = curve.length * k / (kGeneralSamples - 1);
-    if (!kinematics.inverse(point_at(curve, s), at)) {
+  const int looks = looks_at(curve, low, high);
+  const JointWay way(curve, kinematics, looks);
+  const auto inside = [&](std::size_t j, double q) {
+    const JointConfig& c = config.joint[j];
+    return check_range(q + skew[j], q + skew[j], first[j] + skew[j], q + skew[j], c.min_limit,
+                       c.max_limit, Fault::joint_soft_limit_min, Fault::joint_soft_limit_max, j,
+                       out);
+  };
+  JointVector before = first, here = first, at = first;
+  for (int k = 1; k < looks; ++k) {
+    before = here;
+    here = at;
+    if (!way.at(k, at)) {
       out.fault = Fault::no_inverse;
-      out.value = s;
+      out.value = curve.length * k / (looks - 1);
       return false;
     }
     for (std::size_t j = 0; j < n; ++j) {
+      if (!inside(j, at[j])) return false;
+      const Turn turn = k > 1 ? turn_of(before[j], here[j], at[j]) : Turn{};
+      if (!turn.within) continue;
+      // Between the places it may come farther than at them.
       const JointConfig& c = config.joint[j];
-      const double q = at[j] + skew[j];
-      if (!check_range(q, q, first[j] + skew[j], q, c.min_limit, c.max_limit,
-                       Fault::joint_soft_limit_min, Fault::joint_soft_limit_max, j, out))
+      const double low_most = turn.value + skew[j] - turn.doubt,
+                   high_most = turn.value + skew[j] + turn.doubt;
+      if ((low_most < c.min_limit || high_most > c.max_limit) &&
+          !inside(j, way.farthest(j, k - 1, turn, here)))
         return false;
     }
   }

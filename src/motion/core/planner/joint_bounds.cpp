@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "motion/core/planner/ceilings.hpp"
+#include "motion/core/planner/turn.hpp"
 
 namespace kerf::motion {
 namespace {
@@ -296,13 +297,25 @@ void JointBounds::bends_of(const path::Buffer<Piece>& pieces, path::JointBends* 
 }
 
 bool JointBounds::reaches(const Piece& piece, const double* skew) const noexcept {
-  JointVector at = near_;
+  JointVector before = near_, here = near_, at = near_;
+  const auto inside = [&](std::size_t j, double least, double most) {
+    return least + skew[j] >= low_[j] - kLimitTolerance &&
+           most + skew[j] <= high_[j] + kLimitTolerance;
+  };
   for (int n = 0; n < kLooks; ++n) {
+    before = here;
+    here = at;
     if (!kinematics_.inverse(to_pose(piece.point(piece.length * n / (kLooks - 1))), at))
       return false;
     for (std::size_t j = 0; j < joints_; ++j) {
-      const double q = at[j] + skew[j];
-      if (q < low_[j] - kLimitTolerance || q > high_[j] + kLimitTolerance) return false;
+      if (!inside(j, at[j], at[j])) return false;
+      const Turn turn = n > 1 ? turn_of(before[j], here[j], at[j]) : Turn{};
+      if (!turn.within || inside(j, turn.value - turn.doubt, turn.value + turn.doubt)) continue;
+      const double place = std::clamp((n - 1 + turn.at) / (kLooks - 1), 0.0, 1.0);
+      JointVector there = here;
+      if (!kinematics_.inverse(to_pose(piece.point(piece.length * place)), there) ||
+          !inside(j, there[j], there[j]))
+        return false;
     }
   }
   return true;

@@ -1,0 +1,27 @@
+// Where a smooth function turns between values of it that are evenly spaced. Pure arithmetic.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace kerf::motion {
+
+/// The parabola through the values at -1, 0 and 1. `doubt`: more than a function may be off from it that bends alike at all three
+/// (of a sine in steps of 0.07 rad a third of that).
+struct Turn {
+  bool within{false};  ///< between -1 and 1
+  double at{0}, value{0}, doubt{0};
+};
+
+[[nodiscard]] inline Turn turn_of(double before, double here, double after) noexcept {
+  const double slope = 0.5 * (after - before), bend = after - 2 * here + before;
+  Turn turn;
+  if (!(std::abs(slope) <= std::abs(bend)) || bend == 0) return turn;
+  turn.within = true;
+  turn.at = -slope / bend;
+  turn.value = here + 0.5 * slope * turn.at;
+  turn.doubt = 0.05 * std::abs(bend);
+  return turn;
+}
+
+}  // namespace kerf::motion
