@@ -82,7 +82,7 @@ std::string mill_program(std::mt19937& dice) {
       "G10 L2 P2 X1 Y1 Z0\nG55\nG1 X60 Y40 F2500\nG54\nG1 X60 Y40\n",
       "G64 P0.5\no102 repeat [10]\nG1 X61 Y40.4 F3000\nG1 X60 Y40\no102 endrepeat\nG64 P0.02\n",
   };
-  std::string text = "G21 G90 G17 G40 G49 G54 G80 G94 G64 P0.02\nG0 X60 Y40 Z-20\n";
+  std::string text = "M52 P1 M53 P1\nG21 G90 G17 G40 G49 G54 G80 G94 G64 P0.02\nG0 X60 Y40 Z-20\n";
   for (int i = 0; i < 14; ++i) text += parts[dice() % parts.size()];
   return text + "M5 M9\nG49 G54 G0 X60 Y40 Z-20\nM2\n";
 }
@@ -110,6 +110,7 @@ class Limits {
   static MachineOptions options(const Kind& kind) {
     MachineOptions options;
     options.ini = ini_of(kind);
+    options.replace.push_back({"[AXIS_Z]\n", "[AXIS_Z]\nOFFSET_AV_RATIO = 0.2\n"});
     const Limits limits(kind);
     for (std::size_t j = 0; j < kind.joints && kind.jerk; ++j) {
       const std::string head = "[JOINT_" + std::to_string(j) + "]\n";
@@ -166,6 +167,7 @@ class Operator {
       : m_(m), kind_(kind), limits_(kind), dice_(seed) {}
 
   void session() {
+    EXPECT_TRUE(m_.hal("setp axis.z.eoffset-scale 0.1"));
     m_.on_cycle([this](const motion::MotionStatus& s) { look(s); });
     for (int i = 0; i < kCommands; ++i) {
       act();
@@ -186,6 +188,7 @@ class Operator {
   /// Behind it all the machine stops, is in order and nothing is lost.
   void end() {
     does({"abort"});
+    pins_at_rest();
     EXPECT_TRUE(m_.does({"abort"})) << story();
     EXPECT_TRUE(m_.run_until([&] { return m_.task().idle; }, kStandsWithinS)) << story();
     m_.run_for(0.5);
@@ -232,10 +235,13 @@ class Operator {
   std::string number(double low, double high) {
     return std::to_string(low + (high - low) * one_of(1001) / 1000);
   }
-  void does(const Words& words) {
+  void note(const std::string& what) {
     char when[32];
     std::snprintf(when, sizeof when, "%9.3f ", static_cast<double>(m_.now()) * 1e-9);
-    story_.push_back(when + text_of(words));
+    story_.push_back(when + what);
+  }
+  void does(const Words& words) {
+    note(text_of(words));
     const std::string& what = words[0];
     const bool stops =
         what == "abort" || (what == "state" && words[1] != "on" && words[1] != "estop-reset");
@@ -249,6 +255,7 @@ class Operator {
       spindle_off_from_ = ~0ULL;
     }
     open_.emplace_back(m_.send(words), words);
+    if (stops) last_move_ = 0;
     if (moves(what)) last_move_ = open_.back().first;
   }
   static bool moves(const std::string& what) {
@@ -289,7 +296,7 @@ class Operator {
       case 21: return does({"return"});
       case 22: return does({"direction", one_of(2) == 0 ? "reverse" : "forward"});
       case 23: return does({"run", std::to_string(1 + one_of(40))});
-      case 24: return rarely();
+      case 24: return one_of(2) == 0 ? rarely() : turn_pins();
       case 25: return does({"max-velocity", number(0.1, 100)});
       case 26: return does({"spindle-override", number(0.5, 1.5)});
       case 27: return does({"mode", one_of(3) == 0 ? "manual" : one_of(2) == 0 ? "auto" : "mdi"});
@@ -313,6 +320,30 @@ class Operator {
       case 10: return does({"run", std::to_string(1 + one_of(40)), "hold"});
       default: return in_order_again();
     }
+  }
+  /// What sensors and other programs do.
+  void turn_pins() {
+    const auto set = [this](const std::string& pin, const std::string& value) {
+      note("setp " + pin + " " + value);
+      if (pin.find("eoffset") != std::string::npos) still_from_ = ~0ULL, last_move_ = ~0ULL;
+      EXPECT_TRUE(m_.hal("setp " + pin + " " + value)) << story();
+    };
+    switch (one_of(8)) {
+      case 0: return set("motion.feed-inhibit", one_of(2) == 0 ? "1" : "0");
+      case 1: return set("motion.feed-hold", one_of(2) == 0 ? "1" : "0");
+      case 2: return set("motion.adaptive-feed", number(-0.5, 1.2));
+      case 3: return set("motion.adaptive-feed", "1");
+      case 4: return set("motion.probe-input", one_of(2) == 0 ? "1" : "0");
+      case 5: return set("axis.z.eoffset-enable", one_of(4) > 0 ? "1" : "0");
+      case 6: return set("axis.z.eoffset-counts", std::to_string(one_of(41) - 20));
+      default: return set("axis.z.eoffset-clear", one_of(2) == 0 ? "1" : "0");
+    }
+  }
+  void pins_at_rest() {
+    for (const char* line : {"setp motion.feed-inhibit 0", "setp motion.feed-hold 0",
+                             "setp motion.adaptive-feed 1", "setp motion.probe-input 0",
+                             "setp axis.z.eoffset-counts 0", "setp axis.z.eoffset-clear 0"})
+      EXPECT_TRUE(m_.hal(line)) << line;
   }
   void in_order_again() {
     for (const Words& words : {Words{"state", "estop-reset"}, Words{"state", "on"}}) does(words);
@@ -380,7 +411,9 @@ class Operator {
                            Fault::axis_soft_limit_max,
                            Fault::jog_beyond_limit,
                            Fault::jog_while_not_ready,
-                           Fault::not_homed};
+                           Fault::not_homed,
+                           Fault::probe_already_tripped,
+                           Fault::probe_unexpected};
     // A move to where an arm has no place for its joints is refused before it begins.
     const bool refused = fault.fault == Fault::no_inverse && s.enabled;
     if (!refused && std::find(std::begin(kOwn), std::end(kOwn), fault.fault) == std::end(kOwn))

@@ -141,6 +141,21 @@ TEST_P(AskedPath, RoughAnswersMakeEachMoveOneByItself) {
       jerk, static_cast<double>(taken) / least);
 }
 
+/// It asks more than there is room for if each turn is looked at as closely as one alone.
+TEST_P(AskedPath, ATableThatTurnsByALotBegins) {
+  bench::ProgramWriter writer("turns", 0.02, 50);
+  writer.program().machine = bench::Machine::table;
+  Pose turned;
+  turned.x = 30;
+  turned.c = 30'000;
+  writer.rapid(turned);
+  const bench::Program program = writer.done();
+  Drive one(program, GetParam(), true, later(bench::kTable));
+  for (int n = 0; n < 2000; ++n) one.cycle();
+  EXPECT_TRUE(one.rig.faults.empty());
+  EXPECT_GT(one.rig.status().joint[4].pos_cmd, 45);
+}
+
 INSTANTIATE_TEST_SUITE_P(Limits, AskedPath, testing::Values(0.0, kJerk),
                          [](const auto& p) { return p.param > 0 ? "jerk" : "acceleration"; });
 

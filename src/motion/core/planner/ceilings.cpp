@@ -19,6 +19,8 @@ constexpr int kGeneralSamples = 65;  ///< of any curve under kinematics that mix
 /// Degrees of an axis or an arc between two places at which joints are looked at, and the most of these.
 constexpr double kLookAngle = 4;
 constexpr double kMostLooks = 50'000;
+/// Of kinematics that answer later, which have room for 2048 questions at once.
+constexpr double kMostAsked = 1000;
 constexpr double kJerkShare = 0.85;  ///< the same of jerk limits, with third differences
 constexpr double kGeneralShare =
     0.95;  ///< of the limits used there, since differences between samples are not bounded
@@ -302,12 +304,14 @@ void limit_jerk(const Sampler& sampler, double traj_jerk, Ceilings& out) noexcep
 }
 
 /// How many places of a curve show what joints do along it.
-int looks_at(const Curve& curve, const Pose& low, const Pose& high) noexcept {
+int looks_at(const Curve& curve, const Pose& low, const Pose& high, bool at_once) noexcept {
   double angle = 0;
   if (curve.shape == Curve::Shape::arc) angle = curve.angle * 180 / std::numbers::pi;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i)
     if (rtapi::is_rotary(i)) angle = std::max(angle, high[i] - low[i]);
-  return std::max(kGeneralSamples, static_cast<int>(std::min(angle / kLookAngle, kMostLooks)) + 1);
+  return std::max(
+      kGeneralSamples,
+      static_cast<int>(std::min(angle / kLookAngle, at_once ? kMostLooks : kMostAsked)) + 1);
 }
 
 /// Joints along a curve, place by place.
@@ -414,7 +418,7 @@ bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
   }
   JointVector first = joint;
   if (!kinematics.inverse(curve.start, first)) return out.fault = Fault::no_inverse, false;
-  const int looks = looks_at(curve, low, high);
+  const int looks = looks_at(curve, low, high, kinematics.answers_at_once());
   const JointWay way(curve, kinematics, looks);
   const auto inside = [&](std::size_t j, double q) {
     const JointConfig& c = config.joint[j];
