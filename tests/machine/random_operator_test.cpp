@@ -271,7 +271,9 @@ class Operator {
     if (m_.task().idle && one_of(3) == 0) return does({"run"});
     switch (one_of(30)) {
       case 0: return does({"run"});
-      case 1: return does({"mdi", mdi()});
+      case 1:
+        if (one_of(2) == 0) does({"abort"});
+        return does({"mdi", mdi()});
       case 2: return does({"jog", axis, number(-60, 60), number(0.01, 8)});
       case 3:
         return does(
@@ -309,7 +311,10 @@ class Operator {
       case 0: return does({"state", "estop"});
       case 1: return does({"state", "off"});
       // Where an arm has been the switches may lie behind it.
-      case 2: return kind_.folder == "puma" ? does({"abort"}) : does({"home", "-1"});
+      case 2: {
+        const bool arm = kind_.folder == "puma" || kind_.folder == "scara";
+        return arm ? does({"abort"}) : does({"home", "-1"});
+      }
       case 3: return does({"teleop", one_of(2) == 0 ? "on" : "off"});
       case 4: return does({"spindle", "forward", "500"});
       case 5: return does({"spindle", "off"});
@@ -349,6 +354,18 @@ class Operator {
     for (const Words& words : {Words{"state", "estop-reset"}, Words{"state", "on"}}) does(words);
   }
   std::string mdi() {
+    if (kind_.folder == "xyzac-trt") {
+      switch (one_of(9)) {
+        case 0: return "G43.1 Z" + number(-30, 30);
+        case 1: return "G49";
+        case 2: return "M429";
+        case 3: return "M428";
+        case 4: return "G90 G53 G0 A" + number(-40, 0) + " C" + number(-400, 400);
+        case 5: return "G90 G53 G1 F2000 X" + number(-60, 60) + " Y" + number(-60, 60);
+        case 6: return "G43 H" + std::to_string(one_of(4)) + " G91 G1 F900 X" + number(-3, 3);
+        default: break;
+      }
+    }
     if (kind_.folder != "mill") return "G91 G1 Z" + number(-2, 2) + " F1200";
     switch (one_of(6)) {
       case 0: return "G90 G53 G1 F3000 X" + number(20, 100) + " Y" + number(20, 90);
