@@ -268,11 +268,19 @@ class Operator {
   void act() {
     const std::string axis(
         1, kind_.axes[static_cast<std::size_t>(one_of(static_cast<int>(kind_.axes.size())))]);
-    if (m_.task().idle && one_of(3) == 0) return does({"run"});
+    if (m_.task().idle) {
+      // What moves at all comes first.
+      const int what = one_of(6);
+      if (what < 2) return does({"mdi", mdi()});
+      if (what < 4) return does({"run"});
+    }
     switch (one_of(30)) {
       case 0: return does({"run"});
       case 1:
-        if (one_of(2) == 0) does({"abort"});
+        if (one_of(2) == 0) {
+          does({"abort"});
+          m_.run_for(0.5);
+        }
         return does({"mdi", mdi()});
       case 2: return does({"jog", axis, number(-60, 60), number(0.01, 8)});
       case 3:
