@@ -30,7 +30,8 @@ std::string linear_joint(int number) {
 std::string axis(char letter, int limit) {
   return std::string("[AXIS_") + letter + "]\nMIN_LIMIT = -" + std::to_string(limit) +
          "\nMAX_LIMIT = " + std::to_string(limit) +
-         "\nMAX_VELOCITY = 360\nMAX_ACCELERATION = 3600\n";
+         "\nMAX_VELOCITY = 360\nMAX_ACCELERATION = 3600\n" +
+         (letter == 'Z' ? "OFFSET_AV_RATIO = 0.2\n" : "");
 }
 
 /// A machine of its own INI text, with motors that are where they should be.
@@ -274,6 +275,40 @@ TEST(PinsOfKinematics, MoveNoJointWhereTheMachineStands) {
   }
   EXPECT_EQ(m->motion().faults, 0U) << m->errors();
   EXPECT_GT(tip_moved, 50.0);
+}
+
+TEST(PinsOfKinematics, LetAnOffsetThatIsMovingGoOn) {
+  auto m = table_mill_with_tools();
+  ASSERT_TRUE(m->mdi("G90 G53 G0 X30 Y-40 Z-60 A-35 C50")) << m->errors();
+  ASSERT_TRUE(m->hal("setp axis.z.eoffset-scale 1") && m->hal("setp axis.z.eoffset-enable 1"));
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> length(-100, 100);
+  double last[5]{}, speed[5]{}, worst = 0;
+  int cycles = 0, moving = 0;
+  m->on_cycle([&](const motion::MotionStatus& s) {
+    ++cycles;
+    for (int j = 0; j < 5; ++j) {
+      const double v = s.joint[j].pos_cmd - last[j];
+      if (cycles > 2) worst = std::max(worst, std::fabs(v - speed[j]) * 1e6);
+      last[j] = s.joint[j].pos_cmd;
+      speed[j] = v;
+    }
+    moving += std::fabs(speed[2]) > 1e-3 ? 1 : 0;
+  });
+  for (int n = 0; n < 200; ++n) {
+    ASSERT_TRUE(m->hal("setp axis.z.eoffset-counts " + std::to_string(n % 2 == 0 ? 20 : -20)));
+    m->run_for(0.01 * static_cast<double>(n % 30));
+    const char* const name = n % 3 == 0 ? "y-offset " : "z-offset ";
+    ASSERT_TRUE(
+        m->hal(std::string("setp xyzac-trt-kins.") + name + std::to_string(length(random))));
+    if (n % 5 == 0) {
+      EXPECT_TRUE(m->mdi("G43.1 Z" + std::to_string(length(random))));
+    }
+    m->run_for(0.02);
+  }
+  EXPECT_EQ(m->motion().faults, 0U) << m->errors();
+  EXPECT_LE(worst, 3600 * 1.001);
+  EXPECT_GT(moving, 2000) << "of " << cycles << " cycles";
 }
 
 /// Whatever the tools were before, a line ends where it does with the tool alone.

@@ -364,6 +364,7 @@ bool Controller::settle() noexcept {
   }
   pose_ = pose_ - offsets_.pose();
   pose_before_ = pose_;
+  kinematics_moved_ = false;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i) axis_[i].place(pose_[i]);
   jog_pace_.rest();
   fold_shift();

@@ -43,8 +43,8 @@ class Controller {
   /// Puts another kind of the kinematics in force while may_switch() and the planner stands still. The joints stay where they
   /// are; the position becomes what they mean now. False: refused, which the next step() says, and all is as before.
   bool switch_kinematics(Kinematics& kinematics, std::int32_t kind) noexcept;
-  /// Pins of the kinematics (the length of a tool, a pivot) have changed while the machine stands: its joints mean another position
-  /// now. They are held where they are until take_up_kinematics().
+  /// Pins of the kinematics (the length of a tool, a pivot) have changed while the machine stood: its joints mean another position
+  /// now. They stay where they are, beside the one that is said, until take_up_kinematics().
   [[nodiscard]] bool kinematics_moved() const noexcept { return kinematics_moved_; }
   /// As switch_kinematics(), of what has changed by itself. Without a position there the next step() switches the machine off.
   void take_up_kinematics() noexcept { unplaced_ = !settle(); }
@@ -145,7 +145,8 @@ class Controller {
   void watch_jog_stop(const Inputs& in) noexcept;
   void watch_probe(const Inputs& in) noexcept;
   void move(const Inputs& in, const Orders& orders, double dt) noexcept;
-  void move_joints(bool still) noexcept;
+  void look_for_other_equations(const Pose& was) noexcept;
+  void move_joints() noexcept;
   void watch_tool_offset() noexcept;
   void step_axes(double dt) noexcept;
   void step_mixing_axes(double dt) noexcept;

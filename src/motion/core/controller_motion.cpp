@@ -454,11 +454,11 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
     const PathSpan* under_way = away_ ? nullptr : executor_.move();
     const Pose offset_before = offsets_.pose();
     offsets_.step(pose_, under_way != nullptr ? under_way->end + shift_ : pose_, dt);
-    const bool still = pose_ == pose_before_ && offsets_.pose() == offset_before;
+    if (!plain_kinematics_ && may_switch()) look_for_other_equations(pose_before_ + offset_before);
     if (!away_ && shift_leads_out())
       disable();
     else
-      move_joints(still);
+      move_joints();
   }
   follow_posthome(in, dt);
   // Pins that lead have no jerk limit.
@@ -627,23 +627,28 @@ void Controller::watch_tool_offset() noexcept {
   offset_before_ = offset;
 }
 
-/// `still`: neither the path nor an offset has moved in this cycle.
-void Controller::move_joints(bool still) noexcept {
+/// Other equations must not throw the machine to where its position is by them. `was`: where it stood in the last cycle. An offset may be
+/// moving, and goes on beside what the joints are elsewhere by.
+void Controller::look_for_other_equations(const Pose& was) noexcept {
   JointVector q{};
   for (std::size_t j = 0; j < joints_; ++j) q[j] = joint_[j].pos_cmd - skew_[j];
-  kinematics_moved_ = false;
+  if (!kinematics_.inverse(was, q)) return;
+  double farthest = 0;
+  for (std::size_t j = 0; j < joints_; ++j)
+    farthest = std::max(farthest, std::abs(joint_[j].pos_cmd - skew_[j] - q[j]));
+  if (!(farthest > kOtherPlace)) return;
+  kinematics_moved_ = true;
+  for (std::size_t j = 0; j < joints_; ++j) skew_[j] = joint_[j].pos_cmd - q[j];
+}
+
+void Controller::move_joints() noexcept {
+  JointVector q{};
+  for (std::size_t j = 0; j < joints_; ++j) q[j] = joint_[j].pos_cmd - skew_[j];
   if (unplaced_ || !kinematics_.inverse(pose_ + offsets_.pose(), q)) {
     unplaced_ = false;
     raise(faults_, Fault::no_inverse, -1, 0, 0, status_.current);
     disable();
     return;
-  }
-  // Other equations must not throw the machine to where the old position is by them.
-  if (still && !plain_kinematics_ && may_switch()) {
-    for (std::size_t j = 0; j < joints_; ++j)
-      kinematics_moved_ =
-          kinematics_moved_ || std::abs(q[j] + skew_[j] - joint_[j].pos_cmd) > kOtherPlace;
-    if (kinematics_moved_) return;
   }
   for (std::size_t j = 0; j < joints_; ++j) joint_[j].pos_cmd = q[j] + skew_[j];
 }
