@@ -334,10 +334,10 @@ TEST(PinsOfKinematics, APathGoesOnToItsPlacesWithATheOtherTool) {
     return at;
   };
   const std::vector<double> wanted = ends("G43 H3\n" + to);
-  for (const std::string& before :
-       {"G43.1 Z20\n" + to + "G43 H3\n" + to, "G43.1 Z20\n" + to + "G1 X30\nG43 H3 G1 X10\n" + to,
-        to + "G43 H3 G0 Z40\nG0 Y3\n" + to,
-        "G43.1 Z-10\n" + to + "G49\nG91 G1 Y3\nG1 X3\nG90\nG43 H3\nG1 X0\n" + to}) {
+  for (std::string before :
+       {"G43.1 Z20\n@G43 H3\n@", "G43.1 Z20\n@G1 X30\nG43 H3 G1 X10\n@", "@G43 H3 G0 Z40\nG0 Y3\n@",
+        "G43.1 Z-10\n@G49\nG91 G1 Y3\nG1 X3\nG90\nG43 H3\nG1 X0\n@"}) {
+    for (std::size_t at; (at = before.find('@')) != std::string::npos;) before.replace(at, 1, to);
     const std::vector<double> at = ends(before);
     for (std::size_t j = 0; j < 5; ++j) EXPECT_NEAR(at[j], wanted[j], 1e-6) << before << j;
   }
