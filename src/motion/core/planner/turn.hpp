@@ -1,13 +1,12 @@
 // Where a smooth function turns between values of it that are evenly spaced. Pure arithmetic.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
 namespace kerf::motion {
 
-/// The parabola through the values at -1, 0 and 1. `doubt`: more than a function may be off from it that bends alike at all three
-/// (of a sine in steps of 0.07 rad a third of that).
+/// Of the parabola through the values at -1, 0 and 1. `doubt`: a bound of how far the function's own turn is from it, for functions that
+/// bend about evenly there (ten times what it is for a sine in steps of 0.07 rad).
 struct Turn {
   bool within{false};  ///< between -1 and 1
   double at{0}, value{0}, doubt{0};
