@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "hal/core/view.hpp"
+#include "harness/joint_watch.hpp"
 #include "harness/machine.hpp"
-#include "ini/ini_file.hpp"
 #include "motion/api/faults.hpp"
 #include "motion/api/shared.hpp"
 #include "rtapi/shm/segment.hpp"
@@ -29,8 +29,6 @@ using task::CommandState;
 using Words = std::vector<std::string>;
 
 constexpr double kDtS = 0.001;
-/// In a cycle; rounding is below.
-constexpr double kMoves = 1e-9;
 /// In which joints that are limited in jerk reach their acceleration.
 constexpr double kRampS = 0.03;
 /// Within which all stops of these machines stand, those of threads behind a pause too.
@@ -87,84 +85,20 @@ std::string mill_program(std::mt19937& dice) {
   return text + "M5 M9\nG49 G54 G0 X60 Y40 Z-20\nM2\n";
 }
 
-/// Limits of the joints, of what is commanded while the machine is enabled and does not home.
-class Limits {
- public:
-  explicit Limits(const Kind& kind) : joints_(kind.joints) {
-    const auto loaded = ini::IniFile::load(ini_of(kind));
-    EXPECT_TRUE(loaded.ok);
-    for (std::size_t j = 0; j < joints_.size(); ++j) {
-      const auto number = [&](const char* key) {
-        const ini::Entry* entry = loaded.file.find("JOINT_" + std::to_string(j), key);
-        EXPECT_NE(entry, nullptr) << key;
-        return entry != nullptr ? std::stod(entry->value) : 0.0;
-      };
-      joints_[j].max_vel = number("MAX_VELOCITY");
-      joints_[j].max_acc = number("MAX_ACCELERATION");
-      joints_[j].max_jerk = kind.jerk ? joints_[j].max_acc / kRampS : 1e99;
-      joints_[j].low = number("MIN_LIMIT");
-      joints_[j].high = number("MAX_LIMIT");
-    }
-  }
-  /// Options of a machine of that kind.
-  static MachineOptions options(const Kind& kind) {
-    MachineOptions options;
-    options.ini = ini_of(kind);
-    options.replace.push_back({"[AXIS_Z]\n", "[AXIS_Z]\nOFFSET_AV_RATIO = 0.2\n"});
-    const Limits limits(kind);
-    for (std::size_t j = 0; j < kind.joints && kind.jerk; ++j) {
-      const std::string head = "[JOINT_" + std::to_string(j) + "]\n";
-      options.replace.push_back(
-          {head, head + "MAX_JERK = " + std::to_string(limits.joints_[j].max_jerk) + "\n"});
-    }
-    options.append = "\n[KERF]\nPATH_CHECK = 1\n";
-    return options;
-  }
-  /// What is broken in this cycle, or "".
-  std::string look(const motion::MotionStatus& s) {
-    std::string broken;
-    if (!s.enabled || s.homing_active) known_ = 0;
-    for (std::size_t j = 0; j < joints_.size(); ++j) {
-      Joint& joint = joints_[j];
-      const double at = s.joint[j].pos_cmd, vel = (at - joint.at) / kDtS,
-                   acc = (vel - joint.vel) / kDtS, jerk = (acc - joint.acc) / kDtS;
-      const auto check = [&](int cycles, double value, double limit, const char* what) {
-        if (known_ >= cycles && std::abs(value) > limit)
-          broken += " joint " + std::to_string(j) + " " + what + " " + std::to_string(value) +
-                    " of " + std::to_string(limit) + ";";
-      };
-      check(1, vel, joint.max_vel * 1.0001 + 1e-6, "velocity");
-      check(2, acc, joint.max_acc * 1.001 + 1e-4, "acceleration");
-      check(3, jerk, joint.max_jerk * 1.01 + 0.1, "jerk");
-      if (s.all_homed && known_ > 0 && (at < joint.low - 1e-6 || at > joint.high + 1e-6) &&
-          at != joint.at)
-        broken += " joint " + std::to_string(j) + " at " + std::to_string(at) + ";";
-      const bool moves = std::abs(at - joint.at) > kMoves;
-      moves_ = j == 0 ? moves : moves_ || moves;
-      joint.at = at;
-      joint.vel = vel;
-      joint.acc = acc;
-    }
-    ++known_;
-    return broken;
-  }
-  /// A joint was commanded elsewhere in the cycle that was looked at.
-  [[nodiscard]] bool moves() const { return moves_; }
-
- private:
-  struct Joint {
-    double max_vel{0}, max_acc{0}, max_jerk{0}, low{0}, high{0};
-    double at{0}, vel{0}, acc{0};
-  };
-  std::vector<Joint> joints_;
-  int known_{0};
-  bool moves_{false};
-};
+MachineOptions options_of(const Kind& kind, std::vector<double>& jerk) {
+  MachineOptions options;
+  options.ini = ini_of(kind);
+  options.replace.push_back({"[AXIS_Z]\n", "[AXIS_Z]\nOFFSET_AV_RATIO = 0.2\n"});
+  if (kind.jerk) jerk = limit_jerk(options, kind.joints, kRampS);
+  options.append = "\n[KERF]\nPATH_CHECK = 1\n";
+  return options;
+}
 
 class Operator {
  public:
-  Operator(Machine& m, const Kind& kind, unsigned seed)
-      : m_(m), kind_(kind), limits_(kind), dice_(seed) {}
+  /// `jerk`: limits of the joints.
+  Operator(Machine& m, const Kind& kind, const std::vector<double>& jerk, unsigned seed)
+      : m_(m), kind_(kind), watch_(ini_of(kind), kind.joints, jerk), dice_(seed) {}
 
   void session() {
     EXPECT_TRUE(m_.hal("setp axis.z.eoffset-scale 0.1"));
@@ -282,7 +216,8 @@ class Operator {
           m_.run_for(0.5);
         }
         return does({"mdi", mdi()});
-      case 2: return does({"jog", axis, number(-60, 60), number(0.01, 8)});
+      case 2:
+      case 14: return does({"jog", axis, number(-60, 60), number(0.01, 8)});
       case 3:
         return does(
             {"jog", std::to_string(one_of(static_cast<int>(kind_.joints))), number(-20, 20)});
@@ -296,7 +231,6 @@ class Operator {
       case 11: return does({"abort"});
       case 12: return does({"mdi", mdi()});
       case 13: return does({"mdi", "G4 P0.1"});
-      case 14: return does({"jog", axis, number(-60, 60), number(0.01, 8)});
       case 15: return does({"jog", axis, number(-60, 60)});
       case 16: return does({"jog-stop"});
       case 17: return does({"feed-override", one_of(4) == 0 ? "0" : number(0, 1.5)});
@@ -331,7 +265,9 @@ class Operator {
       case 8: return does({"block-delete", one_of(2) == 0 ? "on" : "off"});
       case 9: return does({"answer"});
       case 10: return does({"run", std::to_string(1 + one_of(40)), "hold"});
-      default: return in_order_again();
+      default:
+        for (const Words& words : {Words{"state", "estop-reset"}, Words{"state", "on"}})
+          does(words);
     }
   }
   /// What sensors and other programs do.
@@ -357,9 +293,6 @@ class Operator {
                              "setp motion.adaptive-feed 1", "setp motion.probe-input 0",
                              "setp axis.z.eoffset-counts 0", "setp axis.z.eoffset-clear 0"})
       EXPECT_TRUE(m_.hal(line)) << line;
-  }
-  void in_order_again() {
-    for (const Words& words : {Words{"state", "estop-reset"}, Words{"state", "on"}}) does(words);
   }
   std::string mdi() {
     if (kind_.folder == "xyzac-trt") {
@@ -405,11 +338,11 @@ class Operator {
 
   void look(const motion::MotionStatus& s) {
     if (testing::Test::HasFailure()) return;
-    const std::string broken = limits_.look(s);
+    const std::string broken = watch_.look(s);
     if (!broken.empty()) ADD_FAILURE() << "cycle " << s.cycle << ":" << broken << "\n" << story();
-    if (limits_.moves()) moved_s_ += kDtS;
+    if (watch_.moves()) moved_s_ += kDtS;
     // A machine that is off follows its motors.
-    if (s.cycle > still_from_ && s.enabled && limits_.moves())
+    if (s.cycle > still_from_ && s.enabled && watch_.moves())
       ADD_FAILURE() << "cycle " << s.cycle << ": it moves, and nobody asked for it\n" << story();
     if (s.cycle > spindle_off_from_ && s.spindle[0].on)
       ADD_FAILURE() << "cycle " << s.cycle << ": the spindle runs, and nobody asked for it\n"
@@ -450,7 +383,7 @@ class Operator {
 
   Machine& m_;
   const Kind& kind_;
-  Limits limits_;
+  JointWatch watch_;
   std::mt19937 dice_;
   std::vector<std::pair<std::uint64_t, Words>> open_;
   std::vector<std::string> story_;
@@ -471,13 +404,14 @@ TEST_P(RandomOperator, GetsNoJointBeyondALimitAndNoMoveThatNobodyAskedFor) {
   double moved_s = 0;
   for (unsigned seed = first; seed < first + sessions && !HasFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    auto m = Machine::start(Limits::options(kind));
+    std::vector<double> jerk;
+    auto m = Machine::start(options_of(kind, jerk));
     ASSERT_TRUE(m->ready() && m->power_on_and_home()) << m->errors();
     std::mt19937 dice(seed + 7777);
     const std::string program =
         kind.program.empty() ? m->write_program(mill_program(dice)) : kind.program;
     ASSERT_TRUE(m->does({"open", program})) << m->errors();
-    Operator someone(*m, kind, seed);
+    Operator someone(*m, kind, jerk, seed);
     someone.session();
     if (HasFailure()) break;
     someone.end();

@@ -15,8 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/joint_watch.hpp"
 #include "harness/machine.hpp"
-#include "ini/ini_file.hpp"
 
 namespace kerf::harness {
 namespace {
@@ -44,77 +44,6 @@ Sim sim(const std::string& folder, std::vector<double> home, const rtapi::Pose& 
           end};
 }
 
-/// One number of the INI file.
-double number(const ini::IniFile& file, const std::string& section, const std::string& key) {
-  const ini::Entry* entry = file.find(section, key);
-  if (entry == nullptr) {
-    ADD_FAILURE() << "no [" << section << "]" << key;
-    return 0;
-  }
-  return std::stod(entry->value);
-}
-
-/// What the joints did, against the INI file.
-class JointWatch {
- public:
-  /// `jerk`: of each joint, 0 not limited.
-  JointWatch(const std::string& path, std::size_t joints, const std::vector<double>& jerk = {}) {
-    const auto loaded = ini::IniFile::load(path);
-    EXPECT_TRUE(loaded.ok);
-    for (std::size_t j = 0; j < joints; ++j) {
-      const std::string section = "JOINT_" + std::to_string(j);
-      Joint joint;
-      joint.max_vel = number(loaded.file, section, "MAX_VELOCITY");
-      joint.max_acc = number(loaded.file, section, "MAX_ACCELERATION");
-      if (!jerk.empty() && jerk[j] > 0) joint.max_jerk = jerk[j];
-      joint.low = number(loaded.file, section, "MIN_LIMIT");
-      joint.high = number(loaded.file, section, "MAX_LIMIT");
-      joints_.push_back(joint);
-    }
-  }
-  void look(const motion::MotionStatus& s) {
-    for (std::size_t j = 0; j < joints_.size(); ++j) {
-      Joint& joint = joints_[j];
-      const double now = s.joint[j].pos_cmd, vel = (now - joint.at) / kDtS;
-      if (cycles_ == 0) joint.first = now;
-      if (cycles_ > 1) {
-        joint.peak_vel = std::max(joint.peak_vel, std::abs(vel));
-        const double acc = (vel - joint.vel) / kDtS;
-        joint.peak_acc = std::max(joint.peak_acc, std::abs(acc));
-        if (cycles_ > 2)
-          joint.peak_jerk = std::max(joint.peak_jerk, std::abs(acc - joint.acc) / kDtS);
-        joint.acc = acc;
-        joint.least = std::min(joint.least, now);
-        joint.most = std::max(joint.most, now);
-      }
-      joint.at = now;
-      joint.vel = vel;
-    }
-    ++cycles_;
-  }
-  void check() const {
-    for (std::size_t j = 0; j < joints_.size(); ++j) {
-      const Joint& joint = joints_[j];
-      EXPECT_LE(joint.peak_vel, joint.max_vel * 1.0001) << "joint " << j;
-      EXPECT_LE(joint.peak_acc, joint.max_acc * 1.001) << "joint " << j;
-      EXPECT_LE(joint.peak_jerk, joint.max_jerk * 1.01) << "joint " << j;
-      EXPECT_GE(joint.least, joint.low - 1e-9) << "joint " << j;
-      EXPECT_LE(joint.most, joint.high + 1e-9) << "joint " << j;
-      EXPECT_GT(joint.most - joint.least, 1.0) << "joint " << j << " hardly moved";
-    }
-  }
-  [[nodiscard]] std::uint64_t cycles() const { return cycles_; }
-
- private:
-  struct Joint {
-    double max_vel{0}, max_acc{0}, max_jerk{1e99}, low{0}, high{0};
-    double first{0}, at{0}, vel{0}, acc{0}, least{1e9}, most{-1e9};
-    double peak_vel{0}, peak_acc{0}, peak_jerk{0};
-  };
-  std::vector<Joint> joints_;
-  std::uint64_t cycles_{0};
-};
-
 class Sims : public testing::TestWithParam<Sim> {};
 
 TEST_P(Sims, StartsHomesAndRunsItsDemo) {
@@ -131,7 +60,7 @@ TEST_P(Sims, StartsHomesAndRunsItsDemo) {
     EXPECT_NEAR(m->joint(j), sim.home[j], 1e-6) << "joint " << j;
 
   JointWatch watch(sim.ini, sim.home.size());
-  m->on_cycle([&](const motion::MotionStatus& s) { watch.look(s); });
+  m->on_cycle([&](const motion::MotionStatus& s) { (void)watch.look(s); });
   const auto reply = m->run_program(sim.program);
   EXPECT_EQ(reply.state, task::CommandState::done) << reply.text << "\n" << m->errors();
   watch.check();
@@ -151,12 +80,7 @@ MachineOptions with_jerk_limits(const Sim& sim, bool jerks, std::vector<double>&
   MachineOptions options;
   options.ini = sim.ini;
   jerk.assign(sim.home.size(), 0.0);
-  const auto loaded = ini::IniFile::load(sim.ini);
-  for (std::size_t j = 0; j < jerk.size() && jerks; ++j) {
-    const std::string section = "JOINT_" + std::to_string(j), head = "[" + section + "]\n";
-    jerk[j] = number(loaded.file, section, "MAX_ACCELERATION") / kRampS;
-    options.replace.push_back({head, head + "MAX_JERK = " + std::to_string(jerk[j]) + "\n"});
-  }
+  if (jerks) jerk = limit_jerk(options, sim.home.size(), kRampS);
   return options;
 }
 
@@ -168,7 +92,7 @@ TEST_P(SimsThatMixAxes, RunTheirDemosLimitedInJerkWithoutStandingAtCorners) {
     auto m = Machine::start(with_jerk_limits(sim, jerks, jerk));
     ASSERT_TRUE(m->ready() && m->power_on_and_home()) << m->errors();
     JointWatch watch(sim.ini, jerk.size(), jerk);
-    m->on_cycle([&](const motion::MotionStatus& s) { watch.look(s); });
+    m->on_cycle([&](const motion::MotionStatus& s) { (void)watch.look(s); });
     const auto reply = m->run_program(sim.program);
     EXPECT_EQ(reply.state, task::CommandState::done) << reply.text << "\n" << m->errors();
     watch.check();
@@ -199,7 +123,7 @@ TEST_P(SimsThatMixAxes, KeepTheirJointsLimitsInJogsOfAxes) {
     ASSERT_EQ(m->run_program(sim.program).state, task::CommandState::done) << m->errors();
     ASSERT_TRUE(m->does({"mode", "manual"}) && m->does({"teleop", "on"}));
     JointWatch watch(sim.ini, jerk.size(), jerk);
-    m->on_cycle([&](const motion::MotionStatus& s) { watch.look(s); });
+    m->on_cycle([&](const motion::MotionStatus& s) { (void)watch.look(s); });
     std::string letters;
     for (std::size_t i = 0; i < rtapi::kAxes; ++i)
       if (!m->pin_kind(std::string("axis.") + "xyzabcuvw"[i] + ".pos-cmd").empty())
@@ -385,7 +309,7 @@ TEST(SimDetails, TheTableIsLimitedInJerkWithoutStandingAtCorners) {
     auto m = Machine::start(options);
     ASSERT_TRUE(m->ready() && m->power_on_and_home()) << m->errors();
     JointWatch watch(ini, 5, std::vector<double>(5, jerks ? kJerk : 0.0));
-    m->on_cycle([&](const motion::MotionStatus& s) { watch.look(s); });
+    m->on_cycle([&](const motion::MotionStatus& s) { (void)watch.look(s); });
     const auto demo = m->run_program(config("xyzac-trt", "demo.ngc"));
     EXPECT_EQ(demo.state, task::CommandState::done) << demo.text << m->errors();
     const std::uint64_t before = watch.cycles();
