@@ -56,8 +56,7 @@ std::string mill_program(std::mt19937& dice) {
   const std::vector<std::string> parts{
       "G1 X60 Y40 F1500\nG1 X62 Y41\nG1 X60.5 Y43\nG1 X59 Y41.5\nG1 X60 Y40\n",
       "G2 X70 Y40 I5 J0 F2400\nG3 X60 Y40 R6\n",
-      "G91\no101 repeat [12]\nG1 X0.3 Y0.1 F1200\nG1 X0.2 Y-0.2\nG1 X-0.1 Y0.15\no101 "
-      "endrepeat\nG90\n",
+      "G91\no101 repeat [12]\nG1 X0.3 Y0.1 F1200\nG1 X-0.1 Y-0.05\no101 endrepeat\nG90\n",
       "G3 X60 Y40 Z-30 I-6 J2 P3 F3000\nG0 Z-20\n",
       "M62 P0\nG1 X80 Y60 F4000\nM63 P0\nG1 X60 Y40\n",
       "S1500 M3\nG1 X55 F800\nM5\nG1 X60\n",
