@@ -57,7 +57,8 @@ class JointWatch {
   /// What is broken in this cycle, or "". Rounding of differences is not.
   std::string look(const motion::MotionStatus& s) {
     constexpr double kDtS = 0.001;
-    if (!s.enabled || s.homing_active) known_ = 0;
+    // Where motors have coasted to it begins to stand.
+    if (!s.enabled || s.homing_active) known_ = -1;
     std::string broken;
     moves_ = false;
     for (std::size_t j = 0; j < joints_.size(); ++j) {

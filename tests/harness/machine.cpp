@@ -333,15 +333,17 @@ task::Reply Machine::run_program(const std::string& path, double limit_s) {
   return command({"run"}, limit_s);
 }
 
-std::string Machine::line_to_shown_place() const {
+std::string Machine::line_to_shown_place(std::string_view axes) const {
   const task::TaskStatus t = task();
-  const motion::MotionStatus s = motion();
-  const double unit = t.program_units == 1 ? 25.4 : 1;
-  char line[120];
-  std::snprintf(line, sizeof line, "G90 G0 X%.13f Y%.13f Z%.13f",
-                (s.pos_cmd.x - t.g5x_offset.x - t.g92_offset.x - t.tool_offset.x) / unit,
-                (s.pos_cmd.y - t.g5x_offset.y - t.g92_offset.y - t.tool_offset.y) / unit,
-                (s.pos_cmd.z - t.g5x_offset.z - t.g92_offset.z - t.tool_offset.z) / unit);
+  const rtapi::Pose at = motion().pos_cmd - t.g5x_offset - t.g92_offset - t.tool_offset;
+  std::string line = "G90 G0";
+  for (const char letter : axes) {
+    const auto i = static_cast<std::size_t>(rtapi::axis_index(letter));
+    const double unit = t.program_units == 1 && !rtapi::is_rotary(i) ? 25.4 : 1;
+    char word[40];
+    std::snprintf(word, sizeof word, " %c%.13f", letter, at[i] / unit);
+    line += word;
+  }
   return line;
 }
 

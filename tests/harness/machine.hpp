@@ -13,6 +13,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "motion/api/shared.hpp"
@@ -100,7 +101,7 @@ class Machine {
   [[nodiscard]] motion::MotionStatus motion() const;
   [[nodiscard]] task::TaskStatus task() const;
   /// "G90 G0 X.. Y.. Z.." to the place that task shows: nothing may move on it.
-  [[nodiscard]] std::string line_to_shown_place() const;
+  [[nodiscard]] std::string line_to_shown_place(std::string_view axes = "XYZ") const;
   [[nodiscard]] double joint(std::size_t j) const { return motion().joint[j].pos_cmd; }
   /// HAL pins, parameters and signals by name; a wrong name fails the test.
   [[nodiscard]] double get(const std::string& name) const;
