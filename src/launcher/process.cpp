@@ -20,15 +20,17 @@ using rtapi::Errc;
 namespace {
 
 /// In the child, between fork and exec: only calls that are safe there.
-[[noreturn]] void become(char* const* words, bool terminal, int output_fd, int report_fd) {
-  if (!terminal) setpgid(0, 0);
+[[noreturn]] void become(char* const* words, const Surroundings& around, int output_fd,
+                         int report_fd) {
+  if (!around.terminal) setpgid(0, 0);
+  if (around.cores != nullptr) (void)sched_setaffinity(0, sizeof *around.cores, around.cores);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
   // The guard ignores these, and what is ignored stays so in another program.
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE})
     (void)::signal(number, SIG_DFL);
-  if (!terminal) {
+  if (!around.terminal) {
     const int null = open("/dev/null", O_RDONLY);
     if (null >= 0) dup2(null, STDIN_FILENO);
   }
@@ -49,23 +51,24 @@ std::string describe_exit(const ExitState& state) {
   return "ended with exit code " + std::to_string(state.number);
 }
 
-rtapi::Result<Child> Child::start(const std::vector<std::string>& words, bool terminal,
-                                  const std::string& output) {
+rtapi::Result<Child> Child::start(const std::vector<std::string>& words,
+                                  const Surroundings& around) {
   std::vector<char*> argv;
   argv.reserve(words.size() + 1);
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
   int output_fd = -1;
-  if (!output.empty()) {
-    output_fd = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  if (!around.output.empty()) {
+    output_fd = open(around.output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     if (output_fd < 0)
-      return rtapi::fail(Errc::system, "cannot write " + output + ": " + std::strerror(errno));
+      return rtapi::fail(Errc::system,
+                         "cannot write " + around.output + ": " + std::strerror(errno));
   }
   int report[2];
   if (pipe2(report, O_CLOEXEC) != 0)
     return rtapi::fail(Errc::system, std::string("no pipe: ") + std::strerror(errno));
   const pid_t pid = fork();
-  if (pid == 0) become(argv.data(), terminal, output_fd, report[1]);
+  if (pid == 0) become(argv.data(), around, output_fd, report[1]);
   if (output_fd >= 0) close(output_fd);
   close(report[1]);
   int error = pid < 0 ? errno : 0;
@@ -80,7 +83,7 @@ rtapi::Result<Child> Child::start(const std::vector<std::string>& words, bool te
   Child child;
   const std::size_t slash = words.front().rfind('/');
   child.name_ = slash == std::string::npos ? words.front() : words.front().substr(slash + 1);
-  child.own_group_ = !terminal;
+  child.own_group_ = !around.terminal;
   child.pid_ = pid;
   child.pidfd_ = rtapi::open_pidfd(pid);
   return child;

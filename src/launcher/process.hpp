@@ -1,6 +1,7 @@
 // Child processes of the launcher. Whatever else runs for an instance: rtapi/shm/leftovers.hpp.
 #pragma once
 
+#include <sched.h>
 #include <sys/types.h>
 
 #include <cstdint>
@@ -21,14 +22,20 @@ struct ExitState {
 /// "ended with exit code 3", "was killed by signal 9 (Killed)".
 [[nodiscard]] std::string describe_exit(const ExitState& state);
 
+/// Of a child.
+struct Surroundings {
+  bool terminal{false};             ///< of the launcher; else its input comes from /dev/null
+  std::string output{};             ///< file for its standard output; empty: the launcher's
+  const cpu_set_t* cores{nullptr};  ///< nullptr: the launcher's
+};
+
 /// One child process in a process group of its own, so that Ctrl-C at the terminal reaches the launcher only. A child at the
 /// terminal stays in the launcher's group: others may not read there.
 class Child {
  public:
-  /// Looks for the program as execvp does. Input comes from /dev/null unless `terminal`. `output`: file for its standard output.
+  /// Looks for the program as execvp does.
   [[nodiscard]] static rtapi::Result<Child> start(const std::vector<std::string>& words,
-                                                  bool terminal = false,
-                                                  const std::string& output = {});
+                                                  const Surroundings& around = {});
   Child(Child&& other) noexcept;
   Child& operator=(Child&& other) noexcept;
   /// Does not end the process.

@@ -189,6 +189,7 @@ Status Session::make_instance() {
                                   plan_.function_timing, children_end_, std::move(hal_path)});
   KERF_TRY(auto clock, rtapi::join_clock(*segment_, rtapi::Role::launcher, "kerf"));
   clock_ = std::make_unique<SupervisedClock>(*segment_, std::move(clock), signal_fd);
+  if (plan_.virtual_time && core_.take()) console_.detail("all parts share a processor core");
   console_.detail("instance " + instance_ + (plan_.virtual_time ? ", virtual time" : ""));
   return {};
 }
@@ -357,7 +358,7 @@ Status Session::filter_program() {
   std::vector<std::string> words = filter;
   words.push_back(options_.program);
   console_.say("[FILTER] " + filter.front() + " makes G-code of " + name);
-  KERF_TRY(Child child, Child::start(words, false, filtered_));
+  KERF_TRY(Child child, Child::start(words, {.output = filtered_}));
   for (;;) {
     const auto exit = child.poll_exit();
     if (!exit) {
@@ -411,7 +412,7 @@ void Session::run_applications() {
     // Redirections and the like are the shell's.
     if (line.find_first_of("<>|&;$*`") != std::string::npos)
       words = {"/bin/sh", "-c", "exec " + line};
-    auto child = Child::start(words);
+    auto child = Child::start(words, {.cores = core_.all()});
     if (child.ok())
       add_child(std::move(*child));
     else
@@ -426,7 +427,7 @@ Status Session::start_screen() {
       console_.say("[DISPLAY]DISPLAY = " + words.front() + ": not found: staying in the terminal");
     } else {
       words.insert(words.begin() + 1, {"-ini", plan_.ini_path});
-      KERF_TRY(Child child, Child::start(words, true));
+      KERF_TRY(Child child, Child::start(words, {.terminal = true, .cores = core_.all()}));
       clock_->watch_child(add_child(std::move(child)), true);
       screen_runs_ = true;
     }

@@ -16,6 +16,7 @@
 #include "launcher/environment.hpp"
 #include "launcher/flight_keeper.hpp"
 #include "launcher/guard.hpp"
+#include "launcher/one_core.hpp"
 #include "launcher/options.hpp"
 #include "launcher/plan.hpp"
 #include "launcher/process.hpp"
@@ -85,6 +86,7 @@ class Session {
   int supervisor_end_{-1};  ///< ours of the pair whose end of file tells children that we are dead
   int children_end_{-1};
   Guard guard_;
+  OneCore core_;
   std::unique_ptr<SupervisedClock> clock_;
   std::vector<std::unique_ptr<Child>> children_;
   Child* realtime_{nullptr};

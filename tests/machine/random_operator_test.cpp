@@ -93,17 +93,18 @@ class Operator {
   void end() {
     does({"abort"});
     pins_at_rest();
-    EXPECT_TRUE(m_.does({"abort"})) << story();
-    EXPECT_TRUE(m_.run_until([&] { return m_.task().idle; }, kStandsWithinS)) << story();
-    m_.run_for(0.5);
-    settle();
-    for (const auto& [id, words] : open_)
-      ADD_FAILURE() << "no outcome: " << text_of(words) << "\n" << story();
-    in_order();
     for (const char* what : {"feed-override", "rapid-override", "spindle-override"})
       EXPECT_TRUE(m_.does({what, "1"}));
     (void)m_.does({"max-velocity", "1000"});
     (void)m_.does({"optional-stop", "off"});
+    EXPECT_TRUE(m_.does({"abort"})) << story();
+    EXPECT_TRUE(m_.run_until([&] { return m_.task().idle; }, kStandsWithinS)) << story();
+    // An external offset goes back.
+    m_.run_for(2);
+    settle();
+    for (const auto& [id, words] : open_)
+      ADD_FAILURE() << "no outcome: " << text_of(words) << "\n" << story();
+    in_order();
   }
   void in_order() {
     machine_pins_at_rest();

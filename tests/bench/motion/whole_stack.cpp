@@ -1,11 +1,9 @@
 #include "bench/motion/whole_stack.hpp"
 
-#include <sched.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -103,11 +101,6 @@ double session(const Folder& folder, const std::string& text) {
   std::fflush(nullptr);
   const pid_t child = fork();
   if (child == 0) {
-    // The goal is one for one core; and it costs nothing to go from process to process within one.
-    cpu_set_t one;
-    CPU_ZERO(&one);
-    CPU_SET(static_cast<std::size_t>(std::max(sched_getcpu(), 0)), &one);
-    (void)sched_setaffinity(0, sizeof one, &one);
     if (std::freopen("/dev/null", "w", stdout) == nullptr ||
         std::freopen("/dev/null", "w", stderr) == nullptr)
       _exit(126);
