@@ -169,6 +169,10 @@ std::unique_ptr<Machine> Machine::start(const MachineOptions& options) {
   fs::create_directories(p.folder);
   fs::copy(original.parent_path(), p.folder,
            fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+  // What a machine of that folder has left of its offsets is no part of the tree.
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(p.folder))
+    if (entry.path().extension() == ".var") fs::remove(entry.path(), ignored);
   std::string text = read_file(original);
   // The sample INI files find the programs by a way from their own folder.
   const std::vector<std::pair<std::string, std::string>> paths{

@@ -22,17 +22,27 @@ inline std::string mill_program(std::mt19937& dice) {
   const std::vector<std::string> parts{
       "G1 X60 Y40 F1500\nG1 X62 Y41\nG1 X60.5 Y43\nG1 X59 Y41.5\nG1 X60 Y40\n",
       "G2 X70 Y40 I5 J0 F2400\nG3 X60 Y40 R6\n",
-      "G91\no101 repeat [12]\nG1 X0.3 Y0.1 F1200\nG1 X-0.1 Y-0.05\no101 endrepeat\nG90\n",
+      "G91\no101 repeat [12]\nG1 X0.3 Y0.1 F1200\nG1 X-0.1 Y-0.05\no101 endrepeat\nG90\nG0 X60 "
+      "Y40\n",
       "G3 X60 Y40 Z-30 I-6 J2 P3 F3000\nG0 Z-20\n",
       "M62 P0\nG1 X80 Y60 F4000\nM63 P0\nG1 X60 Y40\n",
       "S1500 M3\nG1 X55 F800\nM5\nG1 X60\n",
       "S800 M4\nG4 P0.15\nM5\n",
       "M8\nM7\nG0 X90 Y20\nM9\nG0 X60 Y40\n",
-      "T2 M6\nG43\nG0 Z-25\nG49\nG0 Z-20\n",
+      "T2 M6\nG43\nG0 Z-60\nG49\nG0 Z-20\n",
       "G81 X70 Y50 Z-24 R-21 F600\nX72 Y52\nG80\nG0 X60 Y40 Z-20\n",
       "S600 M3\nG33 Z-26 K1.5\nM5\nG0 Z-20\n",
       "S600 M3\nG33.1 Z-26 K1\nM5\nG0 Z-20\n",
       "G38.3 Z-22 F300\nG0 Z-20\n",
+      "S700 M3\nG84 X62 Y42 Z-25 R-21 F700\nG80\nM5\nG0 X60 Y40 Z-20\n",
+      "S700 M4\nG74 X62 Y42 Z-25 R-21 F700\nG80\nM5\nG0 X60 Y40 Z-20\n",
+      "G73 X63 Y41 Z-25 R-21 Q1.5 F800\nG83 X61 Y44 Z-25 R-21 Q2\nG80\nG0 X60 Y40 Z-20\n",
+      "G5.1 X70 Y44 I4 J-3 F2000\nG0 X60 Y40\n",
+      "F1800\nG5.2 P1 L3\nX63 Y46 P1\nX68 Y38 P2\nX72 Y41 P1\nX75 Y45 P1\nG5.3\nG0 X60 Y40\n",
+      "G92 X61 Y41\nG1 X62 Y41 F1500\nG92.1\nG1 X60 Y40\n",
+      "o103 if [#5420 GT 60.5]\nG1 X60 F900\no103 else\nG1 X61 F900\no103 endif\nG1 X60\n",
+      "M68 E0 Q[#<_feed> / 1000]\nM67 E1 Q3\nG1 X62 F1200\nG1 X60\n",
+      "G96 D2000 S60 M3\nG1 X66 F900\nG1 X60\nG97 S0\nM5\n",
       "G93\nG1 X65 Y45 F30\nG1 X60 Y40 F40\nG94 F1000\n",
       "G95 S900 M3 F0.5\nG1 X64\nG1 X60\nM5\nG94 F1000\n",
       "G5 I3 J5 P-2 Q-4 X70 Y44 F1800\nG0 X60 Y40\n",
@@ -46,7 +56,13 @@ inline std::string mill_program(std::mt19937& dice) {
       "G64 P0.5\no102 repeat [10]\nG1 X61 Y40.4 F3000\nG1 X60 Y40\no102 endrepeat\nG64 P0.02\n",
   };
   std::string text = "M52 P1\nM53 P1\nG21 G90 G17 G40 G49 G54 G80 G94 G64 P0.02\nG0 X60 Y40 Z-20\n";
-  for (int i = 0; i < 14; ++i) text += parts[dice() % parts.size()];
+  for (int i = 0; i < 14; ++i) {
+    std::string part = parts[dice() % parts.size()];
+    // A label of its own for each block.
+    for (auto at = part.find("o10"); at != std::string::npos; at = part.find("o10", at + 1))
+      part.replace(at, 3, "o" + std::to_string(20 + i));
+    text += part;
+  }
   return text + "M5 M9\nG49 G54 G0 X60 Y40 Z-20\nM2\n";
 }
 
@@ -126,7 +142,11 @@ class RoomProgram {
       case 2: return "M62 P0\nG53 G1 F3000" + place(0.5) + "\nM63 P0\n";
       case 3: return "G93\nG53 G1 F" + number(between(20, 200)) + place(0.3) + "\nG94 F1000\n";
       case 4: return "S900 M3\nG95 F0.6\nG53 G1" + place(0.2) + "\nG94 F1000\nM5\n";
-      case 5: return one_of(3) == 0 ? "M0\n" : "M1\n";
+      case 5:
+        if (room_.lathe)
+          return "S800 M3\nG53 G0 X20 Z-40\nG76 P1.5 Z-50 I-1 J0.3 K0.6 R1.5 Q29.5 H1\nG33 Z-44 "
+                 "K1\nM5\n";
+        return one_of(3) == 0 ? "M0\n" : "M1\n";
       case 6: return "M66 P0 L3 Q0.05\n";
       case 7: return std::string("G91 G38.3 F400 ") + (room_.lathe ? "X" : "Z") + "0.5\nG90\n";
       case 8:
