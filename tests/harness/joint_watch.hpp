@@ -79,8 +79,10 @@ class JointWatch {
       if (known_ > 0) {
         joint.least = std::min(joint.least, at);
         joint.most = std::max(joint.most, at);
-        const bool outside = at < joint.low - 1e-6 || at > joint.high + 1e-6;
-        if (s.all_homed && outside && at != joint.at)
+        // Back from where a motor has coasted to is no way out.
+        const bool outside = (at < joint.low - 1e-6 && at < joint.at) ||
+                             (at > joint.high + 1e-6 && at > joint.at);
+        if (s.all_homed && outside)
           broken += " joint " + std::to_string(j) + " at " + std::to_string(at) + ";";
       }
       moves_ = moves_ || std::abs(at - joint.at) > kMoves;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/joint_watch.hpp"
 #include "harness/machine.hpp"
 
 namespace kerf::harness {
@@ -49,6 +50,33 @@ TEST(SmoothPath, CornersArePassedAtSpeedWithinTheTolerance) {
   EXPECT_LE(nearest[0], 0.05 + 1e-6) << "from the programmed corner";
   EXPECT_LT(nearest[1], 1e-9);
   EXPECT_LT(seconds[0], seconds[1]);
+}
+
+// What a new feed means for a way of seconds is planned a moment after the first metres of it, with nothing else to wake the planner.
+TEST(SmoothPath, AFeedThatChangesOnceIsKeptToTheEndOfWhatWasPlanned) {
+  for (const bool jerk : {false, true}) {
+    MachineOptions options;
+    if (jerk) (void)limit_jerk(options, 3, 0.02);
+    auto m = Machine::start(options);
+    ASSERT_TRUE(m->ready() && m->power_on_and_home()) << m->errors();
+    std::string text = "G21 G90 G64 P0.01 Q0\nG0 X0 Y0\nF3000\n";
+    for (int i = 1; i <= 600; ++i)
+      text += "G1 X" + std::to_string(0.4 * i) + " Y" + std::to_string(0.0004 * i * i) + "\n";
+    const auto run = m->start_program(m->write_program(text + "M2\n"));
+    ASSERT_TRUE(m->run_until([&] { return m->motion().pos_cmd.x > 20; }));
+    ASSERT_TRUE(m->does({"feed-override", "0.5"}));
+    m->run_for(0.2);
+    double slowest = 1e9, fastest = 0;
+    m->on_cycle([&](const motion::MotionStatus& s) {
+      if (s.pos_cmd.x > 238) return;
+      slowest = std::min(slowest, s.vel_mm_s);
+      fastest = std::max(fastest, s.vel_mm_s);
+    });
+    EXPECT_TRUE(m->run_until([&] { return task::is_terminal(m->outcome(run).state); }));
+    EXPECT_NEAR(slowest, 25, 0.5) << jerk;
+    EXPECT_NEAR(fastest, 25, 0.5) << jerk;
+    m->on_cycle({});
+  }
 }
 
 // Task is not woken for each of thousands of short lines a second; what it shows is 10 ms old at most, and exact at the end.

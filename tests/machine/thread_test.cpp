@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/joint_watch.hpp"
 #include "harness/machine.hpp"
 
 namespace kerf::harness {
@@ -103,6 +104,23 @@ TEST(ThreadOnALathe, AThreadThatBeginsInACornerIsBegunWithJerkLimitsToo) {
   m->on_cycle({});
   EXPECT_EQ(reply.state, task::CommandState::done) << reply.text << m->errors();
   EXPECT_LT(worst, 0.01);
+}
+
+TEST(ThreadOnALathe, BrakingAtItsEndIsNoFallingBehind) {
+  MachineOptions o;
+  o.ini = KERF_SOURCE_DIR "/configs/sim/lathe/lathe.ini";
+  (void)limit_jerk(o, 2, 0.03);
+  auto m = Machine::start(o);
+  ASSERT_TRUE(m->ready() && m->power_on_and_home()) << m->errors();
+  for (int n = 4; n < 7; ++n) {
+    const double rpm = 500 + 37.3 * n;
+    ASSERT_TRUE(m->mdi("M3 S" + std::to_string(rpm)));
+    ASSERT_TRUE(m->mdi("G0 X20 Z0"));
+    ASSERT_TRUE(
+        m->mdi("G76 P1.5 Z-" + std::to_string(10 + 0.037 * n) + " I-1 J0.3 K0.6 R1.5 Q29.5 H1"))
+        << m->errors();
+    EXPECT_EQ(m->motion().faults, 0U) << rpm << m->errors();
+  }
 }
 
 TEST(ThreadOnALathe, G76CutsAllItsPassesInOneGroove) {

@@ -385,7 +385,9 @@ double Synchroniser::thread_jerk(const SyncBounds& sync, double done, RampState 
                                  const SourceTag& tag, FaultList& faults) noexcept {
   mm_ = sync.mm;
   const double j = tracker_.jerk(observer_[spindle_], passed_ + done, state, limits, into, dt);
-  watch_thread(sync, done, stopping_distance(state.speed, {limits.acc, limits.jerk}), tag, faults);
+  // It goes on being the run-out when hardly any speed is left.
+  const double speed = std::max(state.speed, std::abs(observer_[spindle_].rps()) * sync.per_rev);
+  watch_thread(sync, done, stopping_distance(speed, {limits.acc, limits.jerk}), tag, faults);
   return j;
 }
 

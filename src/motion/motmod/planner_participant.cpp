@@ -35,7 +35,7 @@ void PlannerParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
       planner_.run(shared_.path, view, shared_.intent.abort_epoch.get(), now, passes);
   if (waits == Planner::Waits::turn) next.wake_at(now);
   if (waits == Planner::Waits::time) next.wake_at(planner_.wake_ns());
-  if (planner_.makes_laws()) next.wake_at(now + Planner::kLawTurn);
+  if (planner_.comes_back_soon()) next.wake_at(now + Planner::kSoon);
   link_.seen.set(view.executed_seq);
   link_.waits.set(static_cast<std::uint32_t>(waits));
 }

@@ -293,6 +293,9 @@ void throughput(bool quick, const char* only, std::uint64_t seed) {
           program.name.c_str(), jerk > 0 ? "jerk" : "acceleration",
           static_cast<double>(r.moves) / r.planner_s, r.planner_s / r.seconds, stops, most,
           servo_us(r));
+      const bench::RunResult swinging = bench::run(program, {.jerk = jerk, .swings = true});
+      std::printf("  under a feed that changes in every cycle: %.3f s for a second of motion\n",
+                  swinging.planner_s / swinging.seconds);
       if (!(jerk > 0)) continue;
       for (const auto& [what, n] :
            {std::pair{"from rest", r.laws.rests}, std::pair{"children", r.laws.children},

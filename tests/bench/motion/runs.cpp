@@ -185,6 +185,8 @@ RunResult run(const Program& program, const RunOptions& options) {
     while (next < program.items.size() && rig.push(program.items[next])) ++next;
     if (options.overrides && random() % 200 == 0)
       rig.intent.feed_override = 0.05 + static_cast<double>(random() % 1000) / 512.0;
+    if (options.swings)
+      rig.intent.feed_override = 0.7 + 0.3 * std::sin(static_cast<double>(out.cycles) * 0.0044);
     const double began = processor_now(), t0 = seconds_now();
     while (rig.planner.run(*rig.path, rig.controller->view(), 1, rig.now_ns) ==
            motion::Planner::Waits::turn) {

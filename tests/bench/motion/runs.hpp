@@ -19,6 +19,7 @@ struct RunOptions {
   bool deviation{false};  ///< measure it too, which costs time
   bool record{false};     ///< keep the commanded positions
   double path_jerk{0};    ///< along the path too [mm/s3]; 0: not limited
+  bool swings{false};     ///< the feed changes in every cycle, 40 to 100 %, as adaptive feed does
 };
 
 struct RunResult {

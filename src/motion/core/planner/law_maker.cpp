@@ -17,6 +17,8 @@ constexpr int kStopsBefore = 2;
 /// Time and intervals of a window that may go on beyond what it has to reach; the time when it is wanted soon; intervals when it is only to begin, and at most.
 constexpr double kWindowTime = 0.6, kSoonTime = 0.3;
 constexpr std::size_t kWindow = 400, kStart = 48;
+/// For another feed, which the next may follow at once: so many stops from the speed that there is or is wanted, and so long.
+constexpr double kFeedStops = 1.5, kFeedTime = 0.08;
 constexpr std::size_t kMost = Law::kSteps * 3 / 4;
 /// A law is made longer when that share of it is driven, or so many stopping times are left of it.
 constexpr double kShare = 0.75, kStopTimes = 1.5;
@@ -138,8 +140,11 @@ bool LawMaker::locate(std::size_t running, double t, LawKey& key, Place& place) 
 /// `at_least`.
 bool LawMaker::fill(const Place& place, std::uint64_t at_least, For what, Window& out) noexcept {
   const bool stops = what == For::stop;
-  const double enough = what == For::path ? kWindowTime : what == For::soon ? kSoonTime : 0.0;
-  const std::size_t most = what == For::start ? kStart : kWindow;
+  const double enough = what == For::path   ? kWindowTime
+                        : what == For::soon ? kSoonTime
+                        : what == For::feed ? kFeedStops * even_stop(place) + kFeedTime
+                                            : 0.0;
+  const std::size_t most = what == For::start || what == For::feed ? kStart : kWindow;
   solver_.begin(limits_);
   out = Window{};
   double left = place.left, way = 0, time = 0, acc = path::kNoLimit, jerk = path::kNoLimit;
@@ -352,8 +357,11 @@ void LawMaker::make_child(std::size_t running, double now, bool changed) noexcep
   if (from.rests && from.single_step == single_step_ && wish < kGoesOn * place.start.x) return;
   Window window;
   const bool rests = wish < kFarBelow * place.start.x && brake(running, key, place, false, window);
-  if (!rests && !(fill(place, stops ? place.span : from.last_span,
-                       changed || stops ? For::soon : For::path, window) &&
+  if (!rests && !(fill(place, stops || changed ? place.span : from.last_span,
+                       stops     ? For::soon
+                       : changed ? For::feed
+                                 : For::path,
+                       window) &&
                   solved(solver_.solve(place.start), place, counts_.children)))
     return;
   if (rests) window.final = true;  // what comes next begins from rest

@@ -104,8 +104,8 @@ class LawMaker {
                             Place& place) const noexcept;
   /// Where the law is `place.seconds` into interval `place.index`, from its start.
   [[nodiscard]] static double elapsed(const Law& law, const LawPlace& at) noexcept;
-  /// More path; soon, as the servo stands or drives otherwise than is wanted; as little as it takes to begin, or to stop.
-  enum class For { path, soon, start, stop };
+  /// More path; soon, as the servo stands; another feed; as little as it takes to begin, or to stop.
+  enum class For { path, soon, feed, start, stop };
   [[nodiscard]] bool fill(const Place& place, std::uint64_t at_least, For what,
                           Window& out) noexcept;
   Info& publish(std::size_t slot, const LawKey& key, const Window& window) noexcept;

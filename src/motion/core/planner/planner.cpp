@@ -144,13 +144,18 @@ Planner::Waits Planner::run(PathRing& in, const ServoView& view, std::uint32_t a
   return waits;
 }
 
-void Planner::run_laws(const ServoView& view, std::int64_t now_ns) noexcept {
+/// The first span that the servo has not driven to its end.
+std::uint64_t Planner::first_ahead() noexcept {
   // With a full ring the next span takes the slot of the one that was driven last.
   const std::uint64_t popped = slots_.gate.pass([&] { return spans_.popped(); });
   while (first_ahead_ < next_number_ &&
          (next_number_ - first_ahead_ > kSpans || sent_[first_ahead_ % kSpans].place < popped))
     ++first_ahead_;
-  laws_.run(view, scale_, single_step_, first_ahead_, next_number_,
+  return first_ahead_;
+}
+
+void Planner::run_laws(const ServoView& view, std::int64_t now_ns) noexcept {
+  laws_.run(view, scale_, single_step_, first_ahead(), next_number_,
             static_cast<double>(now_ns) * 1e-9);
 }
 
@@ -162,10 +167,14 @@ Planner::Waits Planner::take_items(PathRing& in, const ServoView& view, std::uin
     epoch_ = view.acked_epoch;
   }
   if (!(view.scale == scale_) || view.single_step != single_step_) {
+    const bool feed_only = view.single_step == single_step_ && first_new_ == next_number_;
     scale_ = view.scale;
     single_step_ = view.single_step;
     if (!single_step_) slots_.gate.pass([&] { slots_.steps.publish(0); });
-    plan(true);
+    feed_changed_ns_ = now_ns;
+    plan(feed_only ? Plan::near_feed : Plan::all);
+  } else if (far_feed_old_ && now_ns >= feed_changed_ns_ + kSoon) {
+    plan(Plan::feed);
   }
   shift_ = view.shift;
   for (int n = 0; n < kItemsPerTurn; ++n) {

@@ -62,10 +62,10 @@ class Planner {
   /// the look at `view`, for the tap.
   Waits run(PathRing& in, const ServoView& view, std::uint32_t abort_epoch, std::int64_t now_ns,
             std::uint64_t passes = 0) noexcept;
-  /// The servo follows time laws: the next turn has to come within kLawTurn.
-  [[nodiscard]] bool makes_laws() const noexcept { return laws_.busy(); }
+  /// The servo follows time laws, or feeds far ahead are those of a moment ago: the next turn has to come within kSoon.
+  [[nodiscard]] bool comes_back_soon() const noexcept { return laws_.busy() || far_feed_old_; }
   [[nodiscard]] const LawMaker::Counts& law_counts() const noexcept { return laws_.counts(); }
-  static constexpr std::int64_t kLawTurn = 4'000'000;  ///< ns
+  static constexpr std::int64_t kSoon = 4'000'000;  ///< ns
   /// A ring that is full waits until so many spans have room: however few are new, the pass from the end goes over all that it takes to stop.
   static constexpr std::size_t kRoomWorthSending = kSpans / 4;
   [[nodiscard]] std::int64_t wake_ns() const noexcept { return wake_ns_; }
@@ -220,7 +220,11 @@ class Planner {
   void drop_blocks(std::size_t gone) noexcept;
   [[nodiscard]] bool steps_end_behind(std::uint64_t n) const noexcept;
   void finish_sending() noexcept;
-  void plan(bool all) noexcept;
+  /// What has changed: spans have come (only where they make more possible), the feed (near: what is far waits until no other comes), or anything.
+  enum class Plan : std::int32_t { more, near_feed, feed, all };
+  void plan(Plan what) noexcept;
+  [[nodiscard]] std::uint64_t near_end() noexcept;
+  [[nodiscard]] std::uint64_t first_ahead() noexcept;
   [[nodiscard]] bool plan_ramps(std::uint64_t n, int& unchanged) noexcept;
 
   const Kinematics& kinematics_;
@@ -316,6 +320,8 @@ class Planner {
   std::uint64_t next_block_{0}, oldest_block_{0};  ///< PlanSlots::block; those before are free
   std::uint64_t oldest_span_{0};                   ///< the servo has not popped it
   LawMaker laws_;
+  bool far_feed_old_{false};  ///< behind near_end() feeds are those of before the last change
+  std::int64_t feed_changed_ns_{0};
   std::uint64_t first_ahead_{0};  ///< the servo has not driven it to its end
   FeedScale scale_;
   bool single_step_{false};

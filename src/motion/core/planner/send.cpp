@@ -16,6 +16,8 @@ constexpr double kSliver = 3e-4, kSliverTime = 5e-4;
 constexpr double kLineLag = 0.01;  // s
 constexpr double kRounding = 1.0 - 1e-7;
 constexpr int kGroupsTogether = 3;
+/// What is near, for feeds: so many of the longest stops, and so long (s).
+constexpr double kNearStops = 3, kNearTime = 0.1;
 
 /// Stretches of a straight along which joints bend: at least, and on the way on which it gets its speed.
 constexpr int kLeastPerStraight = 8, kPerRamp = 4;
@@ -103,7 +105,7 @@ bool Planner::send() noexcept {
     curved_ = false;
     ++piece_;
   }
-  if (next_number_ != first_new_) plan(false);
+  if (next_number_ != first_new_) plan(Plan::more);
   if (all) finish_sending();
   return all;
 }
@@ -401,17 +403,37 @@ bool Planner::steps_end_behind(std::uint64_t n) const noexcept {
   return sent_[n % kSpans].block_end || (n + 1 < next_number_ && !next.begins && next.blocks);
 }
 
-/// From the last span to the first that the servo has not begun; `all`: all of them, else only where more has become possible.
-void Planner::plan(bool all) noexcept {
+/// Behind the way that the servo drives within the next moments: no stop that begins within the next cycles gets there.
+std::uint64_t Planner::near_end() noexcept {
+  const double enough_s = kNearStops * stop_s_ + kNearTime;
+  std::uint64_t n = first_ahead();
+  for (double s = 0; n < next_number_ && s < enough_s; ++n) {
+    const Sent& span = sent_[n % kSpans];
+    s += span.length / std::sqrt(span.speed.cap);
+  }
+  return n;
+}
+
+/// Backwards to the first span that the servo has not begun.
+void Planner::plan(Plan what) noexcept {
+  const bool all = what == Plan::all, feed = what == Plan::feed || what == Plan::near_feed;
   // What the servo drives on to meanwhile is written in vain; nobody reads it.
   const std::uint64_t popped = slots_.gate.pass([&] { return spans_.popped(); });
+  // As if it were wanted to stand behind what is near.
+  const std::uint64_t end = what == Plan::near_feed ? near_end() : next_number_;
+  if (what != Plan::more) far_feed_old_ = end < next_number_;
   double hard = 0, soft = 0;
   int unchanged = 0;  // ends of groups in a row
-  for (std::uint64_t n = next_number_; n-- > 0 && next_number_ - n <= kSpans;) {
+  for (std::uint64_t n = end; n-- > 0 && next_number_ - n <= kSpans;) {
     const Sent& s = sent_[n % kSpans];
     if (s.place < popped) break;
     if (s.even_jerk > 0) {
       hard = soft = 0;
+      if (feed) {
+        // Feeds bear on nothing here.
+        if (s.begins) break;
+        continue;
+      }
       // Within a group nothing changes.
       if (!all && n + 1 < first_new_ && sent_[(n + 1) % kSpans].group <= n) {
         n = s.group;
@@ -423,25 +445,25 @@ void Planner::plan(bool all) noexcept {
       if (s.begins) break;
       continue;
     }
+    rtapi::Word<double>&hard_slot = slots_.hard[n % kSpans], &soft_slot = slots_.soft[n % kSpans];
     const double cap = s.speed.cap, wanted = wanted_x(s.speed, scale_);
-    const double hard_end = s.stop_at_end ? 0.0 : std::min(hard, cap);
+    const double hard_end = feed ? hard_slot.get() : s.stop_at_end ? 0.0 : std::min(hard, cap);
     const bool stands = s.stop_at_end || (single_step_ && !s.speed.sync && steps_end_behind(n));
     const double soft_end = stands ? 0.0 : std::min({soft, wanted, hard_end});
-    rtapi::Word<double>&hard_slot = slots_.hard[n % kSpans], &soft_slot = slots_.soft[n % kSpans];
-    if (!all && n < first_new_ && hard_slot.get() == hard_end && soft_slot.get() == soft_end) break;
+    if (what == Plan::more && n < first_new_ && hard_slot.get() == hard_end &&
+        soft_slot.get() == soft_end)
+      break;
     slots_.gate.pass([&] {
       soft_slot.set(soft_end);
       // Release, last span first: see PlanSlots.
       hard_slot.publish(hard_end);
     });
-    if (s.even_acc > 0) {
-      const double gain = 2.0 * s.length * s.even_acc * kRounding;
-      hard = std::min(cap, hard_end + gain);
-      soft = std::min(wanted, soft_end + gain);
-    } else {
-      hard = std::min(cap, path::largest_x0(s.rows.all(), hard_end));
-      soft = std::min(wanted, path::largest_x0(s.rows.all(), soft_end));
-    }
+    const double gain = 2.0 * s.length * s.even_acc * kRounding;
+    const auto start = [&](double x_end) {
+      return s.even_acc > 0 ? x_end + gain : path::largest_x0(s.rows.all(), x_end);
+    };
+    if (!feed) hard = std::min(cap, start(hard_end));
+    soft = std::min(wanted, start(soft_end));
     if (s.begins) break;
   }
   first_new_ = next_number_;
