@@ -222,8 +222,12 @@ class Operator {
       default: return does({"rapid-override", "1"});
     }
   }
+  /// Off at full speed its motors coast to where the switches are, and nobody here jogs them off.
+  [[nodiscard]] bool coasts() const { return kind_.folder == "mill-4axis" && watch_.moves(); }
   void rarely() {
-    switch (one_of(12)) {
+    const int what = one_of(12);
+    if (what < 2 && coasts()) return does({"abort"});
+    switch (what) {
       case 0: return does({"state", "estop"});
       case 1: return does({"state", "off"});
       // Where an arm has been the switches may lie behind it.
@@ -254,7 +258,8 @@ class Operator {
       // Some machines have nets there.
       if (!m_.hal("setp " + pin + " " + value)) note("  it is wired");
     };
-    const std::string bit = one_of(2) == 0 ? "1" : "0", rarely = one_of(4) == 0 ? "1" : "0";
+    const std::string bit = one_of(2) == 0 ? "1" : "0", rarely = one_of(4) == 0 ? "1" : "0",
+                      off = coasts() ? "0" : rarely;
     const std::string axis = "axis." + an_axis(), joint = "joint." + a_joint(),
                       ini = "ini." + a_joint();
     switch (one_of(27)) {
@@ -269,11 +274,11 @@ class Operator {
       case 16: return set("motion.jog-inhibit", rarely);
       case 17: return set("motion.jog-stop", rarely);
       case 18: return set("motion.homing-inhibit", rarely);
-      case 19: return set("motion.enable", rarely == "1" ? "0" : "1");
-      case 20: return set(joint + ".amp-fault-in", rarely);
+      case 19: return set("motion.enable", off == "1" ? "0" : "1");
+      case 20: return set(joint + ".amp-fault-in", off);
       case 21: return set("spindle.0.at-speed", bit);
       case 22: return set("spindle.0.inhibit", rarely);
-      case 23: return set("spindle.0.amp-fault-in", rarely);
+      case 23: return set("spindle.0.amp-fault-in", off);
       case 24: return set("motion.digital-in-00", bit);
       case 25: return set(axis + ".jog-accel-fraction", number(0.1, 1));
       case 26: return set(ini + ".max_velocity", number(20, 60));
