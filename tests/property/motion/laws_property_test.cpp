@@ -227,6 +227,46 @@ TEST(TimeLaws, FromRestAreMadeRarelyUnderAFeedThatSwings) {
   d.expect_limits();
 }
 
+/// A child for each feed sees as far as it takes to stop, not all that there is.
+TEST(TimeLaws, SeeAsFarAsTheyHaveToUnderAFeedThatSwings) {
+  for (const bench::Program& program :
+       {bench::freeform(600, 0.01, 100, 1), bench::zigzag(0.05, 50)}) {
+    Drive d(program, true);
+    int cycles = 0;
+    while (!d.done() && d.rig.faults.empty()) {
+      d.rig.intent.feed_override = 0.7 + 0.3 * std::sin(cycles++ * 0.0044);
+      d.cycle();
+    }
+    d.expect_limits();
+    const LawMaker::Count& n = d.rig.planner.law_counts().children;
+    std::printf("%s: %d children in %.1f s, %.0f intervals\n", program.name.c_str(),
+                static_cast<int>(n.all), cycles * 0.001,
+                static_cast<double>(n.intervals) / static_cast<double>(n.all));
+    EXPECT_LE(30 * n.failed, n.all);
+    EXPECT_LT(n.intervals, 150 * n.all) << program.name;
+  }
+}
+
+/// Lathes and the like: an axis that is not there does not make stops seem long, for which laws would be made anew all the time.
+TEST(TimeLaws, AreMadeNoMoreOftenWhereAnAxisIsMissing) {
+  std::uint64_t children[2]{};
+  for (const bool lathe : {false, true}) {
+    bench::ProgramWriter writer("waves", 0.02, 60, false);
+    for (int i = 1; i <= 800; ++i) writer.line({.x = 3 * std::sin(i * 0.05), .z = -0.3 * i});
+    const bench::Program program = writer.done();
+    const std::vector<int> axes = lathe ? std::vector{0, 2} : std::vector{0, 1, 2};
+    test::Drive d(program, 50000, true, test::RigKinematics(axes));
+    while (!d.done() && d.rig.faults.empty()) d.cycle();
+    EXPECT_TRUE(d.rig.faults.empty());
+    EXPECT_LE(d.oracle.jerk, 1.01);
+    children[lathe ? 1 : 0] = d.rig.planner.law_counts().children.all;
+  }
+  std::printf("children: %d, on a lathe %d\n", static_cast<int>(children[0]),
+              static_cast<int>(children[1]));
+  EXPECT_GT(children[0], 3U);
+  EXPECT_LE(children[1], 2 * children[0]);
+}
+
 /// Where a feed changes and where an output stands a hair before the end of a stretch: a sliver of path, over which no law was found.
 TEST(TimeLaws, AreFoundThroughFeedsAndOutputs) {
   for (const double step : {0.35, 0.05}) {

@@ -71,7 +71,9 @@ double Planner::stop_seconds() const noexcept {
     if (!(limits_.acc[i] > 0)) continue;
     const double vel = std::min(limits_.vel[i], i < 3 ? limits_.path_vel : path::kNoLimit);
     if (!(vel < path::kNoLimit)) continue;
-    const double ramp = limits_.jerk[i] > 0 ? limits_.acc[i] / limits_.jerk[i] : 0;
+    // Axes that the machine does not have have no limits.
+    const bool ramps = limits_.jerk[i] > 0 && limits_.acc[i] < path::kNoLimit;
+    const double ramp = ramps ? limits_.acc[i] / limits_.jerk[i] : 0;
     longest = std::max(longest, vel / limits_.acc[i] + ramp);
   }
   return std::min(longest, kLongestStop);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kerf::motion {
 namespace {
@@ -17,11 +18,13 @@ constexpr int kStopsBefore = 2;
 /// Time and intervals of a window that may go on beyond what it has to reach; the time when it is wanted soon; intervals when it is only to begin, and at most.
 constexpr double kWindowTime = 0.6, kSoonTime = 0.3;
 constexpr std::size_t kWindow = 400, kStart = 48;
-/// For another feed, which the next may follow at once: so many stops from the speed that there is or is wanted, and so long.
-constexpr double kFeedStops = 1.5, kFeedTime = 0.08;
+/// A law for another feed, which the next may follow at once, sees so many stops of a straight from the speed that there is so much later, and so long (s);
+/// it ends within a stretch where more than that share of it is left.
+constexpr double kFeedStops = 1.3, kFeedRise = 0.02, kFeedTime = 0.04, kWorthCutting = 0.2;
 constexpr std::size_t kMost = Law::kSteps * 3 / 4;
-/// A law is made longer when that share of it is driven, or so many stopping times are left of it.
-constexpr double kShare = 0.75, kStopTimes = 1.5;
+/// A law is made longer when that share of it is driven, or so many stopping times are left of it and that share is driven: where intervals are short as many
+/// as there may be take less.
+constexpr double kShare = 0.75, kStopTimes = 1.5, kLeastShare = 0.1;
 /// What follows a stop is made ready so long before.
 constexpr double kRestAhead = 0.25;
 /// A law that ends within so many times what even braking takes needs no stop beside it.
@@ -140,11 +143,9 @@ bool LawMaker::locate(std::size_t running, double t, LawKey& key, Place& place) 
 /// `at_least`.
 bool LawMaker::fill(const Place& place, std::uint64_t at_least, For what, Window& out) noexcept {
   const bool stops = what == For::stop;
-  const double enough = what == For::path   ? kWindowTime
-                        : what == For::soon ? kSoonTime
-                        : what == For::feed ? kFeedStops * even_stop(place) + kFeedTime
-                                            : 0.0;
-  const std::size_t most = what == For::start || what == For::feed ? kStart : kWindow;
+  const double sees = what == For::feed ? feed_way(place) : path::kNoLimit;
+  const double enough = what == For::path ? kWindowTime : what == For::soon ? kSoonTime : 0.0;
+  const std::size_t most = what == For::start ? kStart : kWindow;
   solver_.begin(limits_);
   out = Window{};
   double left = place.left, way = 0, time = 0, acc = path::kNoLimit, jerk = path::kNoLimit;
@@ -164,9 +165,16 @@ bool LawMaker::fill(const Place& place, std::uint64_t at_least, For what, Window
     const double seconds = s.length / std::sqrt(x);
     const int fineness = stops || seconds < kDense ? 1 : seconds < kMiddling ? 2 : 4;
     const double end = s.from + s.length;
-    if (!solver_.add(n, s.piece, end - left, end, end, s.speed.cap,
-                     wish > 0 ? wish : path::kNoLimit, fineness, joints(n)))
+    double to = end;
+    if (what == For::feed && way + left - sees > kWorthCutting * left)
+      to = end - left + std::max(sees - way, 0.0);
+    if (!solver_.add(n, s.piece, end - left, to, end, s.speed.cap, wish > 0 ? wish : path::kNoLimit,
+                     fineness, joints(n)))
       return false;
+    if (to < end) {
+      out.final = false;
+      break;
+    }
     out.straight = out.straight && s.piece.straight() && joints(n) == nullptr;
     // Where a block ends within a span it is driven from rest, by boxes (Executor::cut_).
     const bool step_ends = s.block_end || (n + 1 < next_ && stretch(n + 1).blocks);
@@ -183,6 +191,11 @@ bool LawMaker::fill(const Place& place, std::uint64_t at_least, For what, Window
       const double v = std::sqrt(place.start.x) + rise * std::max(place.start.u, acc) / 2;
       // Boxes of blends ahead make the way seem longer than it is; a stop ends wherever it can.
       if (way > kStopReserve * (v * v / (2 * acc) + v * rise) || solver_.intervals() > kMost) {
+        out.final = false;
+        break;
+      }
+    } else if (what == For::feed) {
+      if (way > sees || solver_.intervals() > kMost) {
         out.final = false;
         break;
       }
@@ -328,10 +341,18 @@ void LawMaker::follow(std::size_t running, const LawPlace& at) noexcept {
   }
   const bool stops = laws_.head[running].key.kind == LawKey::Kind::stop;
   const bool changed = !(info.scale == scale_) || info.single_step != single_step_;
-  const bool more = !info.final && info.last_span + 1 < next_ &&
-                    (now > kShare * info.total || info.total - now < kStopTimes * stop_s_);
-  if (child == kNone && !at.stands && (changed || more || stops) && now >= info.child_tried) {
-    make_child(running, now, changed);
+  const bool more = !info.final && (info.last_span + 1 < next_ || info.last_left > 0) &&
+                    (now > kShare * info.total ||
+                     (now > kLeastShare * info.total && info.total - now < kStopTimes * stop_s_));
+  // One for more path that is not driven yet knows nothing of the feed: another takes its place, once, as a feed that swings would never have one.
+  const bool overtakes = child != kNone && changed && !info_[child].overtaken &&
+                         info_[child].scale == info.scale &&
+                         info_[child].single_step == info.single_step;
+  const bool due = child == kNone && (changed || more || stops) && now >= info.child_tried;
+  if (!at.stands && (due || overtakes)) {
+    if (overtakes) info_[child].overtaken = true;
+    const bool made = make_child(running, now, changed);
+    if (made && overtakes) take_back(std::exchange(child, kNone));
     info_[running].child_tried = now + kRetry;
   }
   if (!stops) make_stop(running, now, child == kNone ? info.total : info_[child].begins);
@@ -344,31 +365,35 @@ void LawMaker::follow(std::size_t running, const LawPlace& at) noexcept {
   }
 }
 
-void LawMaker::make_child(std::size_t running, double now, bool changed) noexcept {
+bool LawMaker::make_child(std::size_t running, double now, bool changed) noexcept {
   const std::size_t slot = free_slot();
   LawKey key;
   Place place;
   const double begins = now + std::clamp(lead_, kLead, kMostLead);
-  if (slot == kNone || !locate(running, begins, key, place)) return;
+  if (slot == kNone || !locate(running, begins, key, place)) return false;
   key.kind = LawKey::Kind::go;
   const bool stops = laws_.head[running].key.kind == LawKey::Kind::stop;
   const Info& from = info_[running];
+  const std::uint64_t at_least = stops ? place.span : from.last_span;
   const double wish = wanted_x(stretch(place.span).speed, scale_);
-  if (from.rests && from.single_step == single_step_ && wish < kGoesOn * place.start.x) return;
+  if (from.rests && from.single_step == single_step_ && wish < kGoesOn * place.start.x)
+    return false;
   Window window;
   const bool rests = wish < kFarBelow * place.start.x && brake(running, key, place, false, window);
-  if (!rests && !(fill(place, stops || changed ? place.span : from.last_span,
-                       stops     ? For::soon
-                       : changed ? For::feed
-                                 : For::path,
-                       window) &&
-                  solved(solver_.solve(place.start), place, counts_.children)))
-    return;
+  const auto solves = [&](For what) {
+    return fill(place, what == For::feed ? place.span : at_least, what, window) &&
+           solved(solver_.solve(place.start), place, counts_.children);
+  };
+  // What cannot be seen through to a stop from near may be from farther.
+  if (!rests && !(changed && !stops && solves(For::feed)) &&
+      !solves(changed || stops ? For::soon : For::path))
+    return false;
   if (rests) window.final = true;  // what comes next begins from rest
   Info& info = publish(slot, key, window);
   info.begins = begins;
   info.rests = rests;
   lead_ *= kLessLead;
+  return true;
 }
 
 /// Below what any stop takes from there: even braking with all the acceleration that the axes have, on a straight.
@@ -379,6 +404,22 @@ double LawMaker::even_stop(const Place& place) const noexcept {
   for (std::size_t i = 0; i < path::kAxes; ++i)
     if (slope[i] != 0) acc = std::min(acc, limits_.acc[i] / std::abs(slope[i]));
   return std::sqrt(place.start.x) / acc;
+}
+
+/// How far a law for another feed has to see.
+double LawMaker::feed_way(const Place& place) const noexcept {
+  const Stretch& s = stretch(place.span);
+  path::LawStretch there;
+  there.piece = s.piece;
+  there.joints = joints(place.span);
+  double acc = 0, jerk = 0;
+  path::straight_limits(there, s.from + s.length - place.left, limits_, acc, jerk);
+  // It speeds up until its acceleration has gone.
+  const double now = std::sqrt(place.start.x), wanted = std::sqrt(wanted_x(s.speed, scale_)),
+               gone_s = std::max(place.start.u, 0.0) / jerk;
+  const double v = std::max(now, std::min(now + acc * kFeedRise, wanted)) +
+                   std::max(place.start.u, 0.0) * gone_s / 2;
+  return kFeedStops * v * (v / (2 * acc) + acc / jerk + gone_s) + v * kFeedTime;
 }
 
 void LawMaker::make_stop(std::size_t running, double now, double before) noexcept {

@@ -61,6 +61,7 @@ class LawMaker {
     bool wants{false};  ///< it ends for want of path
     bool rests{false};  ///< it brakes as hardly any feed is wanted
     bool single_step{false};
+    bool overtaken{false};  ///< one that knows of another feed was tried in its place
     std::uint64_t number{0};
     std::uint64_t known{0};  ///< spans that there were
     std::uint64_t mark{0};   ///< the cycle after which no new one takes it
@@ -92,8 +93,10 @@ class LawMaker {
   void prepare_rest(std::uint64_t span, double left, std::uint64_t running) noexcept;
   void stand(const LawPlace& at) noexcept;
   void follow(std::size_t running, const LawPlace& at) noexcept;
-  void make_child(std::size_t running, double now, bool changed) noexcept;
+  /// False: none was found, or none is needed.
+  [[nodiscard]] bool make_child(std::size_t running, double now, bool changed) noexcept;
   [[nodiscard]] double even_stop(const Place& place) const noexcept;
+  [[nodiscard]] double feed_way(const Place& place) const noexcept;
   void make_stop(std::size_t running, double now, double before) noexcept;
   [[nodiscard]] bool brake(std::size_t running, const LawKey& key, const Place& place, bool search,
                            Window& window) noexcept;
