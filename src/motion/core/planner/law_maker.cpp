@@ -414,11 +414,10 @@ double LawMaker::feed_way(const Place& place) const noexcept {
   there.joints = joints(place.span);
   double acc = 0, jerk = 0;
   path::straight_limits(there, s.from + s.length - place.left, limits_, acc, jerk);
-  // It speeds up until its acceleration has gone.
+  // It speeds up until its acceleration has gone, and to what is wanted until the next law takes over.
   const double now = std::sqrt(place.start.x), wanted = std::sqrt(wanted_x(s.speed, scale_)),
-               gone_s = std::max(place.start.u, 0.0) / jerk;
-  const double v = std::max(now, std::min(now + acc * kFeedRise, wanted)) +
-                   std::max(place.start.u, 0.0) * gone_s / 2;
+               u = std::max(place.start.u, 0.0), gone_s = u / jerk;
+  const double v = std::max(now + u * gone_s / 2, std::min(now + acc * kFeedRise, wanted));
   return kFeedStops * v * (v / (2 * acc) + acc / jerk + gone_s) + v * kFeedTime;
 }
 
