@@ -123,6 +123,24 @@ TEST(ThreadOnALathe, BrakingAtItsEndIsNoFallingBehind) {
   }
 }
 
+TEST(ThreadOnALathe, AnAbortInItIsNoFallingBehindEither) {
+  for (const double ramp_s : {0.0, 0.03}) {
+    MachineOptions o;
+    o.ini = KERF_SOURCE_DIR "/configs/sim/lathe/lathe.ini";
+    if (ramp_s > 0) (void)limit_jerk(o, 2, ramp_s);
+    auto m = Machine::start(o);
+    ASSERT_TRUE(m->ready() && m->power_on_and_home()) << m->errors();
+    ASSERT_TRUE(m->mdi("M3 S1200"));
+    ASSERT_TRUE(m->mdi("G0 X20 Z0"));
+    (void)m->send({"mdi", "G33 Z-30 K1"});
+    ASSERT_TRUE(m->run_until([&] { return m->motion().pos_cmd.z < -10; }, 5)) << m->errors();
+    ASSERT_TRUE(m->does({"abort"}));
+    m->run_for(1);
+    EXPECT_EQ(m->motion().faults, 0U) << m->errors();
+    EXPECT_GT(m->motion().pos_cmd.z, -12);
+  }
+}
+
 TEST(ThreadOnALathe, G76CutsAllItsPassesInOneGroove) {
   auto m = lathe();
   std::vector<double> depths;

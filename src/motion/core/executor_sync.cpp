@@ -95,9 +95,11 @@ double Executor::run_thread(const Span& span, const PathSpan& move, const PathIn
                             FaultList& faults) noexcept {
   requested_ = move.requested;
   commanded_feed_ = 0;
+  const bool stops = in.stop || ending_ || failing_;
+  if (stops) sync_.lag_is_wanted();
   const double jerk = thread_jerk(span, move, move.length - left_, dt, faults);
   if (in.stop) blocked(PathWait::hold);
-  if (in.stop || ending_ || failing_) return run_ramps(move, 0, dt);
+  if (stops) return run_ramps(move, 0, dt);
   const RampState from{sigma_speed_, sigma_acc_};
   if (at_rest() && !(jerk > 0)) {
     blocked(PathWait::spindle_turning, move.sync.spindle);
@@ -143,9 +145,11 @@ double Executor::wanted_in_thread(const Span& span, const PathSpan& move, const 
                                   FaultList& faults) noexcept {
   requested_ = move.requested;
   commanded_feed_ = 0;
+  const bool stops = in.stop || ending_ || failing_;
+  if (stops) sync_.lag_is_wanted();
   const double v = sync_.thread_speed(move.sync, move.length - left_, span.tag, faults);
   if (in.stop) blocked(PathWait::hold);
-  if (in.stop || ending_ || failing_) return 0;
+  if (stops) return 0;
   if (!(v > 0)) blocked(PathWait::spindle_turning, move.sync.spindle);
   return v * v;
 }

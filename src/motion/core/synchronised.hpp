@@ -154,6 +154,8 @@ class Synchroniser {
   }
 
   // --- threads ---
+  /// The thread is given up: nothing is said any more of falling behind.
+  void lag_is_wanted() noexcept { told_ = true; }
   /// The speed in sigma/s that is wanted at the end of this cycle, `done` of the present stretch being driven. Says so, once, when the
   /// path falls behind.
   [[nodiscard]] double thread_speed(const SyncBounds& sync, double done, const SourceTag& tag,
