@@ -77,6 +77,7 @@ class Operator {
       act();
       constexpr int kPauses[]{0, 1, 2, 5, 20, 20, 100, 100, 300, 300, 1000, 2500};
       for (int n = kPauses[one_of(12)] * (1 + one_of(8)) / 4; n > 0; --n) {
+        if (swings_ && n % 2 == 0) swing();
         m_.cycle();
         if (testing::Test::HasFailure()) break;
       }
@@ -285,7 +286,7 @@ class Operator {
       case 0: return set("motion.feed-inhibit", one_of(2) == 0 ? "1" : "0");
       case 1: return set("motion.feed-hold", one_of(2) == 0 ? "1" : "0");
       case 2: return set("motion.adaptive-feed", number(-0.5, 1.2));
-      case 3: return set("motion.adaptive-feed", "1");
+      case 3: swings_ = one_of(2) == 0; return set("motion.adaptive-feed", "1");
       case 4: return set("motion.probe-input", one_of(2) == 0 ? "1" : "0");
       case 5: return set("axis.z.eoffset-enable", one_of(4) > 0 ? "1" : "0");
       case 6: return set("axis.z.eoffset-counts", std::to_string(one_of(41) - 20));
@@ -300,8 +301,14 @@ class Operator {
       lines.push_back("joint." + std::to_string(j) + ".amp-fault-in 0");
     for (const std::string& line : lines) (void)m_.hal("setp " + line);
   }
+  /// The feed follows a load.
+  void swing() {
+    const double feed = 0.7 + 0.3 * std::sin(static_cast<double>(m_.motion().cycle) * 0.004);
+    EXPECT_TRUE(m_.hal("setp motion.adaptive-feed " + std::to_string(feed)));
+  }
   void pins_at_rest() {
     machine_pins_at_rest();
+    swings_ = false;
     std::vector<std::string> lines{
         "motion.feed-inhibit 0", "motion.feed-hold 0",      "motion.adaptive-feed 1",
         "motion.probe-input 0",  "axis.z.eoffset-counts 0", "axis.z.eoffset-clear 0",
@@ -400,7 +407,9 @@ class Operator {
     // Motors that coast when they are switched on cannot stand at once.
     const bool coasted =
         fault.fault == Fault::following_error && s.cycle < on_from_ + kBrakesWithin;
-    if (!refused && !inhibited && !coasted &&
+    // A taper at the end of a thread is a corner.
+    const bool corner = fault.fault == Fault::sync_behind && kind_.folder == "lathe" && kind_.jerk;
+    if (!refused && !inhibited && !coasted && !corner &&
         std::find(std::begin(kOwn), std::end(kOwn), fault.fault) == std::end(kOwn))
       ADD_FAILURE() << "cycle " << s.cycle << ": " << motion::fault_name(fault.fault) << " of "
                     << fault.index << ", " << fault.value << "\n"
@@ -417,6 +426,7 @@ class Operator {
   std::uint64_t still_from_{~0ULL}, spindle_off_from_{~0ULL}, faults_{0}, on_from_{0};
   std::uint64_t last_move_{0};  ///< command that may begin a motion
   double moved_s_{0};
+  bool swings_{false};  ///< adaptive feed, from cycle to cycle
 };
 
 class RandomOperator : public testing::TestWithParam<Kind> {};
