@@ -484,7 +484,7 @@ TEST_P(RandomOperator, HasProgramsThatRunToTheirEnds) {
   auto m = Machine::start(options_of(kind, jerk));
   ASSERT_TRUE(m->ready() && m->power_on_and_home()) << m->errors();
   std::mt19937 dice(1);
-  for (int n = 0; n < 3; ++n) {
+  for (int n = 0; n < 2; ++n) {
     const std::string program = program_of(kind, *m, dice);
     const std::uint64_t id = m->start_program(program);
     const auto ended = [&] { return task::is_terminal(m->outcome(id).state); };
