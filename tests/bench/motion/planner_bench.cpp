@@ -294,8 +294,12 @@ void throughput(bool quick, const char* only, std::uint64_t seed) {
           static_cast<double>(r.moves) / r.planner_s, r.planner_s / r.seconds, stops, most,
           servo_us(r));
       const bench::RunResult swinging = bench::run(program, {.jerk = jerk, .swings = true});
-      std::printf("  under a feed that changes in every cycle: %.3f s for a second of motion\n",
-                  swinging.planner_s / swinging.seconds);
+      std::printf(
+          "  under a feed that changes in every cycle: %.3f s for a second of motion, %d of %d "
+          "laws "
+          "not found\n",
+          swinging.planner_s / swinging.seconds, static_cast<int>(swinging.laws.children.failed),
+          static_cast<int>(swinging.laws.children.all));
       if (!(jerk > 0)) continue;
       for (const auto& [what, n] :
            {std::pair{"from rest", r.laws.rests}, std::pair{"children", r.laws.children},

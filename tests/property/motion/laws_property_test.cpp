@@ -247,6 +247,25 @@ TEST(TimeLaws, SeeAsFarAsTheyHaveToUnderAFeedThatSwings) {
   }
 }
 
+/// Where the path bends so much that no feed is reached a law is as good for another feed.
+TEST(TimeLaws, StayWhereAnotherFeedHoldsNothingBack) {
+  const bench::Program program = bench::fractal(4, 0.5, 0.05, 100);
+  std::uint64_t children[2]{};
+  int cycles[2]{};
+  for (const bool swings : {false, true}) {
+    Drive d(program, true);
+    int& n = cycles[swings ? 1 : 0];
+    for (; !d.done() && d.rig.faults.empty(); ++n) {
+      if (swings) d.rig.intent.feed_override = 0.9 + 0.1 * std::sin(n * 0.01);
+      d.cycle();
+    }
+    d.expect_limits();
+    children[swings ? 1 : 0] = d.rig.planner.law_counts().children.all;
+  }
+  EXPECT_LE(children[1], children[0] + 3);
+  EXPECT_NEAR(cycles[1], cycles[0], 3);
+}
+
 /// Lathes and the like: an axis that is not there does not make stops seem long, for which laws would be made anew all the time.
 TEST(TimeLaws, AreMadeNoMoreOftenWhereAnAxisIsMissing) {
   std::uint64_t children[2]{};

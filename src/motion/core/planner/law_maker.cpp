@@ -38,6 +38,8 @@ constexpr double kFarBelow = 2e-3, kGoesOn = 0.5;
 constexpr double kMoves = 1e-7;
 /// After a law that was not found.
 constexpr double kRetry = 0.010;
+/// Up to this share of what is wanted (of x) a law is not held back by it.
+constexpr double kFree = 0.97;
 /// A law from rest is not made again sooner for another feed (s): one that swings (adaptive feed) would have it made in each cycle, and it would never be
 /// there for long. What is driven by the old one meanwhile is the beginning, up to its first child.
 constexpr double kRestAgain = 0.040;
@@ -340,7 +342,10 @@ void LawMaker::follow(std::size_t running, const LawPlace& at) noexcept {
       child = i;
   }
   const bool stops = laws_.head[running].key.kind == LawKey::Kind::stop;
-  const bool changed = !(info.scale == scale_) || info.single_step != single_step_;
+  const bool stays = info.single_step == single_step_ && !info.rests && !stops &&
+                     !feeds_bear(law, at.index, info.scale);
+  if (stays) info_[running].scale = scale_;
+  const bool changed = !(info_[running].scale == scale_) || info.single_step != single_step_;
   const bool more = !info.final && (info.last_span + 1 < next_ || info.last_left > 0) &&
                     (now > kShare * info.total ||
                      (now > kLeastShare * info.total && info.total - now < kStopTimes * stop_s_));
@@ -385,9 +390,10 @@ bool LawMaker::make_child(std::size_t running, double now, bool changed) noexcep
            solved(solver_.solve(place.start), place, counts_.children);
   };
   // What cannot be seen through to a stop from near may be from farther.
-  if (!rests && !(changed && !stops && solves(For::feed)) &&
-      !solves(changed || stops ? For::soon : For::path))
-    return false;
+  if (!rests && !(changed && !stops && solves(For::feed))) {
+    const bool saw_all = changed && !stops && window.final;
+    if (saw_all || !solves(changed || stops ? For::soon : For::path)) return false;
+  }
   if (rests) window.final = true;  // what comes next begins from rest
   Info& info = publish(slot, key, window);
   info.begins = begins;
@@ -404,6 +410,23 @@ double LawMaker::even_stop(const Place& place) const noexcept {
   for (std::size_t i = 0; i < path::kAxes; ++i)
     if (slope[i] != 0) acc = std::min(acc, limits_.acc[i] / std::abs(slope[i]));
   return std::sqrt(place.start.x) / acc;
+}
+
+/// Whether the law is held back by feeds, as they were or are, from this interval on: where it is not it takes the least time with both.
+bool LawMaker::feeds_bear(const Law& law, std::size_t from,
+                          const FeedScale& before) const noexcept {
+  if (before == scale_) return false;
+  double free = 0;  // below this of x nothing is held back
+  for (std::size_t i = from; i < law.count; ++i) {
+    const path::LawStep& step = law.step[i];
+    if (i == from || step.span != law.step[i - 1].span) {
+      const SpeedBounds& speed = stretch(step.span).speed;
+      free = kFree * std::min(wanted_x(speed, before), wanted_x(speed, scale_));
+    }
+    const double end = i + 1 < law.count ? law.step[i + 1].x : 0.0;
+    if (std::max(step.x, end) > free) return true;
+  }
+  return false;
 }
 
 /// How far a law for another feed has to see.

@@ -97,6 +97,8 @@ class LawMaker {
   [[nodiscard]] bool make_child(std::size_t running, double now, bool changed) noexcept;
   [[nodiscard]] double even_stop(const Place& place) const noexcept;
   [[nodiscard]] double feed_way(const Place& place) const noexcept;
+  [[nodiscard]] bool feeds_bear(const Law& law, std::size_t from,
+                                const FeedScale& before) const noexcept;
   void make_stop(std::size_t running, double now, double before) noexcept;
   [[nodiscard]] bool brake(std::size_t running, const LawKey& key, const Place& place, bool search,
                            Window& window) noexcept;
