@@ -4,8 +4,6 @@
 
 #include <sched.h>
 
-#include <string>
-
 namespace kerf::launcher {
 
 class OneCore {

@@ -80,8 +80,8 @@ class JointWatch {
         joint.least = std::min(joint.least, at);
         joint.most = std::max(joint.most, at);
         // Back from where a motor has coasted to is no way out.
-        const bool outside = (at < joint.low - 1e-6 && at < joint.at) ||
-                             (at > joint.high + 1e-6 && at > joint.at);
+        const bool outside =
+            (at < joint.low - 1e-6 && at < joint.at) || (at > joint.high + 1e-6 && at > joint.at);
         if (s.all_homed && outside)
           broken += " joint " + std::to_string(j) + " at " + std::to_string(at) + ";";
       }

@@ -19,7 +19,7 @@ constexpr int kStopsBefore = 2;
 constexpr double kWindowTime = 0.6, kSoonTime = 0.3;
 constexpr std::size_t kWindow = 400, kStart = 48;
 /// A law for another feed, which the next may follow at once, sees so many stops of a straight from the speed that there is so much later, and so long (s);
-/// it ends within a stretch where more than that share of it is left.
+/// it begins no stretch of which it has to see less than that share, and ends within one of which more than that is left.
 constexpr double kFeedStops = 1.3, kFeedRise = 0.02, kFeedTime = 0.04, kWorthCutting = 0.2;
 constexpr std::size_t kMost = Law::kSteps * 3 / 4;
 /// A law is made longer when that share of it is driven, or so many stopping times are left of it and that share is driven: where intervals are short as many
@@ -162,14 +162,18 @@ bool LawMaker::fill(const Place& place, std::uint64_t at_least, For what, Window
     const double wish = wanted_x(s.speed, scale_);
     // It will stand before what is wanted to stand.
     if (!(wish > 0) && !first && !stops) break;
+    // Of the next stretch it has to see next to nothing.
+    if (what == For::feed && !first && sees - way < kWorthCutting * left) {
+      out.final = false;
+      break;
+    }
     // At the programmed feed: how slow it is driven now says nothing of how the path bends.
     const double x = std::min(std::max(wish, s.speed.feed_cap), s.speed.cap);
     const double seconds = s.length / std::sqrt(x);
     const int fineness = stops || seconds < kDense ? 1 : seconds < kMiddling ? 2 : 4;
     const double end = s.from + s.length;
     double to = end;
-    if (what == For::feed && way + left - sees > kWorthCutting * left)
-      to = end - left + std::max(sees - way, 0.0);
+    if (what == For::feed && way + left - sees > kWorthCutting * left) to = end - left + sees - way;
     if (!solver_.add(n, s.piece, end - left, to, end, s.speed.cap, wish > 0 ? wish : path::kNoLimit,
                      fineness, joints(n)))
       return false;
