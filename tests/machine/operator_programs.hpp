@@ -22,8 +22,7 @@ inline std::string mill_program(std::mt19937& dice) {
   const std::vector<std::string> parts{
       "G1 X60 Y40 F1500\nG1 X62 Y41\nG1 X60.5 Y43\nG1 X59 Y41.5\nG1 X60 Y40\n",
       "G2 X70 Y40 I5 J0 F2400\nG3 X60 Y40 R6\n",
-      "G91\no101 repeat [12]\nG1 X0.3 Y0.1 F1200\nG1 X-0.1 Y-0.05\no101 endrepeat\nG90\nG0 X60 "
-      "Y40\n",
+      "G91 F1200\no101 repeat [9]\nG1 X0.3 Y0.1\nX-0.1 Y-0.05\no101 endrepeat\nG90\nG0 X60 Y40\n",
       "G3 X60 Y40 Z-30 I-6 J2 P3 F3000\nG0 Z-20\n",
       "M62 P0\nG1 X80 Y60 F4000\nM63 P0\nG1 X60 Y40\n",
       "S1500 M3\nG1 X55 F800\nM5\nG1 X60\n",
@@ -126,12 +125,14 @@ class RoomProgram {
     std::string out = "G53 G1 F4000" + place(0.3) + "\nF" + number(between(300, 9000)) + "\nG91\n";
     for (int n = 1 + one_of(8); n > 0; --n) {
       const std::string turn = one_of(2) == 0 ? "G2" : "G3";
-      if (room_.lathe)
-        out += turn + " X0 Z0 I" + number(-r) + " K0\n";
-      else
-        out += turn + " X" + number(r) + " Y0 I" + number(r / 2) + " J0" +
-               (one_of(3) == 0 ? " Z0.3" : "") + "\n" + turn + " X" + number(-r) + " Y0 R" +
-               number(r * between(0.55, 2)) + (one_of(3) == 0 ? " Z-0.3" : "") + "\n";
+      if (room_.lathe) {
+        out.append(turn).append(" X0 Z0 I").append(number(-r)).append(" K0\n");
+        continue;
+      }
+      out.append(turn).append(" X").append(number(r)).append(" Y0 I").append(number(r / 2));
+      out.append(one_of(3) == 0 ? " J0 Z0.3\n" : " J0\n");
+      out.append(turn).append(" X").append(number(-r)).append(" Y0 R");
+      out.append(number(r * between(0.55, 2))).append(one_of(3) == 0 ? " Z-0.3\n" : "\n");
     }
     return out + "G90\n";
   }

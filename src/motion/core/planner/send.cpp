@@ -406,7 +406,8 @@ bool Planner::steps_end_behind(std::uint64_t n) const noexcept {
 /// Behind the way that the servo drives within the next moments: no stop that begins within the next cycles gets there.
 std::uint64_t Planner::near_end() noexcept {
   const double enough_s = kNearStops * stop_s_ + kNearTime;
-  std::uint64_t n = first_ahead();
+  // Of the first one hardly anything may be left.
+  std::uint64_t n = std::min(first_ahead() + 1, next_number_);
   for (double s = 0; n < next_number_ && s < enough_s; ++n) {
     const Sent& span = sent_[n % kSpans];
     s += span.length / std::sqrt(span.speed.cap);
