@@ -266,6 +266,30 @@ TEST(TimeLaws, StayWhereAnotherFeedHoldsNothingBack) {
   EXPECT_NEAR(cycles[1], cycles[0], 3);
 }
 
+/// What no move of the program follows: the rapid override beside feed moves, be they long or short.
+TEST(TimeLaws, AreNotChangedByWhatNoMoveFollows) {
+  bench::ProgramWriter writer("long and short", 0.02, 60, false);
+  for (int i = 0; i < 6; ++i) {
+    writer.line({.x = 80, .y = 2.0 * i});
+    for (int k = 1; k <= 20; ++k) writer.line({.x = 80 - 0.1 * k, .y = 2.0 * i + 0.1 * k});
+    writer.line({.x = 0, .y = 2.0 * i + 2});
+  }
+  const bench::Program program = writer.done();
+  for (const double jerk : {0.0, 50000.0}) {
+    Drive still(program, true, jerk), swings(program, true, jerk);
+    int n = 0;
+    for (; !still.done() && still.rig.faults.empty() && n < 100000; ++n) {
+      swings.rig.intent.rapid_override = 0.7 + 0.3 * std::sin(n * 0.01);
+      still.cycle();
+      swings.cycle();
+      ASSERT_EQ(still.rig.status().pos_cmd, swings.rig.status().pos_cmd)
+          << "cycle " << n << ", jerk " << jerk;
+    }
+    EXPECT_TRUE(swings.done());
+    EXPECT_GT(n, 1000);
+  }
+}
+
 /// Lathes and the like: an axis that is not there does not make stops seem long, for which laws would be made anew all the time.
 TEST(TimeLaws, AreMadeNoMoreOftenWhereAnAxisIsMissing) {
   std::uint64_t children[2]{};

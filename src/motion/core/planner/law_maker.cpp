@@ -425,7 +425,8 @@ bool LawMaker::feeds_bear(const Law& law, std::size_t from,
     const path::LawStep& step = law.step[i];
     if (i == from || step.span != law.step[i - 1].span) {
       const SpeedBounds& speed = stretch(step.span).speed;
-      free = kFree * std::min(wanted_x(speed, before), wanted_x(speed, scale_));
+      const double was = wanted_x(speed, before), is = wanted_x(speed, scale_);
+      free = was == is ? path::kNoLimit : kFree * std::min(was, is);
     }
     const double end = i + 1 < law.count ? law.step[i + 1].x : 0.0;
     if (std::max(step.x, end) > free) return true;
