@@ -270,8 +270,8 @@ TEST(TimeLaws, StayWhereAnotherFeedHoldsNothingBack) {
 TEST(TimeLaws, AreNotChangedByWhatNoMoveFollows) {
   bench::ProgramWriter writer("long and short", 0.02, 60, false);
   for (int i = 0; i < 6; ++i) {
-    writer.line({.x = 80, .y = 2.0 * i});
-    for (int k = 1; k <= 20; ++k) writer.line({.x = 80 - 0.1 * k, .y = 2.0 * i + 0.1 * k});
+    writer.line({.x = 180, .y = 2.0 * i});
+    for (int k = 1; k <= 20; ++k) writer.line({.x = 180 - 0.1 * k, .y = 2.0 * i + 0.1 * k});
     writer.line({.x = 0, .y = 2.0 * i + 2});
   }
   const bench::Program program = writer.done();
