@@ -259,8 +259,8 @@ class Operator {
       // Some machines have nets there.
       if (!m_.hal("setp " + pin + " " + value)) note("  it is wired");
     };
-    const std::string bit = one_of(2) == 0 ? "1" : "0", rarely = one_of(4) == 0 ? "1" : "0",
-                      off = coasts() ? "0" : rarely;
+    const std::string bit = one_of(2) == 0 ? "1" : "0", seldom = one_of(4) == 0 ? "1" : "0",
+                      off = coasts() ? "0" : seldom;
     const std::string axis = "axis." + an_axis(), joint = "joint." + a_joint(),
                       ini = "ini." + a_joint();
     switch (one_of(27)) {
@@ -272,13 +272,13 @@ class Operator {
       case 13: return set(joint + ".jog-counts", std::to_string(one_of(100)));
       case 14: return set(joint + ".jog-enable", bit);
       case 15: return set(axis + ".jog-vel-mode", bit);
-      case 16: return set("motion.jog-inhibit", rarely);
-      case 17: return set("motion.jog-stop", rarely);
-      case 18: return set("motion.homing-inhibit", rarely);
+      case 16: return set("motion.jog-inhibit", seldom);
+      case 17: return set("motion.jog-stop", seldom);
+      case 18: return set("motion.homing-inhibit", seldom);
       case 19: return set("motion.enable", off == "1" ? "0" : "1");
       case 20: return set(joint + ".amp-fault-in", off);
       case 21: return set("spindle.0.at-speed", bit);
-      case 22: return set("spindle.0.inhibit", rarely);
+      case 22: return set("spindle.0.inhibit", seldom);
       case 23: return set("spindle.0.amp-fault-in", off);
       case 24: return set("motion.digital-in-00", bit);
       case 25: return set(axis + ".jog-accel-fraction", number(0.1, 1));

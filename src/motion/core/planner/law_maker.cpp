@@ -393,11 +393,12 @@ bool LawMaker::make_child(std::size_t running, double now, bool changed) noexcep
     return fill(place, what == For::feed ? place.span : at_least, what, window) &&
            solved(solver_.solve(place.start), place, counts_.children);
   };
-  // What cannot be seen through to a stop from near may be from farther.
-  if (!rests && !(changed && !stops && solves(For::feed))) {
-    const bool saw_all = changed && !stops && window.final;
-    if (saw_all || !solves(changed || stops ? For::soon : For::path)) return false;
-  }
+  // What cannot be seen through to a stop from near may be from farther, where there is more to see.
+  const bool for_feed = changed && !stops;
+  const bool found =
+      rests || (for_feed && solves(For::feed)) ||
+      (!(for_feed && window.final) && solves(changed || stops ? For::soon : For::path));
+  if (!found) return false;
   if (rests) window.final = true;  // what comes next begins from rest
   Info& info = publish(slot, key, window);
   info.begins = begins;
