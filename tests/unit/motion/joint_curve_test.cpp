@@ -51,7 +51,11 @@ TEST(JointCurve, BoundsHoldOnEachPartAndAreNotFarOff) {
     EXPECT_GE(bends.row[0].p, most.rate * (1 - 1e-12));
     EXPECT_GE(bends.row[0].e, most.curl * (1 - 1e-12));
     EXPECT_GE(bends.row[0].c, most.twist * (1 - 1e-12));
-    EXPECT_LE(path::velocity_cap(curve, a, b), std::pow(1 / most.rate, 2) * (1 + 1e-9));
+    const double cap = path::velocity_cap(curve, a, b, path::kNoLimit);
+    EXPECT_LE(cap, std::pow(1 / most.rate, 2) * (1 + 1e-9));
+    // Whichever is the least; what is far from both is not looked at closely.
+    for (const double other : {0.5 * cap, 0.99 * cap, 1.01 * cap, 2 * cap})
+      EXPECT_DOUBLE_EQ(path::velocity_cap(curve, a, b, other), std::min(cap, other));
     least = std::min(least, most.rate / bends.row[0].p);
   }
   EXPECT_GT(least, 0.4);
@@ -138,8 +142,7 @@ TEST(JointCurve, TellsWhatTheJointsOfATiltingTableDo) {
       ++stretches;
       // As fast as velocities and curls allow.
       const path::JointBends bends = path::bends_of(curve, from, to);
-      double x =
-          std::min(path::axis_cap(piece, from, to, axes), path::velocity_cap(curve, from, to));
+      double x = path::velocity_cap(curve, from, to, path::axis_cap(piece, from, to, axes));
       for (std::size_t j = 0; j < 3; ++j) x = std::min(x, bends.row[j].acc / bends.row[j].e);
       constexpr double kH = 0.02;
       for (int i = 0; i <= 10; ++i) {

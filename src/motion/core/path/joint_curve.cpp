@@ -38,6 +38,13 @@ double hull(const double (&a)[n]) noexcept {
   return most;
 }
 
+/// No less than the polynomial and its hull on 0 ... 1.
+double sum_of(const double (&a)[kCount]) noexcept {
+  double sum = 0;
+  for (const double c : a) sum += std::abs(c);
+  return sum;
+}
+
 double third_bound(const double (&a)[kCount]) noexcept {
   return 6 * std::abs(a[3]) + 24 * std::abs(a[4]) + 60 * std::abs(a[5]);
 }
@@ -96,15 +103,18 @@ JointBends bends_of(const JointCurve& curve, double s0, double s1) noexcept {
   return out;
 }
 
-double velocity_cap(const JointCurve& curve, double s0, double s1) noexcept {
+double velocity_cap(const JointCurve& curve, double s0, double s1, double cap) noexcept {
   const double t0 = part_at(curve, s0), dt = part_at(curve, s1) - t0;
-  double cap = kNoLimit;
   for (std::size_t i = 0; i < curve.count; ++i) {
+    // Most joints are far from their limits: a sum that is no less than the hull says so, of the whole curve or of the part.
+    const JointCurve::Row& row = curve.row[i];
+    const double enough = row.vel * row.vel;
+    const auto within = [&](double rate) { return rate * rate * cap <= enough; };
+    if (within(sum_of(row.k))) continue;
     double a[kCount];
-    shift(curve.row[i].k, t0, dt, a);
-    const double rate = hull(a);
-    if (rate <= 0) continue;
-    const double v = curve.row[i].vel / rate;
+    shift(row.k, t0, dt, a);
+    if (within(sum_of(a))) continue;
+    const double v = row.vel / hull(a);
     cap = std::min(cap, v * v);
   }
   return cap;

@@ -38,8 +38,9 @@ struct JointPlace {
 
 /// The largest rates, curls and twists on [s0, s1].
 [[nodiscard]] JointBends bends_of(const JointCurve& curve, double s0, double s1) noexcept;
-/// Largest x by the joints' velocities on [s0, s1].
-[[nodiscard]] double velocity_cap(const JointCurve& curve, double s0, double s1) noexcept;
+/// Largest x by the joints' velocities on [s0, s1], at most `cap`.
+[[nodiscard]] double velocity_cap(const JointCurve& curve, double s0, double s1,
+                                  double cap) noexcept;
 /// Largest x at which the joints can be held on their curves, at most `cap`, by some places of it.
 [[nodiscard]] double even_x(const JointCurve& curve, double cap) noexcept;
 /// What the curl of a joint may be off a line within a step, as a share of its acceleration.

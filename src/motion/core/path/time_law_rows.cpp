@@ -165,7 +165,7 @@ void LawRows::push(std::size_t k, double from, double to) noexcept {
   const LawStretch& s = stretches_[k];
   LawInterval in;
   in.length = to - from;
-  in.cap = s.joints != nullptr ? std::min(s.cap, velocity_cap(*s.joints, from, to)) : s.cap;
+  in.cap = s.joints != nullptr ? velocity_cap(*s.joints, from, to, s.cap) : s.cap;
   in.wish = s.wish < s.cap ? s.wish : kNoLimit;
   in.from = from;
   in.stretch = k;
@@ -393,8 +393,7 @@ bool LawRows::make_rows(std::size_t i) noexcept {
   // There is room for one more interval than fits.
   double *k0s = a0.end(), *k1s = a1.end(), *k2s = a2.end();
   std::size_t count = 0;
-  const auto row = [&](double k0, double k1, double k2, double limit) {
-    const double share = 1 / limit;
+  const auto row = [&](double k0, double k1, double k2, double share) {
     k0s[count] = k0 * share;
     k1s[count] = k1 * share;
     k2s[count] = k2 * share;
@@ -410,12 +409,12 @@ bool LawRows::make_rows(std::size_t i) noexcept {
     straight_limits(stretch, in.from, limits_, acc, jerk);
     // Within a straight the acceleration at its start is that at the end of the interval before.
     const bool same = i > 0 && intervals_[i - 1].stretch == in.stretch;
-    if (!same) row(-over, over, 0, acc);
-    row(0, -over, over, acc);
+    if (!same) row(-over, over, 0, 1 / acc);
+    row(0, -over, over, 1 / acc);
     in.accs = same ? 1 : 2;
     in.jerks = jerk < kNoLimit ? 1 : 0;
     for (int k = 0; k < 3 && in.jerks > 0; ++k)
-      row(over * over, -2 * over * over, over * over, jerk);
+      row(over * over, -2 * over * over, over * over, 1 / jerk);
     return keep();
   }
   const Derivatives d = derivatives(piece, in.from, in.from + in.length);
@@ -424,11 +423,12 @@ bool LawRows::make_rows(std::size_t i) noexcept {
   const bool same = i > 0 && goes_on(i, d.p0, d.e0);
   const auto acc_rows = [&](double p0, double p1, double p2, double e0, double e1, double limit,
                             bool begins) {
+    const double share = 1 / limit;
     p0 *= over, p1 *= over, p2 *= over;
-    if (begins) row(e0 - p0, p0, 0, limit);
-    row((e1 - 2 * p1) / 3, (2 * p1 - p0 + 2 * e0) / 3, p0 / 3, limit);
-    row(-p2 / 3, (p2 - 2 * p1 + 2 * e1) / 3, (2 * p1 + e0) / 3, limit);
-    row(0, -p2, p2 + e1, limit);
+    if (begins) row(e0 - p0, p0, 0, share);
+    row((e1 - 2 * p1) / 3, (2 * p1 - p0 + 2 * e0) / 3, p0 / 3, share);
+    row(-p2 / 3, (p2 - 2 * p1 + 2 * e1) / 3, (2 * p1 + e0) / 3, share);
+    row(0, -p2, p2 + e1, share);
     in.accs += begins ? 4 : 3;
   };
   std::size_t axis[kAxes], axes = 0;
@@ -443,51 +443,45 @@ bool LawRows::make_rows(std::size_t i) noexcept {
   if (along > 0 && limits_.path_acc < kNoLimit)
     acc_rows(along, along, along, 0, 0, limits_.path_acc,
              i == 0 || intervals_[i - 1].stretch != in.stretch);
-  const double ww = over * over;
-  const auto jerk_row = [&](int k, double p0, double p1, double p2, double e0, double e1, double c,
-                            double limit) {
-    e0 *= over, e1 *= over;
-    if (k == 0) {
-      const double w = p0 * ww;
-      row(w - 3 * e0 + c, -2 * w + 3 * e0, w, limit);
-    } else if (k == 1) {
-      const double w = p1 * ww;
-      row(w - 1.5 * e1, -2 * w + 1.5 * (e1 - e0) + c, w + 1.5 * e0, limit);
-    } else {
-      const double w = p2 * ww;
-      row(w, -2 * w - 3 * e1, w + 3 * e1 + c, limit);
-    }
+  // What has a jerk limit, with e over the length.
+  struct Bend {
+    double p[3], e0, e1, c[3], share;
   };
+  Bend bend[kMostJerks];
+  std::size_t bends = 0;
+  for (std::size_t n = 0; n < axes; ++n) {
+    const std::size_t j = axis[n];
+    if (limits_.jerk[j] < kNoLimit)
+      bend[bends++] = {{d.p0[j], d.p1[j], d.p2[j]},
+                       d.e0[j] * over,
+                       d.e1[j] * over,
+                       {d.c0[j], d.c1[j], d.c2[j]},
+                       1 / limits_.jerk[j]};
+  }
   JointPart joint[kMostJoints];
   std::size_t joints = 0;
-  for_each_joint(stretch, in.from, in.from + in.length,
-                 [&](const JointPart& p, const JointCurve::Row& limit) {
-                   joint[joints++] = p;
-                   acc_rows(p.p0, p.p1, p.p2, p.e0, p.e1, limit.acc, !same);
-                 });
-  const double slope = limits_.path_jerk < kNoLimit ? jerk_slope(piece) : 0.0;
+  for_each_joint(
+      stretch, in.from, in.from + in.length, [&](const JointPart& p, const JointCurve::Row& limit) {
+        joint[joints++] = p;
+        acc_rows(p.p0, p.p1, p.p2, p.e0, p.e1, limit.acc, !same);
+        if (limit.jerk < kNoLimit)
+          bend[bends++] = {
+              {p.p0, p.p1, p.p2}, p.e0 * over, p.e1 * over, {p.c0, p.c1, p.c2}, 1 / limit.jerk};
+      });
+  const double slope = limits_.path_jerk < kNoLimit ? jerk_slope(piece) : 0.0, ww = over * over;
+  in.jerks = static_cast<std::int32_t>(bends) + (slope > 0 ? 1 : 0);
   for (int k = 0; k < 3; ++k) {
-    int jerks = 0;
-    for (std::size_t n = 0; n < axes; ++n) {
-      const std::size_t j = axis[n];
-      const double limit = limits_.jerk[j];
-      if (limit >= kNoLimit) continue;
-      ++jerks;
-      const Vec& c = k == 0 ? d.c0 : k == 1 ? d.c1 : d.c2;
-      jerk_row(k, d.p0[j], d.p1[j], d.p2[j], d.e0[j], d.e1[j], c[j], limit);
+    for (std::size_t n = 0; n < bends; ++n) {
+      const auto& [p, e0, e1, c, share] = bend[n];
+      const double w = p[k] * ww;
+      if (k == 0)
+        row(w - 3 * e0 + c[0], -2 * w + 3 * e0, w, share);
+      else if (k == 1)
+        row(w - 1.5 * e1, -2 * w + 1.5 * (e1 - e0) + c[1], w + 1.5 * e0, share);
+      else
+        row(w, -2 * w - 3 * e1, w + 3 * e1 + c[2], share);
     }
-    for (std::size_t j = 0; j < joints; ++j) {
-      const double limit = stretch.joints->row[j].jerk;
-      if (limit >= kNoLimit) continue;
-      ++jerks;
-      const JointPart& p = joint[j];
-      jerk_row(k, p.p0, p.p1, p.p2, p.e0, p.e1, k == 0 ? p.c0 : k == 1 ? p.c1 : p.c2, limit);
-    }
-    if (slope > 0) {
-      ++jerks;
-      row(slope * ww, -2 * slope * ww, slope * ww, limits_.path_jerk);
-    }
-    in.jerks = jerks;
+    if (slope > 0) row(slope * ww, -2 * slope * ww, slope * ww, 1 / limits_.path_jerk);
   }
   in.acc_rest = in.jerk_rest_u = in.jerk_rest_b = 0;
   if (piece.shape == Piece::Shape::arc) {
@@ -623,21 +617,28 @@ LawExcess LawRows::excess(std::size_t i, const double b[3], bool given) const no
       acc = std::max(acc, std::abs(a0[r] * b[0] + a1[r] * b[1] + a2[r] * b[2]));
   const double u = std::max(std::abs(b[1] - b[0]), std::abs(b[2] - b[1]));
   out.acc = acc + in.acc_rest * top + in.acc_rest_u * u / in.length - 1;
-  if (in.jerks == 0) return out;
+  out.jerk = jerk_excess(i, b);
+  return out;
+}
+
+double LawRows::jerk_excess(std::size_t i, const double b[3]) const noexcept {
+  const LawInterval& in = intervals_[i];
+  const double top = std::max({b[0], b[1], b[2]}),
+               u = std::max(std::abs(b[1] - b[0]), std::abs(b[2] - b[1]));
   const double xm = (b[0] + 2 * b[1] + b[2]) / 4, v = std::sqrt(xm);
   const double rest = in.jerk_rest * top + in.jerk_rest_u * u / in.length + in.jerk_rest_b * u +
                       in.jerk_rest_w * std::abs(b[0] - 2 * b[1] + b[2]) / (in.length * in.length);
   double jerk = -1;
-  for (int k = 0; k < 3; ++k) {
+  std::size_t r = in.row + static_cast<std::size_t>(in.accs);
+  for (int k = 0; k < 3 && in.jerks > 0; ++k) {
+    double most = 0;
+    for (std::int32_t j = 0; j < in.jerks; ++j, ++r)
+      most = std::max(most, std::abs(a0[r] * b[0] + a1[r] * b[1] + a2[r] * b[2]));
+    // Without anything left on the right no speed is slow enough.
     const double right = (1.5 - b[k] / (2 * xm)) / v;
-    for (std::int32_t j = 0; j < in.jerks; ++j, ++r) {
-      const double left = std::abs(a0[r] * b[0] + a1[r] * b[1] + a2[r] * b[2]) + rest;
-      // Without anything left on the right no speed is slow enough.
-      jerk = std::max(jerk, right > 0 ? left / right - 1 : kNoLimit);
-    }
+    jerk = std::max(jerk, right > 0 ? (most + rest) / right - 1 : kNoLimit);
   }
-  out.jerk = jerk;
-  return out;
+  return jerk;
 }
 
 }  // namespace kerf::motion::path

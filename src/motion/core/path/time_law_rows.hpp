@@ -121,6 +121,8 @@ class LawRows {
 
   /// By how much the interval with these coefficients goes over the true limits. `given`: nothing is said about b[0] and its u, which nobody chose.
   [[nodiscard]] LawExcess excess(std::size_t i, const double b[3], bool given) const noexcept;
+  /// Of jerk alone; -1 or more.
+  [[nodiscard]] double jerk_excess(std::size_t i, const double b[3]) const noexcept;
 
   /// Rows: left side over (b0, b1, b2), for a limit of 1.
   Buffer<double> a0, a1, a2;

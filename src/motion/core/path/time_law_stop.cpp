@@ -121,7 +121,7 @@ bool LawStop::holds_law(std::size_t i) const noexcept {
   const LawPoint& from = along_[i];
   const double b[3] = {from.x, from.x + from.u * (*rows_)[i].length, along_[i + 1].x};
   if (!(b[1] > 0 && b[2] > 0)) return true;
-  return rows_->excess(i, b, false).jerk <= kRoom;
+  return rows_->jerk_excess(i, b) <= kRoom;
 }
 
 /// The b2 with which interval i leads back to the law.

@@ -183,7 +183,7 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
         speed.cap = creep_.cap;
         axis_cap = 0;
       } else if (mixed_) {
-        speed.cap = axis_cap = std::min(axis_cap, path::velocity_cap(curve_, from, to));
+        speed.cap = axis_cap = path::velocity_cap(curve_, from, to, axis_cap);
         speed.cap = std::min(speed.cap, path::box_cap(path::bends_of(curve_, from, to), box));
       }
       body.even_acc = box.acc;
@@ -289,7 +289,7 @@ bool Planner::mixed_end(const path::Piece& piece, double from, double& to) noexc
   to = piece.length - end <= kOnePlace ? piece.length : end;
   if (limits_.jerks || !foretold_) return true;
   const double cap =
-      std::min(path::axis_cap(piece, from, to, limits_), path::velocity_cap(curve_, from, to));
+      path::velocity_cap(curve_, from, to, path::axis_cap(piece, from, to, limits_));
   if (piece.straight() && evenly(curve_, cap)) return true;
   // Limited in acceleration x is linear on a stretch: there are as many as let it bend.
   double step = std::min(path::even_step(curve_, path::even_x(curve_, cap)),
@@ -314,7 +314,7 @@ void Planner::bound_mixed(PathSpan& body, double from, double to) noexcept {
   }
   const path::Piece& piece = body.piece;
   body.speed.cap =
-      std::min(path::axis_cap(piece, from, to, limits_), path::velocity_cap(curve_, from, to));
+      path::velocity_cap(curve_, from, to, path::axis_cap(piece, from, to, limits_));
   if (piece.straight() && evenly(curve_, body.speed.cap)) {
     body.even_acc = even_acc(curve_, path::straight_acc(piece, limits_));
     return;
