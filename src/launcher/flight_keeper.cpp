@@ -16,6 +16,7 @@
 #include "launcher/options.hpp"
 #include "motion/api/faults.hpp"
 #include "motion/api/flight_file.hpp"
+#include "rtapi/sync/patient_read.hpp"
 #include "task/api/status.hpp"
 
 namespace kerf::launcher {
@@ -165,11 +166,11 @@ std::string FlightKeeper::new_estop() {
   task::TaskStatus task;
   if (task_ == nullptr) {
     const auto shared = segment_.find<task::TaskShared>(task::kTaskBlock, task::kTaskAbi);
-    if (!shared.ok() || !(*shared)->status.read(task)) return {};
+    if (!shared.ok() || !rtapi::read_patiently((*shared)->status, task)) return {};
     task_ = *shared;
     estops_seen_ = task.estops;
   }
-  if (!task_->status.read(task) || task.estops == estops_seen_) return {};
+  if (!rtapi::read_patiently(task_->status, task) || task.estops == estops_seen_) return {};
   estops_seen_ = task.estops;
   if (closing_) return {};
   return task.estop_external ? "external estop" : "estop, asked for by a client";
@@ -203,7 +204,7 @@ std::string FlightKeeper::look() {
     if (looks_left_ > 0 || !motion::is_kept(fault.fault)) continue;
     why_ = motion::fault_name(fault.fault);
     motion::MachineConfig config;
-    (void)motion_->config.read(config);
+    (void)rtapi::read_patiently(motion_->config, config);
     text_ = motion::fault_text(fault, config);
     looks_left_ = kAftermathLooks;
   }

@@ -11,6 +11,7 @@
 #include "launcher/svg.hpp"
 #include "motion/api/shared.hpp"
 #include "rtapi/clock/real_clock.hpp"
+#include "rtapi/sync/patient_read.hpp"
 
 namespace kerf::launcher {
 
@@ -106,7 +107,7 @@ std::vector<JointLimits> ProgramRun::joint_limits() const {
   auto shared =
       hal::View(p_.segment).block<motion::MotionShared>(motion::kMotionBlock, motion::kMotionAbi);
   motion::MachineConfig config;
-  if (!shared.ok() || !(*shared)->config.read(config)) return limits;
+  if (!shared.ok() || !rtapi::read_patiently((*shared)->config, config)) return limits;
   for (std::int32_t i = 0; i < config.joints && i < static_cast<std::int32_t>(motion::kMaxJoints);
        ++i) {
     const motion::JointConfig& joint = config.joint[i];

@@ -8,6 +8,7 @@
 #include "hal/core/view.hpp"
 #include "launcher/process.hpp"
 #include "motion/api/shared.hpp"
+#include "rtapi/sync/patient_read.hpp"
 
 namespace kerf::launcher {
 
@@ -135,7 +136,7 @@ void SafeState::disable() const {
 bool SafeState::enabled() const {
   const motion::MotionShared* motion = motion_of(segment_);
   motion::MotionStatus status;
-  return motion != nullptr && motion->status.read(status) && status.enabled;
+  return motion != nullptr && rtapi::read_patiently(motion->status, status) && status.enabled;
 }
 
 void SafeState::add_to(rtapi::WaitSpec& spec) const {

@@ -5,6 +5,7 @@
 #include "io/iocontrol.hpp"
 #include "rtapi/clock/join_clock.hpp"
 #include "rtapi/log/log.hpp"
+#include "rtapi/sync/patient_read.hpp"
 #include "task/api/message_reader.hpp"
 #include "task/command/command_participant.hpp"
 #include "task/exchange.hpp"
@@ -259,7 +260,7 @@ std::optional<Reply> Task::outcome(std::uint64_t id) const { return parts_->comm
 
 TaskStatus Task::status() const {
   TaskStatus status;
-  (void)parts_->shared->status.read(status);
+  (void)rtapi::read_patiently(parts_->shared->status, status);
   return status;
 }
 
@@ -279,8 +280,8 @@ void Task::shut_down() {
     rtapi::log_error(saved.error());
   motion::MotionStatus status;
   // Without a single cycle of motion nobody knows where the joints are.
-  if (parts_->setup.position_file.empty() || !parts_->motion->status.read(status) ||
-      status.cycle == 0)
+  if (parts_->setup.position_file.empty() ||
+      !rtapi::read_patiently(parts_->motion->status, status) || status.cycle == 0)
     return;
   if (auto saved = save_positions(parts_->setup.position_file, parts_->setup, status); !saved.ok())
     rtapi::log_error(saved.error());

@@ -1,11 +1,10 @@
 #include "clients/common/machine_view.hpp"
 
-#include <sched.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "hal/core/view.hpp"
+#include "rtapi/sync/patient_read.hpp"
 
 namespace kerf::clients {
 
@@ -19,17 +18,6 @@ constexpr double kNoLimit = 1e98;
 
 double scaled(double value, double unit) noexcept {
   return std::fabs(value) >= kNoLimit ? value : value / unit;
-}
-
-/// On a busy computer a writer that lives may be stopped in the middle of a write: it gets the processor to end it.
-template <class Cell, class T>
-bool patient_read(const Cell& cell, T& out) {
-  constexpr int kPatience = 5000;  // some milliseconds with a dead writer
-  for (int n = 0; n < kPatience; ++n) {
-    if (cell.read(out)) return true;
-    (void)::sched_yield();
-  }
-  return false;
 }
 
 }  // namespace
@@ -87,9 +75,10 @@ bool MachineView::poll() {
   motion::MotionStatus motion;
   motion::MachineConfig config;
   task::MachineFacts facts;
-  if (!patient_read(task_shared_->status, task) || !patient_read(task_shared_->facts, facts) ||
-      !patient_read(motion_shared_->status, motion) ||
-      !patient_read(motion_shared_->config, config))
+  if (!rtapi::read_patiently(task_shared_->status, task) ||
+      !rtapi::read_patiently(task_shared_->facts, facts) ||
+      !rtapi::read_patiently(motion_shared_->status, motion) ||
+      !rtapi::read_patiently(motion_shared_->config, config))
     return false;
   task_ = task;
   motion_ = motion;

@@ -18,6 +18,7 @@
 #include "rtapi/base/result.hpp"
 #include "rtapi/clock/clock.hpp"
 #include "rtapi/shm/segment.hpp"
+#include "rtapi/sync/patient_read.hpp"
 #include "task/api/protocol.hpp"
 #include "task/api/status.hpp"
 
@@ -55,7 +56,9 @@ class Client {
   void add_replies_to(rtapi::WaitSpec& spec) const;
 
   /// False when task died in the middle of a write.
-  [[nodiscard]] bool status(TaskStatus& out) const { return shared_->status.read(out); }
+  [[nodiscard]] bool status(TaskStatus& out) const {
+    return rtapi::read_patiently(shared_->status, out);
+  }
   /// Messages since the last call (since connecting, at first); `lost` says how many had been overwritten.
   [[nodiscard]] std::vector<OperatorMessage> new_messages(std::uint64_t* lost = nullptr);
   [[nodiscard]] bool connected() const noexcept { return fd_ >= 0; }

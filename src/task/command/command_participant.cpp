@@ -6,6 +6,7 @@
 
 #include "motion/api/faults.hpp"
 #include "rtapi/shm/socket.hpp"
+#include "rtapi/sync/patient_read.hpp"
 #include "task/api/message_reader.hpp"
 
 namespace kerf::task {
@@ -34,7 +35,7 @@ bool ends_program(motion::Fault fault) noexcept {
 }  // namespace
 
 CommandParticipant::CommandParticipant(const Parts& parts) : p_(parts) {
-  (void)p_.motion.status.read(status_);
+  (void)rtapi::read_patiently(p_.motion.status, status_);
   epoch_ = p_.motion.intent.abort_epoch.observe();
   beats_ = p_.motion.intent.heartbeat.get();
   motion::Intent old;
@@ -66,7 +67,8 @@ void CommandParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   next.watch(p_.shared.to_command);
   next.watch(p_.motion.status_cell);
   now_ = now;
-  (void)p_.motion.status.read(status_);
+  // A servo thread that was stopped in the middle of a write may have nothing new to tell afterwards.
+  if (!p_.motion.status.read(status_)) next.wake_at(now + kReadAgain);
   io_ = p_.io.state();
   beat();
   p_.exchange.read_view(view_);  // a fault of the first block finds the program running

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rtapi/sync/patient_read.hpp"
+
 namespace kerf::task {
 
 using interp::Outcome;
@@ -48,7 +50,7 @@ InterpreterParticipant::InterpreterParticipant(const Parts& parts)
       canon_(list_, p_.setup.tools),
       interp_(p_.environment, canon_, p_.setup.interp),
       parameter_file_(p_.setup.paths.parameter_file) {
-  (void)p_.motion.status.read(status_);
+  (void)rtapi::read_patiently(p_.motion.status, status_);
   epoch_ = p_.motion.intent.abort_epoch.observe();
   // A motion that outlived an earlier task has seen numbers already.
   last_seq_ = std::max({status_.executed_seq, status_.current_seq, p_.motion.path.pushed()});
@@ -89,7 +91,7 @@ rtapi::Status InterpreterParticipant::init() {
 }
 
 void InterpreterParticipant::shut_down() {
-  (void)p_.motion.status.read(status_);
+  (void)rtapi::read_patiently(p_.motion.status, status_);
   interp_.abort();
   interp_.restore(history_.stopped_at(status_.current.id).modal);
 }
@@ -105,7 +107,8 @@ void InterpreterParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   now_ = now;
   pushed_ = false;
   // Status first, epoch second: a status that is used was written before the abort was acknowledged.
-  (void)p_.motion.status.read(status_);
+  // A servo thread that was stopped in the middle of a write may have nothing new to tell afterwards.
+  if (!p_.motion.status.read(status_)) next.wake_at(now + kReadAgain);
   canon_.set_output_counts(status_.digital_count, status_.analog_count);
   follow_abort();
   if (aborting_) resynchronise();

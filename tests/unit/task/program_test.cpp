@@ -29,6 +29,19 @@ TEST(Program, machine_states_follow_the_estop_chain) {
   EXPECT_THAT(refused.text, HasSubstr("emc-enable-in is FALSE"));
 }
 
+// Whoever looks just then sees nothing, and when the write ends there may be nothing new that task would be told of.
+TEST(Program, servo_thread_stopped_in_the_middle_of_a_write_holds_nothing_up) {
+  Rig rig;
+  rig.ready();
+  for (int k = 0; k < 14; ++k) {
+    EXPECT_EQ(rig.fake->stalls, 0) << k;
+    rig.fake->stalls = 1;
+    rig.fake->stalls_from = rig.scheduler->now() + k * kMillisecond;
+    EXPECT_EQ(rig.command({"mdi", "G4 P0.01"}, 0.2).state, State::done) << k;
+    EXPECT_EQ(rig.command({"mdi", "G0 X1 G1"}, 0.2).state, State::error) << k;
+  }
+}
+
 TEST(Program, machine_that_does_not_enable_says_so) {
   Rig rig;
   rig.fake->may_enable = false;

@@ -6,11 +6,13 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ini/ini_file.hpp"
@@ -37,8 +39,15 @@ class FakeMotion final : public rtapi::Participant {
 
   void step(Nanos now, rtapi::WaitSpec& next) override {
     if (now >= next_cycle_ && now >= sleeps_until) {
+      if (std::exchange(writes_, false)) toggle_write();
       cycle(now);
       next_cycle_ = now + kMillisecond;
+      if (stalls > 0 && now >= stalls_from) {
+        --stalls;
+        sleeps_until = now + 5 * kMillisecond;
+        writes_ = true;
+        toggle_write();
+      }
     }
     next.wake_at(std::max(next_cycle_, sleeps_until));
   }
@@ -69,6 +78,9 @@ class FakeMotion final : public rtapi::Participant {
   int ack_cycles{5};  ///< from a raised epoch to the acknowledgement
   bool may_enable{true};
   Nanos sleeps_until{0};  ///< no cycle before
+  /// So many cycles from then on are each followed by some in which nothing runs, as if the thread had been stopped in the middle of its next write.
+  int stalls{0};
+  Nanos stalls_from{0};
   bool homes{true};
   bool orients{true};
   std::uint64_t beats_seen{0};
@@ -77,6 +89,12 @@ class FakeMotion final : public rtapi::Participant {
   std::uint64_t peak_queue{0};
 
  private:
+  /// The count of a SeqCell is odd while a write is going on.
+  void toggle_write() {
+    const std::uint64_t step = writes_ ? 1 : ~std::uint64_t{0};
+    reinterpret_cast<std::atomic<std::uint64_t>*>(&shared_.status)->fetch_add(step);
+  }
+
   void cycle(Nanos now) {
     ++status.cycle;
     status.time_ns = now;
@@ -172,6 +190,7 @@ class FakeMotion final : public rtapi::Participant {
   std::uint64_t step_id_{0};
   bool step_done_{false};
   int ack_count_{0};
+  bool writes_{false};  ///< is stopped in the middle of it
 };
 
 /// Pins with the usual loops: estop chain, tool prepare and change answer at once.
