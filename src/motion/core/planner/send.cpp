@@ -288,8 +288,7 @@ bool Planner::mixed_end(const path::Piece& piece, double from, double& to) noexc
   // What rounding leaves is no stretch.
   to = piece.length - end <= kOnePlace ? piece.length : end;
   if (limits_.jerks || !foretold_) return true;
-  const double cap =
-      path::velocity_cap(curve_, from, to, path::axis_cap(piece, from, to, limits_));
+  const double cap = path::velocity_cap(curve_, from, to, path::axis_cap(piece, from, to, limits_));
   if (piece.straight() && evenly(curve_, cap)) return true;
   // Limited in acceleration x is linear on a stretch: there are as many as let it bend.
   double step = std::min(path::even_step(curve_, path::even_x(curve_, cap)),
@@ -313,8 +312,7 @@ void Planner::bound_mixed(PathSpan& body, double from, double to) noexcept {
     return;
   }
   const path::Piece& piece = body.piece;
-  body.speed.cap =
-      path::velocity_cap(curve_, from, to, path::axis_cap(piece, from, to, limits_));
+  body.speed.cap = path::velocity_cap(curve_, from, to, path::axis_cap(piece, from, to, limits_));
   if (piece.straight() && evenly(curve_, body.speed.cap)) {
     body.even_acc = even_acc(curve_, path::straight_acc(piece, limits_));
     return;
