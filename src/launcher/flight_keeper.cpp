@@ -127,7 +127,7 @@ int dump(const std::string& instance, const std::string& path) {
   file.take(**record, **shared);
   auto task = (*segment)->find<task::TaskShared>(task::kTaskBlock, task::kTaskAbi);
   task::MachineFacts facts;
-  if (task.ok() && (*task)->facts.read(facts)) {
+  if (task.ok() && rtapi::read_patiently((*task)->facts, facts)) {
     file.set("ini", std::string(facts.ini_file.view()));
     if (const auto ini = ini::IniFile::load(std::string(facts.ini_file.view())); ini.ok)
       if (const ini::Entry* entry = ini.file.find("KINS", "KINEMATICS"); entry != nullptr)

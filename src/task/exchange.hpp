@@ -10,16 +10,12 @@
 #include "io/tool_table.hpp"
 #include "rtapi/base/fixed_string.hpp"
 #include "rtapi/base/pose.hpp"
-#include "rtapi/clock/clock.hpp"
 #include "rtapi/sync/cell.hpp"
 #include "rtapi/sync/seq_cell.hpp"
 #include "task/api/protocol.hpp"
 #include "task/api/status.hpp"
 
 namespace kerf::task {
-
-/// A cell of which no stable copy was had is read again after this.
-inline constexpr rtapi::Nanos kReadAgain = rtapi::kMillisecond;
 
 /// Identifies a client command in progress; unique in a task's life, 0: none.
 using Ticket = std::uint64_t;

@@ -12,6 +12,7 @@
 #include "rtapi/base/suggest.hpp"
 #include "rtapi/clock/real_clock.hpp"
 #include "rtapi/shm/process.hpp"
+#include "rtapi/sync/patient_read.hpp"
 
 namespace kerf::hal {
 namespace {
@@ -406,7 +407,9 @@ ThreadTiming View::timing_of(const ThreadRecord& r, std::uint32_t epoch) const {
     }
   }
   Overrun last;
-  if (out.stats.overruns == 0 || r.overrun.version() == 0 || !r.overrun.read(last)) return out;
+  if (out.stats.overruns == 0 || r.overrun.version() == 0 ||
+      !rtapi::read_patiently(r.overrun, last))
+    return out;
   auto& shown = out.last_overrun.emplace();
   shown.cycle = last.cycle;
   shown.took_ns = last.took_ns;

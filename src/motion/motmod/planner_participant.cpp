@@ -1,11 +1,8 @@
 #include "motion/motmod/planner_participant.hpp"
 
-namespace kerf::motion {
-namespace {
-/// A cell that its writer kept busy is looked at again after this.
-constexpr rtapi::Nanos kRetry = 1'000'000;
-}  // namespace
+#include "rtapi/sync/patient_read.hpp"
 
+namespace kerf::motion {
 void PlannerParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   next.watch(shared_.path_cell);
   next.watch(link_.cell);
@@ -13,7 +10,7 @@ void PlannerParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   const bool published = link_.view.version() != 0;
   const std::uint64_t passes = link_.slots.gate.passes();
   const bool seen = link_.slots.gate.pass([&] { return published && link_.view.read(view); });
-  if (published && !seen) next.wake_at(now + kRetry);
+  if (published && !seen) next.wake_at(now + rtapi::kReadAgain);
   const bool parked = seen && view.config_wish != 0;
   link_.parked.publish(parked ? view.config_wish : 0);
   // The servo writes new limits only while the planner is parked, so these are those of the view.
@@ -23,7 +20,7 @@ void PlannerParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
       planner_.configure(config);
       config_version_ = view.config_version;
     } else {
-      next.wake_at(now + kRetry);
+      next.wake_at(now + rtapi::kReadAgain);
     }
   }
   // Until the machine is described and the servo has said where it stands, items wait.

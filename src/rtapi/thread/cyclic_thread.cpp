@@ -18,6 +18,7 @@
 
 #include "rtapi/clock/real_clock.hpp"
 #include "rtapi/sync/cell.hpp"
+#include "rtapi/sync/patient_read.hpp"
 #include "rtapi/sync/seq_cell.hpp"
 #include "rtapi/thread/cycle_now.hpp"
 
@@ -193,7 +194,7 @@ bool CyclicThread::realtime() const noexcept { return state_->granted.get() != 0
 
 ThreadStats CyclicThread::stats() const noexcept {
   ThreadStats copy;
-  if (!state_->published.read(copy)) copy = {};
+  if (!read_patiently(state_->published, copy)) copy = {};
   return copy;
 }
 

@@ -67,8 +67,7 @@ void CommandParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   next.watch(p_.shared.to_command);
   next.watch(p_.motion.status_cell);
   now_ = now;
-  // A servo thread that was stopped in the middle of a write may have nothing new to tell afterwards.
-  if (!p_.motion.status.read(status_)) next.wake_at(now + kReadAgain);
+  if (!p_.motion.status.read(status_)) next.wake_at(now + rtapi::kReadAgain);
   io_ = p_.io.state();
   beat();
   p_.exchange.read_view(view_);  // a fault of the first block finds the program running

@@ -1,4 +1,5 @@
 // The open program against the soft limits, while the machine is homed and nothing else is to be done (LimitCheck).
+#include "rtapi/sync/patient_read.hpp"
 #include "task/interpreter/interpreter_participant.hpp"
 
 namespace kerf::task {
@@ -15,7 +16,7 @@ void InterpreterParticipant::check_limits(rtapi::WaitSpec& next) {
   if (!idle || !check_due_) return;
   if (!check_) {
     motion::MachineConfig limits;
-    if (!p_.motion.config.read(limits)) return;
+    if (!p_.motion.config.read(limits)) return next.wake_at(now_ + rtapi::kReadAgain);
     const io::IoState io = p_.io.state();
     CanonState from = canon_.state();
     from.position = status_.pos_cmd;

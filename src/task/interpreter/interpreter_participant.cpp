@@ -107,8 +107,7 @@ void InterpreterParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   now_ = now;
   pushed_ = false;
   // Status first, epoch second: a status that is used was written before the abort was acknowledged.
-  // A servo thread that was stopped in the middle of a write may have nothing new to tell afterwards.
-  if (!p_.motion.status.read(status_)) next.wake_at(now + kReadAgain);
+  if (!p_.motion.status.read(status_)) next.wake_at(now + rtapi::kReadAgain);
   canon_.set_output_counts(status_.digital_count, status_.analog_count);
   follow_abort();
   if (aborting_) resynchronise();

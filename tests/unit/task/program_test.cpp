@@ -34,8 +34,7 @@ TEST(Program, servo_thread_stopped_in_the_middle_of_a_write_holds_nothing_up) {
   Rig rig;
   rig.ready();
   for (int k = 0; k < 14; ++k) {
-    EXPECT_EQ(rig.fake->stalls, 0) << k;
-    rig.fake->stalls = 1;
+    EXPECT_EQ(rig.fake->stalls_from, rtapi::kForever) << k;
     rig.fake->stalls_from = rig.scheduler->now() + k * kMillisecond;
     EXPECT_EQ(rig.command({"mdi", "G4 P0.01"}, 0.2).state, State::done) << k;
     EXPECT_EQ(rig.command({"mdi", "G0 X1 G1"}, 0.2).state, State::error) << k;

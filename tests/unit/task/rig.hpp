@@ -42,8 +42,8 @@ class FakeMotion final : public rtapi::Participant {
       if (std::exchange(writes_, false)) toggle_write();
       cycle(now);
       next_cycle_ = now + kMillisecond;
-      if (stalls > 0 && now >= stalls_from) {
-        --stalls;
+      if (now >= stalls_from) {
+        stalls_from = rtapi::kForever;
         sleeps_until = now + 5 * kMillisecond;
         writes_ = true;
         toggle_write();
@@ -78,9 +78,8 @@ class FakeMotion final : public rtapi::Participant {
   int ack_cycles{5};  ///< from a raised epoch to the acknowledgement
   bool may_enable{true};
   Nanos sleeps_until{0};  ///< no cycle before
-  /// So many cycles from then on are each followed by some in which nothing runs, as if the thread had been stopped in the middle of its next write.
-  int stalls{0};
-  Nanos stalls_from{0};
+  /// Behind the next cycle from then on nothing runs for some, as if the thread had been stopped in the middle of its next write.
+  Nanos stalls_from{rtapi::kForever};
   bool homes{true};
   bool orients{true};
   std::uint64_t beats_seen{0};
