@@ -101,6 +101,7 @@ struct Machine::Parts {
   bool ready{false};
   std::unique_ptr<rtapi::Segment> segment;
   rtapi::LocalScheduler scheduler;
+  std::vector<hal::StaticModule> module_table;
   std::unique_ptr<hal::StaticSource> modules;
   std::unique_ptr<Driver> driver;
   std::unique_ptr<hal::Host> host;
@@ -208,7 +209,10 @@ std::unique_ptr<Machine> Machine::start(const MachineOptions& options) {
       options.clients ? "harness-" + std::to_string(getpid()) + "-" + std::to_string(count)
                       : "private";
   p.segment = rtapi::Segment::in_memory(rtapi::Segment::kDefaultBytes, instance);
-  p.modules = std::make_unique<hal::StaticSource>(hal::static_components());
+  const auto components = hal::static_components();
+  p.module_table.assign(components.begin(), components.end());
+  p.module_table.insert(p.module_table.end(), options.modules.begin(), options.modules.end());
+  p.modules = std::make_unique<hal::StaticSource>(p.module_table);
   p.driver = std::make_unique<Driver>(p.scheduler);
   auto host = hal::Host::create(*p.segment, p.scheduler, *p.modules, p.driver.get());
   if (!host.ok()) {

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hal/loader/module_source.hpp"
 #include "motion/api/shared.hpp"
 #include "rtapi/clock/clock.hpp"
 #include "task/api/protocol.hpp"
@@ -49,6 +50,8 @@ struct MachineOptions {
   std::vector<std::string> hal;
   /// Takes clients, see Machine::connect().
   bool clients{false};
+  /// Components of the test's own, beside all those of the product.
+  std::vector<hal::StaticModule> modules;
 };
 
 class Machine {

@@ -7,8 +7,10 @@
 // and in clear every kStatusEvery cycles for people.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <span>
 
 #include "motion/api/config.hpp"
 #include "motion/api/path_items.hpp"
@@ -16,6 +18,7 @@
 #include "rtapi/base/fixed_string.hpp"
 #include "rtapi/sync/cell.hpp"
 #include "rtapi/sync/overwrite_ring.hpp"
+#include "rtapi/sync/word_part.hpp"
 
 namespace kerf::motion {
 
@@ -134,19 +137,36 @@ inline constexpr std::uint64_t kFlightAbi =
 template <class T>
 class WordImage {
  public:
-  static constexpr std::size_t kWords = (sizeof(T) + 7) / 8;
+  static_assert(sizeof(T) % 8 == 0);
+  static constexpr std::size_t kWords = sizeof(T) / 8;
   /// Room for changes(): all of them.
   static constexpr std::size_t kRoom = kWords + (kWords + 3) / 4 + 1;
   static_assert(kWords < 0xffff);
 
   /// Words of `out` used; 0: nothing changed. The image is `value` then.
   std::size_t changes(const T& value, std::uint64_t* out) noexcept {
-    std::uint64_t now[kWords]{};
-    std::memcpy(now, &value, sizeof(T));
+    const rtapi::WordPart all{0, kWords};
+    return changes(value, out, {&all, 1});
+  }
+  /// The same where only these words may have changed.
+  std::size_t changes(const T& value, std::uint64_t* out,
+                      std::span<const rtapi::WordPart> parts) noexcept {
+    const auto* const bytes = reinterpret_cast<const std::byte*>(&value);
     std::size_t n = 0;
     std::uint16_t index[kWords];
-    for (std::size_t i = 0; i < kWords; ++i)
-      if (now[i] != words_[i]) index[n++] = static_cast<std::uint16_t>(i);
+    for (const rtapi::WordPart part : parts) {
+      std::size_t i = part.first;
+      // Most blocks are as they were, which is seen of all their words at once.
+      for (; i + kBlock <= part.end; i += kBlock) {
+        std::uint64_t now[kBlock];
+        std::memcpy(now, bytes + i * 8, sizeof now);
+        std::uint64_t differs = 0;
+        for (std::size_t k = 0; k < kBlock; ++k) differs |= now[k] ^ words_[i + k];
+        if (differs == 0) continue;
+        for (std::size_t k = 0; k < kBlock; ++k) n = note(i + k, bytes, index, n);
+      }
+      for (; i < part.end; ++i) n = note(i, bytes, index, n);
+    }
     if (n == 0) return 0;
     const std::size_t lists = (n + 3) / 4;
     out[0] = n;
@@ -155,7 +175,7 @@ class WordImage {
       for (std::size_t k = 0; k < 4 && i * 4 + k < n; ++k)
         out[1 + i] |= std::uint64_t{index[i * 4 + k]} << (16 * k);
     }
-    for (std::size_t i = 0; i < n; ++i) out[1 + lists + i] = words_[index[i]] = now[index[i]];
+    for (std::size_t i = 0; i < n; ++i) out[1 + lists + i] = words_[index[i]];
     return 1 + lists + n;
   }
   /// The other way. False: these words are not of changes().
@@ -176,6 +196,17 @@ class WordImage {
   [[nodiscard]] const std::uint64_t* words() const noexcept { return words_; }
 
  private:
+  static constexpr std::size_t kBlock = 8;
+  std::size_t note(std::size_t i, const std::byte* bytes, std::uint16_t* index,
+                   std::size_t n) noexcept {
+    std::uint64_t now = 0;
+    std::memcpy(&now, bytes + i * 8, 8);
+    if (now == words_[i]) return n;
+    words_[i] = now;
+    index[n] = static_cast<std::uint16_t>(i);
+    return n + 1;
+  }
+
   std::uint64_t words_[kWords]{};
 };
 

@@ -487,20 +487,26 @@ void Controller::finish_abort(const Orders& orders) noexcept {
 
 ServoView Controller::view() const noexcept {
   ServoView v;
+  fill(v);
+  return v;
+}
+
+void Controller::fill(ServoView& v) const noexcept {
   v.acked_epoch = acked_epoch_;
   v.void_epoch = executor_.voided();
   v.executed_seq = executor_.executed_seq();
   v.place = executor_.place_number();
   v.pose = executor_.pose();
   v.shift = shift_;
-  std::copy(std::begin(skew_), std::end(skew_), v.skew);
-  for (std::size_t j = 0; j < joints_; ++j) v.joint[j] = joint_[j].pos_cmd - skew_[j];
+  for (std::size_t j = 0; j < joints_; ++j) {
+    v.skew[j] = skew_[j];
+    v.joint[j] = joint_[j].pos_cmd - skew_[j];
+  }
   v.scale = executor_.scale();
   v.law = executor_.law_place();
   v.cycle = status_.cycle;
   v.single_step = single_step_;
   v.takes_moves = enabled_ && mode_ == MotionMode::coordinated;
-  return v;
 }
 
 }  // namespace kerf::motion

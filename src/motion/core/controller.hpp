@@ -75,6 +75,8 @@ class Controller {
   [[nodiscard]] const MachineConfig& config() const noexcept { return config_; }
   /// For the planner.
   [[nodiscard]] ServoView view() const noexcept;
+  /// All but what the shell knows; of joints those that there are.
+  void fill(ServoView& view) const noexcept;
   /// True when this cycle changed something that task waits for.
   [[nodiscard]] bool changed() const noexcept { return changed_; }
   /// True when it ended items, and changed nothing else.
@@ -236,11 +238,12 @@ class Controller {
   std::uint64_t fault_number_{0};
   MotionStatus status_;
   struct Digest {
-    std::uint64_t executed{0}, retraced{0}, faults{0};
+    std::uint64_t retraced{0}, faults{0};
     std::uint32_t acked{0}, flags{0}, homed{0};
     Pose shift;
     friend bool operator==(const Digest&, const Digest&) = default;
   } digest_;
+  std::uint64_t executed_before_{0};
   bool changed_{false}, only_went_on_{false};
 };
 

@@ -89,7 +89,6 @@ void Controller::fill_status(const Inputs& in, const Orders& orders, double dt,
 void Controller::note_changes() noexcept {
   const MotionStatus& s = status_;
   Digest now;
-  now.executed = s.executed_seq;
   now.faults = s.faults;
   now.acked = s.acked_epoch;
   now.shift = s.path_shift;
@@ -102,10 +101,11 @@ void Controller::note_changes() noexcept {
   for (std::size_t j = 0; j < joints_; ++j) now.homed |= s.joint[j].homed ? 1U << j : 0U;
   for (std::size_t n = 0; n < spindle_count_; ++n)
     now.homed ^= static_cast<std::uint32_t>(s.spindle[n].orient_state) << (16 + 2 * n);
-  changed_ = !(now == digest_);
-  digest_.executed = now.executed;
-  only_went_on_ = changed_ && now == digest_;
-  digest_ = now;
+  const bool went_on = s.executed_seq != executed_before_, more = !(now == digest_);
+  executed_before_ = s.executed_seq;
+  changed_ = went_on || more;
+  only_went_on_ = went_on && !more;
+  if (more) digest_ = now;
 }
 
 }  // namespace kerf::motion

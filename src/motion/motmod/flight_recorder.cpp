@@ -56,6 +56,16 @@ void FlightRecorder::begin(FlightRecord* record, std::size_t servo_words,
   record->extra_joints = extra_joints;
   record->digital = digital;
   record->analog = analog;
+  const auto j = static_cast<std::size_t>(joints), n = static_cast<std::size_t>(spindles);
+  inputs_parts_[0] = rtapi::words_of(0, offsetof(CycleInputs, in.joint) + j * sizeof(JointInputs));
+  inputs_parts_[1] = rtapi::words_of(offsetof(CycleInputs, in.spindle),
+                                     offsetof(CycleInputs, in.spindle) + n * sizeof(SpindleInputs));
+  inputs_parts_[2] =
+      rtapi::words_of(offsetof(CycleInputs, in.joint_wheel),
+                      offsetof(CycleInputs, in.joint_wheel) + j * sizeof(WheelInputs));
+  inputs_parts_[3] = rtapi::words_of(offsetof(CycleInputs, in.axis_wheel), sizeof(CycleInputs));
+  // What is not there is recorded as it is by default.
+  inputs_.set(CycleInputs{});
 }
 
 void FlightRecorder::config(const Controller& controller, const ConfigRecord& change) noexcept {
@@ -63,25 +73,27 @@ void FlightRecorder::config(const Controller& controller, const ConfigRecord& ch
   write_whole(words_, servo_, FlightKind::config, controller.status().cycle + 1, change);
 }
 
-void FlightRecorder::cycle(const Controller& controller, const Inputs& in, const Orders& orders,
-                           std::int64_t now_ns) noexcept {
+void FlightRecorder::cycle(const Controller& controller, CycleInputs& now, const Orders& orders,
+                           std::uint64_t intent_version, std::int64_t now_ns) noexcept {
   if (record_ == nullptr) return;
   const MotionStatus& s = controller.status();
   const rtapi::OverwriteRing& ring = servo_;
   rtapi::OverwriteRing::Head head;
   head.number = s.cycle;
-  if (const std::size_t n = intent_.changes(*orders.values, words_); n > 0) {
-    head.kind = static_cast<std::uint16_t>(FlightKind::intent);
-    ring.write(head, words_, n);
+  if (intent_version != intent_version_) {
+    intent_version_ = intent_version;
+    if (const std::size_t n = intent_.changes(*orders.values, words_); n > 0) {
+      head.kind = static_cast<std::uint16_t>(FlightKind::intent);
+      ring.write(head, words_, n);
+    }
   }
-  std::memcpy(static_cast<void*>(&now_.in), &in, sizeof in);
-  now_.heartbeat = orders.heartbeat;
-  now_.abort_epoch = orders.abort_epoch;
-  now_.enable_request = orders.enable_request;
-  now_.enable = orders.enable;
-  now_.hold = orders.hold;
-  now_.path_ring_empty = orders.path_ring_empty;
-  const std::size_t n = inputs_.changes(now_, words_);
+  now.heartbeat = orders.heartbeat;
+  now.abort_epoch = orders.abort_epoch;
+  now.enable_request = orders.enable_request;
+  now.enable = orders.enable;
+  now.hold = orders.hold;
+  now.path_ring_empty = orders.path_ring_empty;
+  const std::size_t n = inputs_.changes(now, words_, inputs_parts_);
   head.kind = static_cast<std::uint16_t>(FlightKind::cycle);
   head.extra = check_sum(controller);
   ring.write(head, words_, n);

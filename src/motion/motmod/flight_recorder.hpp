@@ -99,8 +99,10 @@ class FlightRecorder final : public Planner::Tap {
 
   /// Servo thread, in this order in a cycle.
   void config(const Controller& controller, const ConfigRecord& change) noexcept;
-  void cycle(const Controller& controller, const Inputs& in, const Orders& orders,
-             std::int64_t now_ns) noexcept;
+  /// `now`: what the cycle has read; the recorder adds `orders` to it. `intent_version`: another one than in the cycle before when
+  /// *orders.values may have changed.
+  void cycle(const Controller& controller, CycleInputs& now, const Orders& orders,
+             std::uint64_t intent_version, std::int64_t now_ns) noexcept;
   /// Planner.
   void turn(std::int64_t now_ns, std::uint64_t passes, std::uint32_t abort_epoch,
             std::uint64_t view_cycle) noexcept override;
@@ -118,7 +120,8 @@ class FlightRecorder final : public Planner::Tap {
   WordImage<PinValues> pin_image_;
   WordImage<CycleInputs> inputs_;
   WordImage<Intent> intent_;
-  CycleInputs now_;
+  std::uint64_t intent_version_{~std::uint64_t{0}};  ///< of intent_; no cell has counted so far
+  rtapi::WordPart inputs_parts_[4];                  ///< of the joints and spindles that there are
   static constexpr std::size_t kScratch =
       std::max({WordImage<Intent>::kRoom, WordImage<CycleInputs>::kRoom,
                 WordImage<PinValues>::kRoom, sizeof(RestRecord) / 8, sizeof(ConfigRecord) / 8});

@@ -209,7 +209,27 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
   controller_->status().analog_count = args_.aio;
   controller_->status().extra_joints = args_.extra_joints;
   controller_->status().misc_error_count = static_cast<std::int32_t>(io_.error_count());
+  begin_cells();
   b.add_participant(*planner_);
+}
+
+void Motmod::begin_cells() noexcept {
+  const std::size_t joints = joint_.size();
+  const std::size_t analog = io_.analog_count() * sizeof(double);
+  using S = MotionStatus;
+  status_parts_[0] = rtapi::words_of(0, offsetof(S, analog_in) + analog);
+  status_parts_[1] = rtapi::words_of(offsetof(S, analog_out), offsetof(S, analog_out) + analog);
+  status_parts_[2] = rtapi::words_of(offsetof(S, digital_count),
+                                     offsetof(S, joint) + joints * sizeof(JointStatus));
+  status_parts_[3] = rtapi::words_of(
+      offsetof(S, spindle), offsetof(S, spindle) + spindle_.size() * sizeof(SpindleStatus));
+  using V = ServoView;
+  view_parts_[0] = rtapi::words_of(0, offsetof(V, skew) + joints * sizeof(double));
+  view_parts_[1] =
+      rtapi::words_of(offsetof(V, joint), offsetof(V, joint) + joints * sizeof(double));
+  view_parts_[2] = rtapi::words_of(offsetof(V, shift), sizeof(V));
+  shared_->status.write(S{});
+  link_->view.write(V{});
 }
 
 /// New limits come into force when nothing moves and nothing is planned; what bears on no move does at once.
@@ -293,13 +313,14 @@ void Motmod::command_handler(const hal::Period&) noexcept {
 
 void Motmod::motion_controller(const hal::Period& period) noexcept {
   if (controller_ == nullptr) return;
-  inputs_.plan_passes = link_->slots.gate.done();  // before anything of the planner's is looked at
+  inputs_.in.plan_passes =
+      link_->slots.gate.done();  // before anything of the planner's is looked at
   read_inputs();
   MotionStatus& status = controller_->status();
   status.digital_in = io_.digital_in();
   io_.read_analog(status.analog_in);
-  inputs_.since_last_s = period.actual_seconds();
-  controller_->step(inputs_, orders_, period.seconds(), clock_.now());
+  inputs_.in.since_last_s = period.actual_seconds();
+  controller_->step(inputs_.in, orders_, period.seconds(), clock_.now());
   for (std::size_t j = 0; j < joint_.size(); ++j) write_joint(j);
   write_axes();
   for (std::size_t n = 0; n < spindle_.size(); ++n) write_spindle(n);
@@ -315,7 +336,7 @@ void Motmod::motion_controller(const hal::Period& period) noexcept {
   if (homing_ != nullptr) homing_->write_pins();
   answer_planner();
   // Before the planner hears of the cycle.
-  recorder_->cycle(*controller_, inputs_, orders_, status.time_ns);
+  recorder_->cycle(*controller_, inputs_, orders_, intent_version_, status.time_ns);
   publish();
 }
 
@@ -329,11 +350,14 @@ void Motmod::publish() noexcept {
     log.slot[record.number % FaultLog::kSlots].write(record);
     log.newest.publish(record.number);
   }
-  shared_->status.write(controller_->status());
-  ServoView view = controller_->view();
+  shared_->status.write(controller_->status(), status_parts_);
+  const ServoView& last = view_[view_now_];
+  view_now_ ^= 1U;
+  ServoView& view = view_[view_now_];
+  controller_->fill(view);
   view.config_version = limits_version_;
   view.config_wish = config_wish_;
-  tell_planner(*link_, view, last_view_);
+  tell_planner(*link_, view, view_parts_, last);
   if (task_should_look()) shared_->status_cell.notify();
 }
 

@@ -58,6 +58,7 @@ class Motmod final : public hal::Component<Motmod> {
 
  private:
   void create_parts(hal::Builder& b) noexcept;
+  void begin_cells() noexcept;
   void create_unlock_pins(hal::Builder& b) noexcept;
   void read_inputs() noexcept;
   void write_joint(std::size_t j) noexcept;
@@ -104,10 +105,13 @@ class Motmod final : public hal::Component<Motmod> {
 
   ScrewTable screw_[kMaxJoints];
   std::uint64_t screw_version_[kMaxJoints]{};
-  Inputs inputs_;
+  CycleInputs inputs_;
   Orders orders_;
   Intent intent_;
-  ServoView last_view_;
+  ServoView view_[2];  ///< of this cycle and of the last one, by turns
+  std::size_t view_now_{0};
+  /// Of the joints, spindles, inputs and outputs that there are: who reads the cells finds the others as they are by default.
+  rtapi::WordPart status_parts_[4], view_parts_[3];
   std::uint64_t intent_version_{0}, config_version_{0};
   std::uint64_t adopted_version_{0};  ///< of which the harmless values are in force
   std::uint64_t config_wish_{0}, last_wish_{0};

@@ -35,7 +35,7 @@ void MotionPins::add_debug_params() noexcept {
 }
 
 void Motmod::read_inputs() noexcept {
-  Inputs& in = inputs_;
+  Inputs& in = inputs_.in;
   in.enable = pins_.enable;
   in.feed_hold = pins_.feed_hold;
   in.feed_inhibit = pins_.feed_inhibit;

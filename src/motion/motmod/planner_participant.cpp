@@ -37,8 +37,9 @@ void PlannerParticipant::step(rtapi::Nanos now, rtapi::WaitSpec& next) {
   link_.waits.set(static_cast<std::uint32_t>(waits));
 }
 
-void tell_planner(PlannerLink& link, const ServoView& view, ServoView& last) noexcept {
-  link.view.write(view);
+void tell_planner(PlannerLink& link, const ServoView& view, std::span<const rtapi::WordPart> parts,
+                  const ServoView& last) noexcept {
+  link.view.write(view, parts);
   // What the planner waits for is looked at in every cycle, so nothing is lost when it begins to wait just now.
   const auto waits = static_cast<Planner::Waits>(link.waits.get());
   bool wake = view.acked_epoch != last.acked_epoch || view.void_epoch != last.void_epoch ||
@@ -52,7 +53,6 @@ void tell_planner(PlannerLink& link, const ServoView& view, ServoView& last) noe
   if (waits == Planner::Waits::room)
     wake = wake || link.spans.size() + Planner::kRoomWorthSending <= SpanRing::capacity();
   if (waits == Planner::Waits::servo) wake = wake || view.executed_seq != link.seen.get();
-  last = view;
   if (!wake) return;
   link.waits.set(static_cast<std::uint32_t>(Planner::Waits::items));
   link.cell.notify();

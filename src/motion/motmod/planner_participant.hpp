@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "motion/core/planner/planner.hpp"
 #include "rtapi/clock/clock.hpp"
@@ -43,7 +44,9 @@ class PlannerParticipant final : public rtapi::Participant {
   ServoView view_;  ///< as it was read last
 };
 
-/// Servo side, once a cycle: publishes `view` and wakes the planner if it waits for what happened.
-void tell_planner(PlannerLink& link, const ServoView& view, ServoView& last) noexcept;
+/// Servo side, once a cycle: publishes these parts of `view`, the only ones that change, and wakes the planner if it waits for what
+/// happened since `last`.
+void tell_planner(PlannerLink& link, const ServoView& view, std::span<const rtapi::WordPart> parts,
+                  const ServoView& last) noexcept;
 
 }  // namespace kerf::motion

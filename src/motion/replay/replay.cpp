@@ -219,7 +219,9 @@ class Machine {
   void tell() {
     ServoView view = controller_->view();
     view.config_version = version_;
-    tell_planner(*link_, view, last_);
+    const rtapi::WordPart all = rtapi::words_of(0, sizeof view);
+    tell_planner(*link_, view, {&all, 1}, last_);
+    last_ = view;
   }
   Kinematics& kinematics_;
   HeapMemory memory_;

@@ -1,11 +1,15 @@
 // SeqCell: one writer, many readers, a value of any size, nobody waits.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <type_traits>
+
+#include "rtapi/sync/word_part.hpp"
 
 namespace kerf::rtapi {
 
@@ -22,13 +26,21 @@ class SeqCell {
  public:
   /// @rt. One writer only.
   void write(const T& value) noexcept {
-    std::uint64_t words[kWords]{};
-    std::memcpy(words, &value, sizeof(T));
+    const WordPart all{0, kWords};
+    write(value, {&all, 1});
+  }
+  /// @rt. The same where only these words may differ from what was written before.
+  void write(const T& value, std::span<const WordPart> parts) noexcept {
+    const auto* const bytes = reinterpret_cast<const std::byte*>(&value);
     const std::uint64_t s = sequence_.load(std::memory_order_relaxed);  // ours alone to change
     sequence_.store(s + 1, std::memory_order_relaxed);
     // The fence keeps the words below from becoming visible before the odd count.
     std::atomic_thread_fence(std::memory_order_release);
-    for (std::size_t i = 0; i < kWords; ++i) words_[i].store(words[i], std::memory_order_relaxed);
+    for (const WordPart part : parts) {
+      const std::size_t whole = std::min<std::size_t>(part.end, sizeof(T) / 8);
+      for (std::size_t i = part.first; i < whole; ++i) store(i, bytes + i * 8, 8);
+      if (part.end > whole) store(whole, bytes + whole * 8, sizeof(T) % 8);
+    }
     // Release: a reader that sees the even count sees all the words of this write.
     sequence_.store(s + 2, std::memory_order_release);
   }
@@ -57,6 +69,12 @@ class SeqCell {
   }
 
  private:
+  void store(std::size_t i, const std::byte* bytes, std::size_t n) noexcept {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes, n);
+    words_[i].store(word, std::memory_order_relaxed);
+  }
+
   std::atomic<std::uint64_t> sequence_{0};
   std::atomic<std::uint64_t> words_[kWords]{};
 };

@@ -1,4 +1,4 @@
-// planner_bench [--seed N] [--quick] [--optima] [--stack] [--cost | --stops [--only NAME]] [--count CYCLES] [--gcode FOLDER] [--pictures FOLDER]
+// planner_bench [--help | option...]
 //
 // Runs generated programs through planner and servo cycle without HAL, one millisecond a cycle, limited in acceleration and in jerk, and
 // prints beside the goals: time, offline optimum and feed floor; the largest share of a joint limit in any cycle (by differences of the
@@ -381,6 +381,34 @@ int whole_stack(bool quick, std::uint64_t seed) {
   return bad;
 }
 
+/// What the servo thread spends on motion, as integrators see it in motion-controller.time.
+int servo_functions(bool quick, const char* only, std::uint64_t seed) {
+  int bad = 0;
+  std::printf(
+      "\nThe HAL function motion-controller in a machine of three joints, with its pins, status "
+      "and "
+      "flight record. Goal: at most 1.5 us.\n%-14s %-14s %10s %9s %9s %9s\n",
+      "limited in", "", "cycles", "mean us", "median", "99 %");
+  struct Case {
+    const char* what;
+    bench::StackProgram program;
+    bool sweeps;
+  };
+  const int lines = quick ? 3000 : 20000;
+  const bench::StackProgram freeform = bench::freeform_lines(lines, true, seed);
+  for (const double jerk : {0.0, kJerk})
+    for (const Case& c : {Case{"freeform", freeform, false}, Case{"standing", {}, false},
+                          Case{"caches swept", freeform, true}}) {
+      if (only != nullptr && std::strcmp(only, c.what) != 0) continue;
+      const bench::ServoCost r = bench::servo_function(c.program, jerk, c.sweeps);
+      std::printf("%-14s %-14s %10zu %9.2f %9.2f %9.2f %s\n", jerk > 0 ? "jerk" : "acceleration",
+                  c.what, r.cycles, r.mean_us, r.p50_us, r.p99_us, r.error.c_str());
+      std::fflush(stdout);
+      bad += r.error.empty() ? 0 : 1;
+    }
+  return bad;
+}
+
 int write_programs(const char* folder, std::uint64_t seed) {
   for (const Entry& e : families(true, seed)) {
     std::string name = e.program.name;
@@ -400,7 +428,8 @@ int write_programs(const char* folder, std::uint64_t seed) {
 
 int main_of(int argc, char** argv) {
   std::uint64_t seed = 1, count = 0;
-  bool quick = false, optima = false, cost = false, stops = false, stack = false, streams = false;
+  bool quick = false, optima = false, cost = false, stops = false, stack = false, servo = false,
+       streams = false;
   const char *gcode = nullptr, *pictures = nullptr, *only = nullptr;
   for (int i = 1; i < argc; ++i) {
     const bool value = i + 1 < argc;
@@ -414,6 +443,8 @@ int main_of(int argc, char** argv) {
       optima = true;
     } else if (std::strcmp(argv[i], "--cost") == 0) {
       cost = true;
+    } else if (std::strcmp(argv[i], "--servo") == 0) {
+      servo = true;
     } else if (std::strcmp(argv[i], "--dense") == 0) {
       streams = true;
     } else if (std::strcmp(argv[i], "--stack") == 0) {
@@ -428,22 +459,24 @@ int main_of(int argc, char** argv) {
       quick = true;
     } else {
       std::puts(
-          "Usage: planner_bench [--seed N] [--quick] [--optima] [--stack] [--cost | --stops "
-          "[--only "
-          "NAME]] [--count "
-          "CYCLES] [--gcode "
-          "FOLDER] "
-          "[--pictures FOLDER]\n"
+          "Usage: planner_bench [--seed N] [--quick] [--only NAME]\n"
+          "                     [--optima | --cost | --servo | --dense | --stack | --stops]\n"
+          "                     [--count CYCLES] [--gcode FOLDER] [--pictures FOLDER]\n"
           "Times of generated programs beside their optima, the shares of the joint limits they "
           "use, and what planning costs.\n"
-          "--optima: only the jerk-limited times beside their optima. --cost: only what planning "
-          "costs. --stack: only that of the whole machine from the file on (its programs have to "
-          "be "
-          "built). --stops: only stops limited in jerk beside the soonest known. --only: of "
-          "programs "
-          "with NAME in their names.\n"
-          "--count: random programs with overrides, holds, aborts and resumes for that many servo "
-          "cycles.");
+          "--optima   only the jerk-limited times beside their optima\n"
+          "--cost     only what planning and the servo function cost\n"
+          "--servo    only what the servo function costs\n"
+          "--dense    only whether dense lines keep their feed\n"
+          "--stack    only what the whole machine costs from the file on; its programs have to be "
+          "built\n"
+          "--stops    only stops limited in jerk beside the soonest known\n"
+          "--only     programs with NAME in their names, with --cost, --servo, --dense and "
+          "--stops\n"
+          "--count    random programs with overrides, holds, aborts and resumes for that many "
+          "servo cycles\n"
+          "--gcode    writes the quick programs there\n"
+          "--pictures draws those of docs/planner.md there");
       return std::strcmp(argv[i], "--help") == 0 ? 0 : 2;
     }
   }
@@ -458,11 +491,11 @@ int main_of(int argc, char** argv) {
     bench::print(r);
     return r.exceptions == 0 ? 0 : 1;
   }
-  std::vector<Entry> entries = families(quick, seed);
   if (cost) {
     throughput(quick, only, seed);
-    return 0;
+    return servo_functions(quick, nullptr, seed) == 0 ? 0 : 1;
   }
+  if (servo) return servo_functions(quick, only, seed) == 0 ? 0 : 1;
   if (streams) return dense(quick, only) == 0 ? 0 : 1;
   if (stack) return whole_stack(quick, seed) == 0 ? 0 : 1;
   if (stops) {
@@ -473,6 +506,7 @@ int main_of(int argc, char** argv) {
     jerk_optima(families(true, seed), seed);
     return 0;
   }
+  std::vector<Entry> entries = families(quick, seed);
   int bad = acceleration_limited(entries, seed);
   bad += jerk_limited(entries, seed);
   jerk_optima(families(true, seed), seed);
@@ -482,6 +516,7 @@ int main_of(int argc, char** argv) {
   throughput(quick, only, seed);
   bad += dense(quick, nullptr);
   bad += whole_stack(quick, seed);
+  bad += servo_functions(quick, nullptr, seed);
   bad += repeats(seed);
   bad += retraces(seed);
   bad += overridden(entries, seed);

@@ -4,13 +4,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <vector>
 
 #include "bench/motion/families.hpp"
+#include "hal/component.hpp"
 #include "harness/machine.hpp"
 
 namespace kerf::bench {
@@ -22,6 +27,8 @@ namespace fs = std::filesystem;
 constexpr double kVel = 200, kAcc = 1750;
 /// At the feed but for that.
 constexpr double kAtFeed = 0.999;
+/// A cycle that took longer was interrupted by the system [s].
+constexpr double kInterrupted = 50e-6;
 
 void append(std::string& text, const char* format, double a, double b = 0, double c = 0,
             double d = 0) {
@@ -117,6 +124,52 @@ double session(const Folder& folder, const std::string& text) {
   return seconds(used.ru_utime) + seconds(used.ru_stime);
 }
 
+/// What a HAL function takes: one function of this component stands before it in the thread, the other behind it.
+struct Watch {
+  static constexpr std::size_t kSwept = std::size_t{2} << 20U;  ///< more than a core's own caches
+
+  static Watch& the() {
+    static Watch watch;
+    return watch;
+  }
+  void start() {
+    if (sweeps)
+      for (std::size_t i = 0; i < kSwept; i += 64) other[i] = static_cast<char>(other[i] + 1);
+    began = now();
+  }
+  void stop() { seconds.push_back(now() - began); }
+  static double now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  }
+
+  bool sweeps{false};
+  double began{0};
+  std::vector<char> other{std::vector<char>(kSwept)};
+  std::vector<double> seconds;
+};
+
+class Stopwatch final : public hal::Component<Stopwatch> {
+ public:
+  static constexpr hal::Info kInfo{
+      .name = "stopwatch", .summary = "Times what lies between two functions", .singleton = true};
+  using Component::Component;
+
+ private:
+  void start(const hal::Period&) noexcept { Watch::the().start(); }
+  void stop(const hal::Period&) noexcept { Watch::the().stop(); }
+  hal::Function start_{function<&Stopwatch::start>("start", "Begins")};
+  hal::Function stop_{function<&Stopwatch::stop>("stop", "Ends")};
+};
+
+constexpr hal::Module kStopwatch{
+    hal::kModuleAbi,
+    Stopwatch::kInfo,
+    sizeof(Stopwatch),
+    alignof(Stopwatch),
+    [](void* storage, hal::Builder& b) noexcept { new (storage) Stopwatch(b); },
+    [](void* object) noexcept { std::destroy_at(static_cast<Stopwatch*>(object)); }};
+
 }  // namespace
 
 StackProgram freeform_lines(int lines, bool merges, std::uint64_t seed) {
@@ -171,6 +224,40 @@ StackResult run_in_harness(const StackProgram& program, double jerk) {
   out.processor_s = processor_now() - start;
   out.seconds = static_cast<double>(machine->now() - began) * 1e-9;
   if (reply.state != task::CommandState::done) out.error = machine->errors() + reply.text.c_str();
+  return out;
+}
+
+ServoCost servo_function(const StackProgram& program, double jerk, bool sweeps) {
+  ServoCost out;
+  const Folder folder(jerk);
+  harness::MachineOptions options;
+  options.ini = folder.ini();
+  options.modules = {{"stopwatch", &kStopwatch}};
+  options.hal = {"loadrt stopwatch", "addf stopwatch.start servo-thread 2",
+                 "addf stopwatch.stop servo-thread"};
+  auto machine = harness::Machine::start(options);
+  if (!machine->ready() || !machine->power_on_and_home()) {
+    out.error = machine->errors();
+    return out;
+  }
+  Watch& watch = Watch::the();
+  watch.sweeps = sweeps;
+  watch.seconds.clear();
+  if (program.lines == 0) {
+    machine->run_for(20);
+  } else if (const auto reply = machine->run_program(machine->write_program(program.text));
+             reply.state != task::CommandState::done) {
+    out.error = machine->errors() + reply.text.c_str();
+  }
+  auto& seconds = watch.seconds;
+  // Cycles that the system interrupted are no cost of the function.
+  std::erase_if(seconds, [](double s) { return s > kInterrupted; });
+  if (seconds.empty()) return out;
+  std::sort(seconds.begin(), seconds.end());
+  out.cycles = seconds.size();
+  for (const double s : seconds) out.mean_us += s * 1e6 / static_cast<double>(out.cycles);
+  out.p50_us = seconds[out.cycles / 2] * 1e6;
+  out.p99_us = seconds[out.cycles * 99 / 100] * 1e6;
   return out;
 }
 

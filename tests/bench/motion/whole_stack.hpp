@@ -15,6 +15,13 @@ struct StackResult {
   std::string error;      ///< empty: none
 };
 
+/// The HAL function motion-controller from its first instruction to its last, with pins, status and flight record.
+struct ServoCost {
+  double mean_us{0}, p50_us{0}, p99_us{0};
+  std::size_t cycles{0};
+  std::string error;  ///< empty: none
+};
+
 struct StackProgram {
   std::string text;
   std::size_t lines{0};
@@ -28,6 +35,9 @@ struct StackProgram {
 
 /// In this process, in one thread. `jerk` [mm/s3] 0: limited in acceleration only.
 [[nodiscard]] StackResult run_in_harness(const StackProgram& program, double jerk);
+/// Of each cycle of the program, or of 20 s of standing when it has no lines. Between cycles all else that a machine has runs in the same thread;
+/// `sweeps`: other data stands in the caches besides, as after a pause in which other programs ran.
+[[nodiscard]] ServoCost servo_function(const StackProgram& program, double jerk, bool sweeps);
 /// With the true processes; start-up taken off.
 [[nodiscard]] StackResult run_in_processes(const StackProgram& program, double jerk);
 

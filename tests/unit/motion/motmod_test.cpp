@@ -282,6 +282,48 @@ TEST(Motmod, DegreesOfAnInchMachineAreDegrees) {
               1e-9);
 }
 
+/// The status has room for more than most machines have; what is there is told up to the last one.
+TEST(Motmod, TellsOfAllJointsSpindlesAndOutputs) {
+  for (const bool most : {false, true}) {
+    const int joints = most ? 16 : 3, spindles = most ? 8 : 1, io = most ? 64 : 4;
+    Shell s("xyz", joints);
+    s.hal.set_arg("num_spindles", std::to_string(spindles));
+    s.hal.set_arg("num_aio", std::to_string(io));
+    ASSERT_TRUE(s.load()) << s.hal.error();
+    s.configure();
+    for (int j = 0; j < joints; ++j)
+      s.hal.set("joint." + std::to_string(j) + ".motor-pos-fb", 1.0 + j);
+    for (int n = 0; n < spindles; ++n)
+      s.hal.set("spindle." + std::to_string(n) + ".revs", 100.0 + n);
+    for (int i = 0; i < io; ++i)
+      s.hal.set(std::string("motion.analog-in-") + (i < 10 ? "0" : "") + std::to_string(i),
+                200.0 + i);
+    Intent intent;
+    intent.wishes = 1;
+    for (int i = 0; i < io; ++i) intent.analog_out[i].wish(300.0 + i);
+    s.shared().intent.values.write(intent);
+    s.hal.run("motion-command-handler");
+    s.hal.run("motion-controller");
+    s.hal.run("motion-controller");
+    const MotionStatus status = s.status();
+    EXPECT_EQ(status.cycle, 2U);
+    for (int j = 0; j < static_cast<int>(kMaxJoints); ++j) {
+      EXPECT_EQ(status.joint[j].pos_fb, j < joints ? 1.0 + j : 0.0) << j;
+      EXPECT_TRUE(status.joint[j].active);
+    }
+    for (int n = 0; n < static_cast<int>(kMaxSpindles); ++n) {
+      EXPECT_EQ(status.spindle[n].revs, n < spindles ? 100.0 + n : 0.0) << n;
+      EXPECT_TRUE(status.spindle[n].brake);
+    }
+    for (int i = 0; i < static_cast<int>(kMaxAnalog); ++i) {
+      EXPECT_EQ(status.analog_in[i], i < io ? 200.0 + i : 0.0) << i;
+      EXPECT_EQ(status.analog_out[i], i < io ? 300.0 + i : 0.0) << i;
+    }
+    EXPECT_EQ(status.joints, joints);
+    EXPECT_EQ(status.analog_count, io);
+  }
+}
+
 TEST(Motmod, FaultsGoToTheLog) {
   Shell s;
   ASSERT_TRUE(s.load());

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <thread>
 
@@ -75,6 +77,33 @@ TEST(SeqCell, ReadersSeeWholeWrites) {
   }
   stop.request();
   writer.join();
+}
+
+/// 12 and a bit: the last word is not a whole one.
+struct Odd {
+  std::uint32_t value[25];
+};
+
+TEST(SeqCell, AWriteOfPartsLeavesTheOthers) {
+  auto cell = std::make_unique<SeqCell<Odd>>();
+  const auto all = [](std::uint32_t v) {
+    Odd odd{};
+    std::fill(std::begin(odd.value), std::end(odd.value), v);
+    return odd;
+  };
+  cell->write(all(1));
+  const WordPart parts[] = {words_of(8, 20), words_of(48, 48), words_of(92, 100)};
+  cell->write(all(2), parts);
+  Odd seen{};
+  ASSERT_TRUE(cell->read(seen));
+  for (std::size_t i = 0; i < 25; ++i) {
+    const bool written = (i >= 2 && i < 6) || i >= 22;  // with what shares a word
+    EXPECT_EQ(seen.value[i], written ? 2U : 1U) << i;
+  }
+  EXPECT_EQ(cell->version(), 2U);
+  cell->write(all(3));
+  ASSERT_TRUE(cell->read(seen));
+  for (const auto v : seen.value) EXPECT_EQ(v, 3U);
 }
 
 TEST(SeqCell, DeadWriterMakesReadsFailNotHang) {
