@@ -116,6 +116,7 @@ inline constexpr std::int16_t kOrderToolOffset = 170;
 inline constexpr std::int16_t kOrderCoordSystem = 180;
 inline constexpr std::int16_t kOrderPath = 190;
 inline constexpr std::int16_t kOrderDistance = 200;
+inline constexpr std::int16_t kOrderArcDistance = 205;
 inline constexpr std::int16_t kOrderRetract = 210;
 inline constexpr std::int16_t kOrderReference = 220;
 inline constexpr std::int16_t kOrderMotion = 230;

@@ -59,7 +59,7 @@ void start(Core& c, bool left, double diameter_mm, int orientation, bool own_too
 }
 
 bool on(Core& c, const Block& b, int code) {
-  if (c.state.plane_code == 190)
+  if (c.state.plane_code != 170 && c.state.plane_code != 180)
     return c.fail(0, "Write G17 or G18 before",
                   "Cutter radius compensation allowed only in XY, XZ planes");
   if (c.state.cutter_comp != 400)
