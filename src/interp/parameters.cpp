@@ -198,8 +198,20 @@ std::string ParameterFile::text(const ParameterTable& table) {
   return out;
 }
 
+bool ParameterFile::holds(const std::string& content) const {
+  std::FILE* file = std::fopen(path_.c_str(), "re");
+  if (file == nullptr) return false;
+  // One byte more, so that a longer file differs.
+  std::string there(content.size() + 1, '\0');
+  there.resize(std::fread(there.data(), 1, there.size(), file));
+  const bool read = std::ferror(file) == 0;
+  std::fclose(file);
+  return read && there == content;
+}
+
 rtapi::Status ParameterFile::save(const ParameterTable& table) const {
   const std::string content = text(table);
+  if (holds(content)) return {};
   const std::string fresh = path_ + ".new";
   const auto problem = [&](const char* what) {
     const std::string message = std::string(what) + " " + fresh + ": " + std::strerror(errno);

@@ -152,12 +152,14 @@ class ParameterFile {
   explicit ParameterFile(std::string path) : path_(std::move(path)) {}
   /// Numbers that the file does not name stay as they are. Errors: not_found, syntax (out of order, out of range).
   [[nodiscard]] rtapi::Status load(ParameterTable& table) const;
-  /// Whole or not at all: PATH.new is written and synced, PATH is kept as PATH.bak, then replaced.
+  /// Whole or not at all: PATH.new is written and synced, PATH is kept as PATH.bak, then replaced. Where PATH says the same already
+  /// nothing is written: most programs change no parameter that lasts, and a slow disk would hold up the end of each.
   [[nodiscard]] rtapi::Status save(const ParameterTable& table) const;
   /// The text that save() writes.
   [[nodiscard]] static std::string text(const ParameterTable& table);
 
  private:
+  [[nodiscard]] bool holds(const std::string& content) const;
   std::string path_;
 };
 

@@ -178,14 +178,14 @@ bool InterpreterParticipant::begin_barrier(TaskItem& item) {
     wait_for("spindle " + std::to_string(orient->spindle) + " to be oriented",
              "spindle." + std::to_string(orient->spindle) + ".is-oriented");
   } else if (std::holds_alternative<ProgramEnd>(item.body)) {
+    // Also what the operator switched on; and before a disk that may be slow.
+    p_.io.set_coolant(epoch_, false, false);
     if (auto saved = save_parameters(); !saved.ok()) {
       Report report;
       report.message = MessageKind::error;
       report.text = "the parameter file is not saved: " + saved.error().message();
       reports_.push_back(std::move(report));
     }
-    // Also what the operator switched on.
-    p_.io.set_coolant(epoch_, false, false);
     Report report;
     report.kind = Report::Kind::program_end;
     reports_.push_back(std::move(report));

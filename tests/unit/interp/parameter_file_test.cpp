@@ -50,6 +50,35 @@ TEST_F(ParameterFiles, KeepTheDocumentedNumbersAndTheUsersOwn) {
   EXPECT_FALSE(std::filesystem::exists(path_ + ".new"));
 }
 
+/// The file and its backup stay as they are; anything else that stands there is replaced.
+TEST_F(ParameterFiles, WhatIsThereIsNotWrittenAgain) {
+  const auto inode = [&] {
+    struct stat s {};
+    EXPECT_EQ(::stat(path_.c_str(), &s), 0);
+    return s.st_ino;
+  };
+  write("5161\t1\n");
+  ParameterTable table;
+  ASSERT_TRUE(ParameterFile(path_).load(table).ok());
+  ASSERT_TRUE(ParameterFile(path_).save(table).ok());
+  EXPECT_EQ(read(".bak"), "5161\t1\n");
+  const std::string text = read();
+  const auto first = inode();
+  ASSERT_TRUE(ParameterFile(path_).save(table).ok());
+  EXPECT_EQ(inode(), first);
+  EXPECT_EQ(read(".bak"), "5161\t1\n");
+  for (const std::string& other :
+       {text + "1\t2\n", text.substr(0, text.size() - 2), std::string(), "4" + text.substr(1)}) {
+    write(other);
+    ASSERT_TRUE(ParameterFile(path_).save(table).ok());
+    EXPECT_EQ(read(), text);
+    EXPECT_EQ(read(".bak"), other);
+  }
+  std::filesystem::remove(path_);
+  ASSERT_TRUE(ParameterFile(path_).save(table).ok());
+  EXPECT_EQ(read(), text);
+}
+
 TEST_F(ParameterFiles, RefuseDisorder) {
   write("5162\t1\n5161\t1\n");
   ParameterTable table;
