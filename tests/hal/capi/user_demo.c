@@ -158,5 +158,8 @@ int main(int argc, char** argv) {
   rtapi_shmem_delete(shm, id);
   fflush(stdout);
   printf("exit %d\n", hal_exit(id));
+  fflush(stdout);
+  FILE* ended = fopen("user_demo.ended", "w");  // for ./ended
+  if (ended != NULL) fclose(ended);
   return 0;
 }
