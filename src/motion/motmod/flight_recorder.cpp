@@ -56,14 +56,13 @@ void FlightRecorder::begin(FlightRecord* record, std::size_t servo_words,
   record->extra_joints = extra_joints;
   record->digital = digital;
   record->analog = analog;
+  using rtapi::unused;
+  using C = CycleInputs;
   const auto j = static_cast<std::size_t>(joints), n = static_cast<std::size_t>(spindles);
-  inputs_parts_[0] = rtapi::words_of(0, offsetof(CycleInputs, in.joint) + j * sizeof(JointInputs));
-  inputs_parts_[1] = rtapi::words_of(offsetof(CycleInputs, in.spindle),
-                                     offsetof(CycleInputs, in.spindle) + n * sizeof(SpindleInputs));
-  inputs_parts_[2] =
-      rtapi::words_of(offsetof(CycleInputs, in.joint_wheel),
-                      offsetof(CycleInputs, in.joint_wheel) + j * sizeof(WheelInputs));
-  inputs_parts_[3] = rtapi::words_of(offsetof(CycleInputs, in.axis_wheel), sizeof(CycleInputs));
+  inputs_parts_ =
+      rtapi::words_but<C>(unused(offsetof(C, in.joint), sizeof(JointInputs), j, kMaxJoints),
+                          unused(offsetof(C, in.spindle), sizeof(SpindleInputs), n, kMaxSpindles),
+                          unused(offsetof(C, in.joint_wheel), sizeof(WheelInputs), j, kMaxJoints));
   // What is not there is recorded as it is by default.
   inputs_.set(CycleInputs{});
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <initializer_list>
 
@@ -9,6 +10,7 @@
 #include "motion/core/planner/planner.hpp"
 #include "motion/core/rest_state.hpp"
 #include "rtapi/shm/segment.hpp"
+#include "rtapi/sync/used_words.hpp"
 
 namespace kerf::motion {
 
@@ -121,7 +123,7 @@ class FlightRecorder final : public Planner::Tap {
   WordImage<CycleInputs> inputs_;
   WordImage<Intent> intent_;
   std::uint64_t intent_version_{~std::uint64_t{0}};  ///< of intent_; no cell has counted so far
-  rtapi::WordPart inputs_parts_[4];                  ///< of the joints and spindles that there are
+  std::array<rtapi::WordPart, 4> inputs_parts_{};    ///< of the joints and spindles that there are
   static constexpr std::size_t kScratch =
       std::max({WordImage<Intent>::kRoom, WordImage<CycleInputs>::kRoom,
                 WordImage<PinValues>::kRoom, sizeof(RestRecord) / 8, sizeof(ConfigRecord) / 8});

@@ -214,20 +214,17 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
 }
 
 void Motmod::begin_cells() noexcept {
-  const std::size_t joints = joint_.size();
-  const std::size_t analog = io_.analog_count() * sizeof(double);
+  using rtapi::unused;
+  const std::size_t joints = joint_.size(), analog = io_.analog_count();
   using S = MotionStatus;
-  status_parts_[0] = rtapi::words_of(0, offsetof(S, analog_in) + analog);
-  status_parts_[1] = rtapi::words_of(offsetof(S, analog_out), offsetof(S, analog_out) + analog);
-  status_parts_[2] = rtapi::words_of(offsetof(S, digital_count),
-                                     offsetof(S, joint) + joints * sizeof(JointStatus));
-  status_parts_[3] = rtapi::words_of(
-      offsetof(S, spindle), offsetof(S, spindle) + spindle_.size() * sizeof(SpindleStatus));
+  status_parts_ = rtapi::words_but<S>(
+      unused(offsetof(S, analog_in), sizeof(double), analog, kMaxAnalog),
+      unused(offsetof(S, analog_out), sizeof(double), analog, kMaxAnalog),
+      unused(offsetof(S, joint), sizeof(JointStatus), joints, kMaxJoints),
+      unused(offsetof(S, spindle), sizeof(SpindleStatus), spindle_.size(), kMaxSpindles));
   using V = ServoView;
-  view_parts_[0] = rtapi::words_of(0, offsetof(V, skew) + joints * sizeof(double));
-  view_parts_[1] =
-      rtapi::words_of(offsetof(V, joint), offsetof(V, joint) + joints * sizeof(double));
-  view_parts_[2] = rtapi::words_of(offsetof(V, shift), sizeof(V));
+  view_parts_ = rtapi::words_but<V>(unused(offsetof(V, skew), sizeof(double), joints, kMaxJoints),
+                                    unused(offsetof(V, joint), sizeof(double), joints, kMaxJoints));
   shared_->status.write(S{});
   link_->view.write(V{});
 }

@@ -1,6 +1,7 @@
 // motmod: the motion controller's HAL shell. It copies pins to plain values, lets Controller run one cycle, and copies back.
 #pragma once
 
+#include <array>
 #include <limits>
 
 #include "hal/component.hpp"
@@ -14,6 +15,7 @@
 #include "motion/motmod/pins.hpp"
 #include "motion/motmod/planner_participant.hpp"
 #include "rtapi/clock/clock.hpp"
+#include "rtapi/sync/used_words.hpp"
 
 namespace kerf::motion {
 
@@ -111,7 +113,8 @@ class Motmod final : public hal::Component<Motmod> {
   ServoView view_[2];  ///< of this cycle and of the last one, by turns
   std::size_t view_now_{0};
   /// Of the joints, spindles, inputs and outputs that there are: who reads the cells finds the others as they are by default.
-  rtapi::WordPart status_parts_[4], view_parts_[3];
+  std::array<rtapi::WordPart, 5> status_parts_{};
+  std::array<rtapi::WordPart, 3> view_parts_{};
   std::uint64_t intent_version_{0}, config_version_{0};
   std::uint64_t adopted_version_{0};  ///< of which the harmless values are in force
   std::uint64_t config_wish_{0}, last_wish_{0};

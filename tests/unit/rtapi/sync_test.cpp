@@ -8,6 +8,7 @@
 #include "rtapi/sync/cell.hpp"
 #include "rtapi/sync/seq_cell.hpp"
 #include "rtapi/sync/spsc_ring.hpp"
+#include "rtapi/sync/used_words.hpp"
 
 namespace kerf::rtapi {
 namespace {
@@ -104,6 +105,30 @@ TEST(SeqCell, AWriteOfPartsLeavesTheOthers) {
   cell->write(all(3));
   ASSERT_TRUE(cell->read(seen));
   for (const auto v : seen.value) EXPECT_EQ(v, 3U);
+}
+
+/// Rooms for five, of which two or all are used; a member behind them.
+struct Roomy {
+  std::uint64_t before;
+  std::uint64_t wide[5];
+  std::uint32_t narrow[5], behind;
+};
+
+TEST(UsedWords, AreAllButTheEndsOfArrays) {
+  using R = Roomy;
+  const auto parts =
+      words_but<R>(unused(offsetof(R, narrow), 4, 1, 5), unused(offsetof(R, wide), 8, 2, 5));
+  ASSERT_EQ(parts.size(), 3U);
+  EXPECT_EQ(parts[0].first, 0U);
+  EXPECT_EQ(parts[0].end, 3U);
+  EXPECT_EQ(parts[1].first, 6U);
+  EXPECT_EQ(parts[1].end, 7U);    // narrow[1] shares the word of narrow[0]
+  EXPECT_EQ(parts[2].first, 8U);  // and narrow[4] that of `behind`
+  EXPECT_EQ(parts[2].end, 9U);
+  const auto all = words_but<R>(unused(offsetof(R, wide), 8, 5, 5));
+  EXPECT_EQ(all[0].end, 6U);
+  EXPECT_EQ(all[1].first, 6U);
+  EXPECT_EQ(all[1].end, 9U);
 }
 
 TEST(SeqCell, DeadWriterMakesReadsFailNotHang) {
