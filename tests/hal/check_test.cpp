@@ -9,6 +9,7 @@
 
 #include "hal/cmd/check.hpp"
 #include "hal/golden.hpp"
+#include "harness/module_of.hpp"
 #include "ini/ini_file.hpp"
 
 namespace kerf::hal::test {
@@ -61,13 +62,7 @@ class Careless final : public Component<Careless> {
   static inline bool opened{false};
   static inline bool declared_only{false};
 };
-const Module kCareless{
-    kModuleAbi,
-    Careless::kInfo,
-    sizeof(Careless),
-    alignof(Careless),
-    [](void* storage, Builder& b) noexcept { new (storage) Careless(b); },
-    [](void* object) noexcept { std::destroy_at(static_cast<Careless*>(object)); }};
+constexpr Module kCareless = test::module_of<Careless>();
 
 TEST(HalCheckOfDrivers, TouchesNoDevice) {
   const StaticModule table[] = {{"careless", &kCareless}};

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -12,6 +11,7 @@
 
 #include "bench/motion/machinery.hpp"
 #include "bench/motion/machines.hpp"
+#include "bench/motion/seconds.hpp"
 #include "motion/core/path/reach.hpp"
 #include "unit/motion/spindle_rig.hpp"
 
@@ -25,8 +25,6 @@ namespace path = motion::path;
 
 constexpr std::size_t kJoints = 4;  ///< of the mill
 constexpr std::size_t kMostJoints = 5;
-/// A cycle that took longer was interrupted by the system.
-constexpr double kInterrupted = 50e-6;
 /// Of the planner's turns: to ask for the processor's time takes about as long as a turn in which there is nothing to do, so only longer ones are
 /// measured with it.
 constexpr double kShort = 10e-6;
@@ -36,10 +34,6 @@ constexpr int kNear = 40;
 constexpr double kFar = 1;
 constexpr int kFiner = 8;
 constexpr int kStraightSteps = 256;
-
-double seconds_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Of this thread alone: whatever else the machine does.
 double processor_now() {

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -15,8 +14,9 @@
 #include <vector>
 
 #include "bench/motion/families.hpp"
-#include "hal/component.hpp"
+#include "bench/motion/seconds.hpp"
 #include "harness/machine.hpp"
+#include "harness/module_of.hpp"
 
 namespace kerf::bench {
 namespace {
@@ -27,8 +27,6 @@ namespace fs = std::filesystem;
 constexpr double kVel = 200, kAcc = 1750;
 /// At the feed but for that.
 constexpr double kAtFeed = 0.999;
-/// A cycle that took longer was interrupted by the system [s].
-constexpr double kInterrupted = 50e-6;
 
 void append(std::string& text, const char* format, double a, double b = 0, double c = 0,
             double d = 0) {
@@ -135,14 +133,9 @@ struct Watch {
   void start() {
     if (sweeps)
       for (std::size_t i = 0; i < kSwept; i += 64) other[i] = static_cast<char>(other[i] + 1);
-    began = now();
+    began = seconds_now();
   }
-  void stop() { seconds.push_back(now() - began); }
-  static double now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-  }
-
+  void stop() { seconds.push_back(seconds_now() - began); }
   bool sweeps{false};
   double began{0};
   std::vector<char> other{std::vector<char>(kSwept)};
@@ -162,13 +155,7 @@ class Stopwatch final : public hal::Component<Stopwatch> {
   hal::Function stop_{function<&Stopwatch::stop>("stop", "Ends")};
 };
 
-constexpr hal::Module kStopwatch{
-    hal::kModuleAbi,
-    Stopwatch::kInfo,
-    sizeof(Stopwatch),
-    alignof(Stopwatch),
-    [](void* storage, hal::Builder& b) noexcept { new (storage) Stopwatch(b); },
-    [](void* object) noexcept { std::destroy_at(static_cast<Stopwatch*>(object)); }};
+constexpr hal::Module kStopwatch = hal::test::module_of<Stopwatch>();
 
 }  // namespace
 

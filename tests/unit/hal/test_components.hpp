@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "hal/component.hpp"
+#include "harness/module_of.hpp"
 
 namespace kerf::hal::test {
 
@@ -98,15 +99,5 @@ class BlockMaker final : public Component<BlockMaker> {
     if (while_made) while_made();
   }
 };
-
-template <class C>
-constexpr Module module_of() {
-  return Module{kModuleAbi,
-                C::kInfo,
-                sizeof(C),
-                alignof(C),
-                [](void* storage, Builder& b) noexcept { new (storage) C(b); },
-                [](void* object) noexcept { std::destroy_at(static_cast<C*>(object)); }};
-}
 
 }  // namespace kerf::hal::test
