@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kFolder = hal_tests() / "check";
+const fs::path check_folder = hal_tests() / "check";
 
 std::string found_in_present_folder() {
   ini::LoadResult ini;
@@ -43,11 +43,11 @@ std::string found_in_present_folder() {
 class HalCheck : public testing::TestWithParam<std::string> {};
 
 TEST_P(HalCheck, FindsWhatIsExpected) {
-  const InFolder folder(kFolder / GetParam());
+  const InFolder folder(check_folder / GetParam());
   expect_file("expected", found_in_present_folder());
 }
 
-INSTANTIATE_TEST_SUITE_P(Folders, HalCheck, testing::ValuesIn(folders_of_cases(kFolder)),
+INSTANTIATE_TEST_SUITE_P(Folders, HalCheck, testing::ValuesIn(folders_of_cases(check_folder)),
                          case_name);
 
 /// A driver that would open its device in any circumstances.
