@@ -11,8 +11,8 @@ namespace {
 
 namespace path = motion::path;
 
-/// Steps of the grid on a stretch of a curve and on a straight, and how fast they may grow from one to the next.
-constexpr int kCurveSteps = 4, kStraightSteps = 40;
+/// Steps of the grid on a straight, and how fast they may grow from one to the next.
+constexpr int kStraightSteps = 40;
 constexpr double kGrowth = 0.25;
 /// Next to a stop (sigma).
 constexpr double kAtStop = 0.004;
@@ -34,49 +34,54 @@ struct Grid {
   std::vector<Place> places;
 };
 
+/// `way` behind a place.
+Place ahead(const std::vector<motion::PathSpan>& curve, Place at, double way) {
+  for (at.s += way; at.span + 1 < curve.size(); ++at.span) {
+    const motion::PathSpan& span = curve[at.span];
+    const double over = at.s - (span.from + span.length);
+    if (over <= 0) break;
+    at.s = curve[at.span + 1].from + over;
+  }
+  return at;
+}
+
 /// What the curve is at the places.
 void fill_nodes(const std::vector<motion::PathSpan>& curve, const Machinery& machine, Grid& grid) {
   grid.nodes.clear();
   for (std::size_t i = 0; i < grid.places.size(); ++i) {
     const Place& place = grid.places[i];
-    const motion::PathSpan& span = curve[place.span];
-    Values p, e, c;
-    machine.derive(span.piece, place.s, p, e, c);
+    const path::Piece& piece = curve[place.span].piece;
     CurveNode node;
-    node.cap = machine.cap(span.piece, place.s);
-    if (i > 0 && grid.places[i - 1].span != place.span) {
-      // Curvature goes on at joints; what bends it changes there.
-      const motion::PathSpan& before = curve[grid.places[i - 1].span];
-      const double end = before.from + before.length;
-      Values pb, eb, cb;
-      machine.derive(before.piece, end, pb, eb, cb);
-      for (std::size_t j = 0; j < kOptimumJoints; ++j) c[j] = (c[j] + cb[j]) * 0.5;
-      node.cap = std::min(node.cap, machine.cap(before.piece, end));
-    }
+    Values p, e, c;
+    machine.derive(piece, place.s, p, e, c);
+    std::copy(p.begin(), p.end(), node.p);
+    std::copy(e.begin(), e.end(), node.e);
+    std::copy(c.begin(), c.end(), node.c);
+    node.cap = machine.cap(piece, place.s);
     if (i + 1 < grid.places.size()) {
       const Place& next = grid.places[i + 1];
-      node.way = (next.span == place.span ? next.s : span.from + span.length) - place.s;
-      const double middle = place.s + node.way / 2;
-      Values pm, em, cm;
-      machine.derive(span.piece, middle, pm, em, cm);
-      for (std::size_t j = 0; j < kOptimumJoints; ++j) node.p_mid[j] = pm[j], node.e_mid[j] = em[j];
+      node.way = next.s - place.s;
+      for (std::size_t k = place.span; k < next.span; ++k)
+        node.way += curve[k].from + curve[k].length - curve[k + 1].from;
+      const Place middle = ahead(curve, place, node.way / 2);
+      machine.derive(curve[middle.span].piece, middle.s, p, e, c);
+      std::copy(p.begin(), p.end(), node.p_mid);
+      std::copy(e.begin(), e.end(), node.e_mid);
     }
-    for (std::size_t j = 0; j < kOptimumJoints; ++j)
-      node.p[j] = p[j], node.e[j] = e[j], node.c[j] = c[j];
     grid.nodes.push_back(node);
   }
 }
 
 /// Of stretches [begin, end), from stop to stop.
 Grid grid_of(const std::vector<motion::PathSpan>& curve, std::size_t begin, std::size_t end,
-             const Machinery& machine) {
+             const Machinery& machine, int curve_steps) {
   // Steps at the joints of stretches: as fine as the finer side, growing evenly.
   const std::size_t n = end - begin;
   std::vector<double> own(n), joint(n + 1);
   double total = 0;
   for (std::size_t k = 0; k < n; ++k) {
     const motion::PathSpan& span = curve[begin + k];
-    own[k] = span.length / (span.piece.straight() ? kStraightSteps : kCurveSteps);
+    own[k] = span.length / (span.piece.straight() ? kStraightSteps : curve_steps);
     total += span.length;
   }
   joint[0] = joint[n] = std::min(kAtStop, total / 100);
@@ -97,8 +102,11 @@ Grid grid_of(const std::vector<motion::PathSpan>& curve, std::size_t begin, std:
       at.push_back(at.back() + std::min(h, std::max(step(at.back() + h), h / 2)));
     }
     const double scale = span.length / at.back();
+    // q''' jumps at joints, and what jerk allows holds on both sides: nodes stand beside joints, never on one. On a node with the mean of both sides the
+    // middle of a triangle of q'' would be passed at any speed.
+    if (k == 0) out.places.push_back({begin, span.from});
     for (std::size_t i = 0; i + 1 < at.size(); ++i)
-      out.places.push_back({begin + k, span.from + at[i] * scale});
+      out.places.push_back({begin + k, span.from + (at[i] + at[i + 1]) / 2 * scale});
   }
   out.places.push_back({end - 1, curve[end - 1].from + curve[end - 1].length});
   fill_nodes(curve, machine, out);
@@ -114,8 +122,13 @@ bool refine(const std::vector<motion::PathSpan>& curve, const Machinery& machine
     places.push_back(grid.places[i]);
     if (i == 0 || i + 1 == last) continue;
     const double way = grid.nodes[i].way;
-    if (2 * way / (std::sqrt(x[i]) + std::sqrt(x[i + 1])) > kLongestStep)
-      places.push_back({grid.places[i].span, grid.places[i].s + way / 2});
+    if (2 * way / (std::sqrt(x[i]) + std::sqrt(x[i + 1])) <= kLongestStep) continue;
+    if (grid.places[i].span == grid.places[i + 1].span) {
+      places.push_back(ahead(curve, grid.places[i], way / 2));
+    } else {
+      for (const double share : {0.25, 0.75})
+        places.push_back(ahead(curve, grid.places[i], share * way));
+    }
   }
   places.push_back(grid.places[last]);
   if (places.size() == grid.places.size()) return false;
@@ -173,9 +186,9 @@ class Sampler {
   }
 
   void look(std::size_t i, double s) {
-    const Place& place = grid_.places[i];
+    const Place place = ahead(curve_, grid_.places[i], s);
     const path::Piece& piece = curve_[place.span].piece;
-    const Values q = machine_.of(piece.point(place.s + s), &piece, place.s + s);
+    const Values q = machine_.of(piece.point(place.s), &piece, place.s);
     const JointLimits& limits = machine_.limits;
     if (count_ >= 3) {
       // The middle of the four samples lies a step and a half back; speed hardly changes in that time.
@@ -206,7 +219,7 @@ class Sampler {
 
 }  // namespace
 
-LeastTime least_time(const Program& program, double jerk) {
+LeastTime least_time(const Program& program, double jerk, int curve_steps) {
   path::AxisLimits limits;
   const std::vector<motion::PathSpan> curve = curve_of(program, jerk, limits);
   const Machinery machine = machinery_of(program, limits, jerk);
@@ -214,7 +227,7 @@ LeastTime least_time(const Program& program, double jerk) {
   std::size_t begin = 0;
   for (std::size_t k = 0; k < curve.size(); ++k) {
     if (!curve[k].stop_at_end && k + 1 < curve.size()) continue;
-    Grid grid = grid_of(curve, begin, k + 1, machine);
+    Grid grid = grid_of(curve, begin, k + 1, machine, curve_steps);
     JerkOptimum found = jerk_optimum(grid.nodes, machine.limits);
     for (int round = 0; round < kRefinements && refine(curve, machine, found.x, grid); ++round)
       found = jerk_optimum(grid.nodes, machine.limits);

@@ -116,7 +116,7 @@ int jerk_limited(const std::vector<Entry>& entries, std::uint64_t seed) {
 }
 
 /// How near to what jerk limits allow at all on these curves; and how much longer that takes than without jerk limits, which no plan can change.
-void jerk_optima(const std::vector<Entry>& entries, std::uint64_t seed) {
+void jerk_optima(const std::vector<Entry>& entries, const char* only, std::uint64_t seed) {
   std::printf(
       "\nLimited in jerk, beside the least time on the same curve (interior-point method on a fine "
       "grid). Goal: at most 1.03.\n"
@@ -126,6 +126,7 @@ void jerk_optima(const std::vector<Entry>& entries, std::uint64_t seed) {
       "program", "time s", "optimum", "ratio", "opt/acc", "a share", "j share", "used up");
   for (const Entry& e : entries) {
     if (e.program.machine == bench::Machine::lathe) continue;
+    if (only != nullptr && e.program.name.find(only) == std::string::npos) continue;
     const double without = bench::run(e.program, {}).seconds;
     const double ours = bench::run(e.program, {kJerk, false, seed}).seconds;
     const bench::LeastTime best = bench::least_time(e.program, kJerk);
@@ -468,7 +469,8 @@ int main_of(int argc, char** argv) {
           "--stack    only what the whole machine costs from the file on; its programs have to be "
           "built\n"
           "--stops    only stops limited in jerk beside the soonest known\n"
-          "--only     programs with NAME in their names, with --cost, --servo, --dense and "
+          "--only     programs with NAME in their names, with --optima, --cost, --servo, --dense "
+          "and "
           "--stops\n"
           "--count    random programs with overrides, holds, aborts and resumes for that many "
           "servo cycles\n"
@@ -500,13 +502,13 @@ int main_of(int argc, char** argv) {
     return 0;
   }
   if (optima) {
-    jerk_optima(families(true, seed), seed);
+    jerk_optima(families(true, seed), only, seed);
     return 0;
   }
   std::vector<Entry> entries = families(quick, seed);
   int bad = acceleration_limited(entries, seed);
   bad += jerk_limited(entries, seed);
-  jerk_optima(families(true, seed), seed);
+  jerk_optima(families(true, seed), nullptr, seed);
   stop_times(families(true, seed), nullptr, 200);
   corners();
   exact_stops();

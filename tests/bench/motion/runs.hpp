@@ -62,8 +62,11 @@ struct LeastTime {
   std::size_t samples{0}, saturated{0};
   int iterations{0};  ///< of the longest run
 };
+/// Steps of its grid on a stretch of a curve (a corner has some sixteen). Four times as many find up to 0.7 % more where q''' jumps between stretches.
+inline constexpr int kLeastTimeSteps = 4;
 /// The same with jerk limits, on the curve that the planner makes with them (jerk_optimum.hpp).
-[[nodiscard]] LeastTime least_time(const Program& program, double jerk);
+[[nodiscard]] LeastTime least_time(const Program& program, double jerk,
+                                   int curve_steps = kLeastTimeSteps);
 
 /// Length of all moves over their feeds; rapids over what the axes can do.
 [[nodiscard]] double feed_floor(const Program& program);

@@ -13,7 +13,9 @@
 #include <random>
 #include <vector>
 
+#include "bench/motion/families.hpp"
 #include "bench/motion/jerk_optimum.hpp"
+#include "bench/motion/runs.hpp"
 #include "property/motion/random_program.hpp"
 
 namespace kerf::bench {
@@ -240,6 +242,15 @@ TEST(JerkOptimum, IsFoundByDynamicProgrammingToo) {
     });
     compare(nodes, limits_of(r.uniform(500, 3000), r.log(5000, 200000)));
   }
+}
+
+/// In the middle of such corners the path turns back across one axis, so that the jump of q''' there is all that counts.
+TEST(JerkOptimum, IsHardlySlowerOnAFinerGrid) {
+  Program program = zigzag(0.05, 100, 6.5);
+  program.items.resize(12);
+  const double jerk = 50000, coarse = least_time(program, jerk).seconds,
+               fine = least_time(program, jerk, 4 * kLeastTimeSteps).seconds;
+  EXPECT_NEAR(coarse, fine, 0.008 * fine);
 }
 
 }  // namespace
