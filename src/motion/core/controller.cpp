@@ -101,10 +101,7 @@ bool Controller::at_rest() const noexcept {
   for (std::size_t j = 0; j < joints_; ++j) {
     if (joint_[j].mover.active() && !is_posthome(j)) return false;
   }
-  for (const AxisMover& axis : axis_) {
-    if (axis.active()) return false;
-  }
-  return true;
+  return jogging_axes() == 0;
 }
 
 void Controller::step(const Inputs& in, const Orders& orders, double dt,
@@ -137,7 +134,7 @@ void Controller::step(const Inputs& in, const Orders& orders, double dt,
   move(in, orders, dt);
   finish_abort(orders);
   double factors[kMaxSpindles];
-  for (std::size_t n = 0; n < kMaxSpindles; ++n)
+  for (std::size_t n = 0; n < spindle_count_; ++n)
     factors[n] =
         executor_.enables().spindle[n] ? std::max(orders.values->spindle_override[n], 0.0) : 1.0;
   spindles_.step(in.spindle, factors,

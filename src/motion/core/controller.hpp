@@ -163,6 +163,8 @@ class Controller {
     return j + static_cast<std::size_t>(status_.extra_joints) >= joints_ && joint_[j].homed;
   }
   void take_up_play(double dt) noexcept;
+  /// Bit i: axis i jogs. An axis that the kinematics do not have never does.
+  [[nodiscard]] std::uint32_t jogging_axes() const noexcept;
   [[nodiscard]] bool jogging() const noexcept;
   void watch_away(const Orders& orders) noexcept;
   void take_shift(const Orders& orders) noexcept;

@@ -1,6 +1,7 @@
 // Modes, and what moves in each of them.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "motion/core/controller.hpp"
@@ -30,16 +31,20 @@ bool Controller::may_leave_free() const noexcept {
   return all_homed() || (config_.no_force_homing && kinematics_.type() == KinematicsType::identity);
 }
 
+std::uint32_t Controller::jogging_axes() const noexcept {
+  std::uint32_t out = 0;
+  for (std::uint32_t left = kinematics_.axis_mask(); left != 0; left &= left - 1)
+    if (axis_[static_cast<std::size_t>(std::countr_zero(left))].active()) out |= left & (~left + 1);
+  return out;
+}
+
 bool Controller::jogging() const noexcept {
   if (mode_ == MotionMode::free && !homing_.active()) {
     for (std::size_t j = 0; j < joints_; ++j) {
       if (joint_[j].mover.active()) return true;
     }
   }
-  for (const AxisMover& axis : axis_) {
-    if (axis.active()) return true;
-  }
-  return false;
+  return jogging_axes() != 0;
 }
 
 /// Jogs away from a held path and back. The path waits until the machine stands where it was left.
@@ -412,7 +417,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
   offsets_.take(in.offset, by_axes && !closing_down_ && all_homed());
   const std::uint32_t blocked = by_axes ? offsets_.blocked(pose_, pose_before_, dt) : 0;
   pose_before_ = pose_;
-  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+  for (std::size_t i = 0; blocked != 0 && i < rtapi::kAxes; ++i)
     if ((blocked >> i & 1U) != 0) axis_[i].stop();
   PathInputs path;
   path.stop = closing_down_ || orders.abort_epoch != acked_epoch_;
@@ -479,8 +484,7 @@ void Controller::move(const Inputs& in, const Orders& orders, double dt) noexcep
 }
 
 void Controller::step_axes(double dt) noexcept {
-  std::uint32_t move = 0;
-  for (std::size_t i = 0; i < rtapi::kAxes; ++i) move |= axis_[i].active() ? 1U << i : 0U;
+  const std::uint32_t move = jogging_axes();
   if (move == 0) return jog_pace_.rest();
   if (plain_kinematics_)
     for (AxisMover& axis : axis_) axis.step(dt);

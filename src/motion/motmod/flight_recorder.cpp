@@ -56,15 +56,24 @@ void FlightRecorder::begin(FlightRecord* record, std::size_t servo_words,
   record->extra_joints = extra_joints;
   record->digital = digital;
   record->analog = analog;
-  using rtapi::unused;
-  using C = CycleInputs;
-  const auto j = static_cast<std::size_t>(joints), n = static_cast<std::size_t>(spindles);
-  inputs_parts_ =
-      rtapi::words_but<C>(unused(offsetof(C, in.joint), sizeof(JointInputs), j, kMaxJoints),
-                          unused(offsetof(C, in.spindle), sizeof(SpindleInputs), n, kMaxSpindles),
-                          unused(offsetof(C, in.joint_wheel), sizeof(WheelInputs), j, kMaxJoints));
+  use_axes(rtapi::kAxes);
   // What is not there is recorded as it is by default.
   inputs_.set(CycleInputs{});
+}
+
+void FlightRecorder::use_axes(std::size_t count) noexcept {
+  if (record_ == nullptr) return;
+  using rtapi::unused;
+  using C = CycleInputs;
+  const auto joints = static_cast<std::size_t>(record_->joints),
+             spindles = static_cast<std::size_t>(record_->spindles);
+  inputs_parts_ = rtapi::words_but<C>(
+      unused(offsetof(C, in.joint), sizeof(JointInputs), joints, kMaxJoints),
+      unused(offsetof(C, in.spindle), sizeof(SpindleInputs), spindles, kMaxSpindles),
+      unused(offsetof(C, in.joint_wheel), sizeof(WheelInputs), joints, kMaxJoints),
+      unused(offsetof(C, in.axis_wheel), sizeof(WheelInputs), count, rtapi::kAxes),
+      unused(offsetof(C, in.offset), sizeof(OffsetInputs), count, rtapi::kAxes));
+  looks_at_all_ = true;
 }
 
 void FlightRecorder::config(const Controller& controller, const ConfigRecord& change) noexcept {
@@ -92,7 +101,9 @@ void FlightRecorder::cycle(const Controller& controller, CycleInputs& now, const
   now.enable = orders.enable;
   now.hold = orders.hold;
   now.path_ring_empty = orders.path_ring_empty;
-  const std::size_t n = inputs_.changes(now, words_, inputs_parts_);
+  const std::size_t n =
+      looks_at_all_ ? inputs_.changes(now, words_) : inputs_.changes(now, words_, inputs_parts_);
+  looks_at_all_ = false;
   head.kind = static_cast<std::uint16_t>(FlightKind::cycle);
   head.extra = check_sum(controller);
   ring.write(head, words_, n);

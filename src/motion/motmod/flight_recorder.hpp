@@ -99,6 +99,9 @@ class FlightRecorder final : public Planner::Tap {
              std::int64_t period_ns, std::int32_t joints, std::int32_t spindles,
              std::int32_t extra_joints, std::int32_t digital, std::int32_t analog) noexcept;
 
+  /// Pins of the first so many axes are read from now on; at the beginning of all.
+  void use_axes(std::size_t count) noexcept;
+
   /// Servo thread, in this order in a cycle.
   void config(const Controller& controller, const ConfigRecord& change) noexcept;
   /// `now`: what the cycle has read; the recorder adds `orders` to it. `intent_version`: another one than in the cycle before when
@@ -123,7 +126,8 @@ class FlightRecorder final : public Planner::Tap {
   WordImage<CycleInputs> inputs_;
   WordImage<Intent> intent_;
   std::uint64_t intent_version_{~std::uint64_t{0}};  ///< of intent_; no cell has counted so far
-  std::array<rtapi::WordPart, 4> inputs_parts_{};    ///< of the joints and spindles that there are
+  std::array<rtapi::WordPart, 6> inputs_parts_{};    ///< of what is read
+  bool looks_at_all_{false};  ///< in the next cycle: what is read has changed
   static constexpr std::size_t kScratch =
       std::max({WordImage<Intent>::kRoom, WordImage<CycleInputs>::kRoom,
                 WordImage<PinValues>::kRoom, sizeof(RestRecord) / 8, sizeof(ConfigRecord) / 8});

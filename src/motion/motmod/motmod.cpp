@@ -1,6 +1,7 @@
 #include "motion/motmod/motmod.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <new>
 
@@ -183,6 +184,7 @@ void Motmod::create_parts(hal::Builder& b) noexcept {
   if (recorder_ == nullptr || record == nullptr) return;
   recorder_->begin(new (record) FlightRecord(), words, segment, args_.servo_period_ns, args_.joints,
                    args_.spindles, args_.extra_joints, args_.dio, args_.aio);
+  choose_axes();
   const Kinematics& asked =
       asked_ != nullptr ? static_cast<const Kinematics&>(*asked_) : *kinematics;
   planner_ = make_part<PlannerParticipant>(b, asked, *shared_, *link_);
@@ -270,9 +272,23 @@ void Motmod::take_config() noexcept {
   std::uint32_t rotary = 0;
   for (std::size_t j = 0; j < kMaxJoints; ++j) rotary |= config.joint[j].rotary ? 1U << j : 0U;
   kinematics_->use_machine(rotary, config.axis_mask);
+  choose_axes();
   for (std::size_t j = 0; j < kMaxJoints; ++j)
     joint_scale_[j] = config.joint[j].rotary ? 1.0 : scale_;
   if (config.axis_mask != 0) axis_mask_ = config.axis_mask;
+}
+
+/// Pins of an axis that the kinematics do not have move nothing, and most machines have three of nine. Where there are kinds to switch between an axis may
+/// come with any of them, and its counts have to be known by then.
+void Motmod::choose_axes() noexcept {
+  constexpr std::uint32_t kAll = (1U << rtapi::kAxes) - 1;
+  axes_read_ = kinematics_->kinds() > 1 ? kAll : kinematics_->axis_mask();
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i) {
+    if ((axes_read_ >> i & 1U) != 0) continue;
+    inputs_.in.axis_wheel[i] = {};
+    inputs_.in.offset[i] = {};
+  }
+  recorder_->use_axes(static_cast<std::size_t>(std::bit_width(axes_read_)));
 }
 
 void Motmod::take_screws() noexcept {

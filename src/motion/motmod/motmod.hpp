@@ -73,6 +73,7 @@ class Motmod final : public hal::Component<Motmod> {
   [[nodiscard]] bool task_should_look() noexcept;
   void answer_planner() noexcept;
   void take_config() noexcept;
+  void choose_axes() noexcept;
   void take_screws() noexcept;
   /// What motion.switchkins-type asks for; true when that is not the kind in force.
   [[nodiscard]] std::int32_t wanted_kind() const noexcept;
@@ -101,7 +102,8 @@ class Motmod final : public hal::Component<Motmod> {
   CHoming* homing_{nullptr};         ///< [EMCMOT]HOMEMOD, when it is not motmod's own
   AskedKinematics* asked_{nullptr};  ///< the planner's, when the module is in C
   std::uint32_t axis_mask_{0};
-  rtapi::StopWord forsaken_;  ///< the supervisor is dead: drives stay off
+  std::uint32_t axes_read_{0};  ///< of which axis.L.jog-* and axis.L.eoffset-* are read
+  rtapi::StopWord forsaken_;    ///< the supervisor is dead: drives stay off
   hal::SwitchOff switch_off_{
       [](void* machine) noexcept { static_cast<Motmod*>(machine)->forsaken_.request(); }, this};
 

@@ -64,6 +64,7 @@ void Motmod::read_inputs() noexcept {
     read_wheel(p, joint_scale(j), in.joint_wheel[j]);
   }
   for (std::size_t i = 0; i < axis_.size(); ++i) {
+    if ((axes_read_ >> i & 1U) == 0) continue;
     const double k = rtapi::is_rotary(i) ? 1.0 : scale_;
     const AxisPins& p = axis_[i];
     read_wheel(p, k, in.axis_wheel[i]);
