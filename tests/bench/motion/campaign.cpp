@@ -28,7 +28,11 @@ Program random_program(std::uint64_t seed) {
     case 1:
       return seed % 16 < 8 ? arc_spiral(0.1, 80)
                            : tangent_moves(60, seed % 32 < 16, seed % 64 < 32, seed);
-    case 2: return fractal(4, 0.5, 0.05, 100);
+    case 2: {
+      // Half of them wind within the tolerance.
+      constexpr double kP[] = {0.15, 0.25, 0.5, 1};
+      return fractal(4, 0.5, seed % 16 < 8 ? 0.05 : kP[seed / 16 % 4], 100);
+    }
     case 3: return four_axis(60, 0.02, 100, seed % 16 < 8, seed);
     case 4: return helical_arcs(0.01, 80);
     case 5:

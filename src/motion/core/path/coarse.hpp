@@ -33,6 +33,11 @@ double chord_of(const Piece& arc, const Tolerance& tolerance, double most,
 /// they meet. Off by `most` of the tolerance at most; gives that share. The first and the last line begin and end where they did.
 double join_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& lines) noexcept;
 
+/// Moves the places where lines meet so that they bend as little as they can, by `most` of the tolerance at most: for lines that wind to and fro within it. Gives
+/// that share. The first and the last line stay as they are. `work`: for its own use.
+double straighten_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& lines,
+                        Buffer<Vec>& work) noexcept;
+
 /// The least time from one end to the other limited in acceleration, beginning and ending as fast as may be; `x` is for its own use. kNoLimit: x
 /// is too small.
 [[nodiscard]] double least_seconds(const Piece* pieces, std::size_t count, const AxisLimits& limits,

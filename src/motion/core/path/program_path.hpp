@@ -86,9 +86,10 @@ class ProgramPath {
   [[nodiscard]] bool keeps_its_middle(const Move& move) const noexcept;
   [[nodiscard]] double seconds(const Buffer<Move>& moves) noexcept;
   [[nodiscard]] bool may_be_wide(const Move& a, const Move& b) const noexcept;
-  bool coarsen_part(const Move* moves, std::size_t count, bool small, bool wide) noexcept;
+  bool coarsen_part(const Move* moves, std::size_t count, bool small, bool wide,
+                    bool winds) noexcept;
   [[nodiscard]] bool lines_of_part(bool chords, double& share) noexcept;
-  [[nodiscard]] bool join_part(bool chords) noexcept;
+  [[nodiscard]] bool join_part(bool chords, double straightened) noexcept;
 
   PathSettings settings_;
   Buffer<Piece> blend_;
@@ -103,6 +104,7 @@ class ProgramPath {
   Buffer<Move> work_;                  ///< the run with what has become coarser
   Buffer<Move> part_, coarse_, best_;  ///< of a part of it: as it was, coarser, the fastest
   Buffer<CoarseLine> lines_;
+  Buffer<Vec> ends_;  ///< of lines_
   Buffer<Piece> trial_, inside_;
   Buffer<Piece> over_, apart_, ahead_;
   const Move* ahead_of_{

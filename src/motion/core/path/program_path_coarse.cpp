@@ -6,11 +6,15 @@
 namespace kerf::motion::path {
 namespace {
 
-/// So many moves are tried at once, and taken where that saves this share of the time: what is coarse may be outside of programmed corners.
-constexpr std::size_t kTogether = 48;
+/// So many moves are tried at once (of lines that wind more, as all curves go through the places where parts meet), and taken where that saves this share of
+/// the time: what is coarse may be outside of programmed corners.
+constexpr std::size_t kTogether = 48, kTogetherWinding = 200;
 constexpr double kWorthIt = 0.02, kAnything = 0.001;
 /// Of the tolerance: what arcs may be off as lines, and lines as corners that meet.
 constexpr double kMostOff = 0.3, kMostOffChord = 0.6;
+/// Rows of lines are straightened by so much of the tolerance, chords of arcs included, where so many moves of a part wind within it.
+constexpr double kStraightened[] = {0.5, 0.85};
+constexpr std::size_t kLeastWinding = 4;
 /// Lines longer than this many of the widest blends keep their middle; and what they are as wide as that by, in tolerances.
 constexpr double kLongLine = 4, kWide = 12;
 /// Kinks of dense lines are smaller.
@@ -36,6 +40,15 @@ bool may_be_joined(const Move& before, const Move& move, const Move& behind) noe
          move.piece.length < before.piece.length && move.piece.length < behind.piece.length;
 }
 
+bool is_short_line(const Move& move) noexcept {
+  return move.piece.straight() && !move.piece.feed.sync &&
+         move.piece.length <= kShortLine * move.mode.tolerance.mm;
+}
+
+bool is_corner(const Move& a, const Move& b) noexcept {
+  return a.piece.straight() && b.piece.straight() && max_abs(b.piece.b - a.piece.b) > kCorner;
+}
+
 Move line_of(const CoarseLine& line, const PathMode& mode) noexcept {
   Move move;
   move.piece = straight_piece(line.from, line.way * (1 / line.sigma), line.sigma, line.feed);
@@ -52,9 +65,10 @@ bool ProgramPath::create(Memory& memory, std::size_t moves) noexcept {
          rest_.create(memory, moves) && work_.create(memory, lines) &&
          part_.create(memory, kLines) && coarse_.create(memory, kLines) &&
          best_.create(memory, kLines) && lines_.create(memory, kLines) &&
-         trial_.create(memory, kTrialPieces) && inside_.create(memory, kInsidePieces) &&
-         over_.create(memory, kJunctionPieces) && ahead_.create(memory, kJunctionPieces) &&
-         apart_.create(memory, 2 * kJunctionPieces + 4) && x_.create(memory, kTrialStretches);
+         ends_.create(memory, kLines + 1) && trial_.create(memory, kTrialPieces) &&
+         inside_.create(memory, kInsidePieces) && over_.create(memory, kJunctionPieces) &&
+         ahead_.create(memory, kJunctionPieces) && apart_.create(memory, 2 * kJunctionPieces + 4) &&
+         x_.create(memory, kTrialStretches);
 }
 
 /// What is before it and what is behind it do not meet.
@@ -70,7 +84,7 @@ bool ProgramPath::may_be_wide(const Move& a, const Move& b) const noexcept {
   if (!a.piece.straight() || !b.piece.straight() || a.piece.feed.sync ||
       a.mode.corners != PathMode::Corners::blend || kWide * a.mode.tolerance.mm <= settings_.widest)
     return false;
-  return max_abs(b.piece.b - a.piece.b) > kCorner;
+  return is_corner(a, b);
 }
 
 bool ProgramPath::coarsen(const Move* moves, std::size_t count, std::size_t from,
@@ -86,14 +100,25 @@ bool ProgramPath::coarsen(const Move* moves, std::size_t count, std::size_t from
   for (std::size_t begin = from; begin + 1 < to;) {
     std::size_t end = begin + 1;
     bool smalls = false, wide = may_be_wide(moves[begin], moves[end]);
-    while (end + 1 < to && end - begin < kTogether && !keeps_its_middle(moves[end])) {
+    std::size_t lines = 0, turns = 0;
+    while (end + 1 < to && !keeps_its_middle(moves[end])) {
+      const bool all_lines = lines + 1 == end - begin && turns > 0;
+      if (end - begin >= (all_lines ? kTogetherWinding : kTogether)) break;
       smalls = smalls || small(end);
       wide = wide || may_be_wide(moves[end], moves[end + 1]);
+      if (is_short_line(moves[end])) {
+        ++lines;
+        turns += is_corner(moves[end], moves[end + 1]) ? 1 : 0;
+      } else {
+        turns += may_be_lines(moves[end]) ? 1 : 0;
+      }
       ++end;
     }
     const std::size_t behind = end - begin;
     if (work_.room() < kLines + (count - end)) return false;
-    if ((smalls || wide) && coarsen_part(moves + begin, behind + 1, smalls, wide)) {
+    const bool winding = turns >= kLeastWinding;
+    if ((smalls || wide || winding) &&
+        coarsen_part(moves + begin, behind + 1, smalls, wide, winding)) {
       any = true;
     } else {
       for (std::size_t k = begin + 1; k <= end; ++k) work_.push_back(moves[k]);
@@ -104,10 +129,10 @@ bool ProgramPath::coarsen(const Move* moves, std::size_t count, std::size_t from
   return any;
 }
 
-/// Moves [0, count), the first of which is the last in work_; some are small, or corners between them may be wide. True: work_ goes on with what
-/// is faster.
-bool ProgramPath::coarsen_part(const Move* moves, std::size_t count, bool small,
-                               bool wide) noexcept {
+/// Moves [0, count), the first of which is the last in work_; some are small, corners between them may be wide, or they wind within the tolerance. True: work_
+/// goes on with what is faster.
+bool ProgramPath::coarsen_part(const Move* moves, std::size_t count, bool small, bool wide,
+                               bool winds) noexcept {
   part_.clear();
   part_.push_back(work_.back());
   for (std::size_t k = 1; k < count; ++k) part_.push_back(moves[k]);
@@ -141,14 +166,17 @@ bool ProgramPath::coarsen_part(const Move* moves, std::size_t count, bool small,
     for (const Move& move : part_) coarse_.push_back(move);
     widen(kAnything);
   }
-  for (const bool chords : {false, true}) {
-    if (!small || !join_part(chords)) continue;
+  const auto compare_joined = [&] {
     compare(kWorthIt);
     bool corners = false;
     for (std::size_t k = 0; k + 1 < coarse_.size(); ++k)
       corners = corners || may_be_wide(coarse_[k], coarse_[k + 1]);
     if (corners) widen(kWorthIt);
-  }
+  };
+  for (const bool chords : {false, true})
+    if (small && join_part(chords, 0)) compare_joined();
+  for (const double straightened : kStraightened)
+    if (winds && join_part(true, straightened)) compare_joined();
   if (!found) return false;
   work_.back() = best_.front();
   for (std::size_t k = 1; k < best_.size(); ++k) work_.push_back(best_[k]);
@@ -184,8 +212,8 @@ bool ProgramPath::lines_of_part(bool chords, double& share) noexcept {
   return true;
 }
 
-/// The same with short lines joined, and what is left of the tolerance. False: nothing is coarser.
-bool ProgramPath::join_part(bool chords) noexcept {
+/// The same with short lines joined, or rows of them straightened up to `straightened` of the tolerance, and what is left of it. False: nothing is coarser.
+bool ProgramPath::join_part(bool chords, double straightened) noexcept {
   double arcs = 0, joined = 0;
   if (!lines_of_part(chords, arcs)) return false;
   std::size_t done = 0;
@@ -203,8 +231,12 @@ bool ProgramPath::join_part(bool chords) noexcept {
       mode.tolerance.deg = std::min(mode.tolerance.deg, coarse_[j].mode.tolerance.deg);
     }
     const std::size_t were = lines_.size();
-    const double off = were > 1 ? join_lines(mode.tolerance, kMostOff, lines_) : 0.0;
-    if (lines_.size() < were) {
+    double off = 0;
+    if (straightened > arcs)
+      off = straighten_lines(mode.tolerance, straightened - arcs, lines_, ends_);
+    else if (were > 1 && !(straightened > 0))
+      off = join_lines(mode.tolerance, kMostOff, lines_);
+    if (lines_.size() < were || (straightened > 0 && off > 0)) {
       joined = std::max(joined, off);
       const Move last = coarse_[j - 1];
       for (const CoarseLine& line : lines_) coarse_[done++] = line_of(line, mode);
