@@ -215,13 +215,13 @@ TEST(Coarse, ChordsTakeTheSigmaOfTheirArcAndLeadToItsEnd) {
   Track t(0.2);
   t.arc(0.6, 1.0, 0.3);
   const Piece& arc = t.moves[0].piece;
-  const double share = chord_of(arc, t.mode.tolerance, 0.6, lines);
+  const double share = chords_of(arc, t.mode.tolerance, 0.6, 1, lines);
   ASSERT_EQ(lines.size(), 1U);
   // The sagitta.
   EXPECT_NEAR(share, 0.6 * (1 - std::cos(0.5)) / 0.2, 0.1 * share);
   EXPECT_EQ(lines[0].sigma, arc.length);
   EXPECT_LE(max_abs(lines[0].from + lines[0].way - arc.point(arc.length)), 1e-12);
-  EXPECT_LT(chord_of(arc, t.mode.tolerance, 0.9 * share, lines), 0);
+  EXPECT_LT(chords_of(arc, t.mode.tolerance, 0.9 * share, 1, lines), 0);
   EXPECT_EQ(lines.size(), 1U);
 }
 
@@ -248,7 +248,7 @@ TEST(Coarse, StraightenedLinesBendLessAndStayNearWhatTheyWereAtTheSameSigma) {
     }
     return sum;
   };
-  const double before = bends(were), share = straighten_lines(tolerance, 0.6, lines, work);
+  const double before = bends(were), share = straighten_lines(tolerance, 0.6, false, lines, work);
   EXPECT_GT(share, 0.1);
   EXPECT_LE(share, 0.6);
   ASSERT_EQ(lines.size(), were.size());
@@ -262,6 +262,24 @@ TEST(Coarse, StraightenedLinesBendLessAndStayNearWhatTheyWereAtTheSameSigma) {
   // What is beside them may depend on where they lead from and to.
   for (const std::size_t k : {std::size_t{0}, lines.size() - 1})
     EXPECT_LE(max_abs(lines[k].way - were[k].way), 1e-12) << k;
+}
+
+TEST(Coarse, PulledTautLinesAreShortWithinTheTolerance) {
+  test::HeapMemory memory;
+  Buffer<CoarseLine> lines;
+  Buffer<Vec> work;
+  ASSERT_TRUE(lines.create(memory, 60) && work.create(memory, 61));
+  // Half a circle of R5 in chords: on its inside, half a millimetre nearer to its centre.
+  constexpr int kCount = 50;
+  const auto on = [](int k) {
+    const double turn = kPi * k / kCount;
+    return xyz(5 * std::cos(turn), 5 * std::sin(turn));
+  };
+  for (int k = 0; k < kCount; ++k)
+    lines.push_back({on(k), on(k + 1) - on(k), 5 * kPi / kCount, {}});
+  EXPECT_NEAR(straighten_lines({1, 1}, 0.5, true, lines, work), 0.5, 1e-9);
+  for (int k = kCount / 4; k < 3 * kCount / 4; ++k)
+    EXPECT_NEAR(norm3(lines[static_cast<std::size_t>(k)].from, 0), 4.5, 0.02) << k;
 }
 
 /// Hilbert curve of 255 lines.
@@ -384,6 +402,47 @@ TEST(Corners, MoreToleranceIsNeverSlower) {
         before = found.seconds;
       }
     }
+}
+
+TEST(Corners, KeepTheirOwnToleranceBesideOthers) {
+  constexpr double kSmall = 0.02, kLarge = 0.5;
+  const auto polylines = [](double first, double second) {
+    Track t = polyline(first, 3, 90);
+    t.mode.tolerance = {second, second};
+    for (int i = 0; i < 14; ++i) {
+      t.line(3);
+      t.heading += (i % 4 < 2 ? 1 : -1) * kPi / 2;
+    }
+    return t;
+  };
+  const double small = drive(polylines(kSmall, kSmall)).seconds,
+               large = drive(polylines(kLarge, kLarge)).seconds;
+  const Track mixed = polylines(kSmall, kLarge);
+  EXPECT_LT(drive(mixed).seconds, small - 0.4 * (small - large));
+  EXPECT_LT(drive(polylines(kLarge, kSmall)).seconds, small - 0.4 * (small - large));
+  // Alone and beside the others.
+  test::HeapMemory memory;
+  ProgramPath path;
+  Buffer<Piece> out;
+  ASSERT_TRUE(path.create(memory, 100) && out.create(memory, 1400));
+  PathSettings settings;
+  settings.low = everywhere(-kFar);
+  settings.high = everywhere(kFar);
+  settings.limits = mill();
+  path.configure(settings);
+  path.make(mixed.moves.data(), mixed.moves.size(), out);
+  std::vector<Vec> programmed;
+  for (const Move& m : mixed.moves) programmed.push_back(m.piece.point(0));
+  programmed.push_back(mixed.at);
+  double narrow = 0;  // of the moves with little
+  for (const Move& m : mixed.moves)
+    if (m.mode.tolerance.mm == kSmall) narrow += m.piece.length;
+  double sigma = 0, off = 0;
+  for (const Piece& p : out)
+    for (int k = 0; k < kSteps; ++k, sigma += p.length / kSteps)
+      if (sigma < narrow) off = std::max(off, distance(p.point(p.length * k / kSteps), programmed));
+  EXPECT_LE(off, kSmall * (1 + 1e-9));
+  EXPECT_GT(off, 0.5 * kSmall);
 }
 
 /// The polyline's curve by the smoother alone.

@@ -66,12 +66,21 @@ double off_arc(const Piece& arc, const Tolerance& tolerance, const CoarseLine* l
 
 }  // namespace
 
-double chord_of(const Piece& arc, const Tolerance& tolerance, double most,
-                Buffer<CoarseLine>& out) noexcept {
-  const Vec from = arc.point(0);
-  const CoarseLine chord{from, arc.point(arc.length) - from, arc.length, arc.feed};
-  const double off = off_arc(arc, tolerance, &chord, 1);
-  return off <= most && out.push_back(chord) ? off : -1;
+double chords_of(const Piece& arc, const Tolerance& tolerance, double most, int parts,
+                 Buffer<CoarseLine>& out) noexcept {
+  const std::size_t before = out.size();
+  for (int n = 1; n <= parts; ++n) {
+    out.truncate(before);
+    const double part = arc.length / n;
+    for (int k = 0; k < n; ++k) {
+      const Vec from = arc.point(part * k);
+      if (!out.push_back({from, arc.point(part * (k + 1)) - from, part, arc.feed})) return -1;
+    }
+    const double off = off_arc(arc, tolerance, out.begin() + before, out.size() - before);
+    if (off <= most) return off;
+  }
+  out.truncate(before);
+  return -1;
 }
 
 double tangents_of(const Piece& arc, const Tolerance& tolerance, double most,
@@ -140,8 +149,8 @@ double join_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& l
   return straight + worst;
 }
 
-double straighten_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& lines,
-                        Buffer<Vec>& work) noexcept {
+double straighten_lines(const Tolerance& tolerance, double most, bool taut,
+                        Buffer<CoarseLine>& lines, Buffer<Vec>& work) noexcept {
   const std::size_t n = lines.size();
   if (n < 5) return 0;
   // Where line k begins, and the end of the last one.
@@ -160,14 +169,19 @@ double straighten_lines(const Tolerance& tolerance, double most, Buffer<CoarseLi
     worst = 0;
     for (std::size_t i = 2; i + 1 < n; ++i) {
       const std::size_t v = sweep % 2 == 0 ? i : n - i;
-      // The sum of kink^2 over length, by this place alone.
       const double before = 1 / length(v - 1), behind = 1 / length(v), both = before + behind;
-      const double w0 = weight(v - 1) * before, w1 = weight(v) * both, w2 = weight(v + 1) * behind;
-      Vec to = kink(v) * w1;
-      to.add(-w0, kink(v - 1));
-      to.add(-w2, kink(v + 1));
-      Vec off =
-          work[v] + to * (kOverRelaxed / (w0 * before + w1 * both + w2 * behind)) - lines[v].from;
+      Vec to = kink(v);
+      double steep = both;
+      if (!taut) {
+        // The sum of kink^2 over length, by this place alone.
+        const double w0 = weight(v - 1) * before, w1 = weight(v) * both,
+                     w2 = weight(v + 1) * behind;
+        to = to * w1;
+        to.add(-w0, kink(v - 1));
+        to.add(-w2, kink(v + 1));
+        steep = w0 * before + w1 * both + w2 * behind;
+      }
+      Vec off = work[v] + to * (kOverRelaxed / steep) - lines[v].from;
       const double share = tolerance.share(off);
       if (share > most) off = off * (most / share);
       worst = std::max(worst, std::min(share, most));

@@ -25,9 +25,9 @@ inline constexpr int kMostTangents = 4;
 double tangents_of(const Piece& arc, const Tolerance& tolerance, double most,
                    Buffer<CoarseLine>& out) noexcept;
 
-/// The chord of an arc, likewise: shorter than the arc, and where arcs meet at angles less bent.
-double chord_of(const Piece& arc, const Tolerance& tolerance, double most,
-                Buffer<CoarseLine>& out) noexcept;
+/// Chords of an arc, as few as do and at most `parts`, likewise: shorter than the arc, and where arcs meet at angles less bent.
+double chords_of(const Piece& arc, const Tolerance& tolerance, double most, int parts,
+                 Buffer<CoarseLine>& out) noexcept;
 
 /// Lines that go on in one direction become one; short lines between two longer ones whose directions differ go: the longer ones lead on to where
 /// they meet. Off by `most` of the tolerance at most; gives that share. The first and the last line begin and end where they did.
@@ -35,8 +35,8 @@ double join_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& l
 
 /// Moves the places where lines meet so that they bend as little as they can, by `most` of the tolerance at most: for lines that wind to and fro within it. Gives
 /// that share. The first and the last line stay as they are. `work`: for its own use.
-double straighten_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& lines,
-                        Buffer<Vec>& work) noexcept;
+double straighten_lines(const Tolerance& tolerance, double most, bool taut,
+                        Buffer<CoarseLine>& lines, Buffer<Vec>& work) noexcept;
 
 /// The least time from one end to the other limited in acceleration, beginning and ending as fast as may be; `x` is for its own use. kNoLimit: x
 /// is too small.

@@ -31,6 +31,9 @@ constexpr std::size_t kFewLines = 64;
 constexpr double kBehindCut = 9;
 constexpr std::size_t kLinesBehindCut = 16;
 
+/// Of the tolerance: lines beside others that have one keep this at least, where they have none themselves.
+constexpr double kLeastKept = 1e-9;
+
 /// A blend that takes this part of half of a move is kept narrow by it.
 constexpr double kFills = 0.9;
 
@@ -354,14 +357,22 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, bool leads,
       chain_.clear();
       SmoothingSettings s;
       s.tolerance = moves[i].mode.tolerance;
+      for (std::size_t k = i; k < j; ++k) {
+        s.tolerance.mm = std::max(s.tolerance.mm, moves[k].mode.tolerance.mm);
+        s.tolerance.deg = std::max(s.tolerance.deg, moves[k].mode.tolerance.deg);
+      }
+      // That of the corners at both ends of a line counts.
+      const auto share_of = [&](std::size_t k) {
+        const Tolerance& t = moves[k].mode.tolerance;
+        const double mm = s.tolerance.mm > 0 ? t.mm / s.tolerance.mm : 1.0,
+                     deg = s.tolerance.deg > 0 ? t.deg / s.tolerance.deg : 1.0;
+        return std::max(std::min(mm, deg), kLeastKept);
+      };
       double sigma = 0;
       for (std::size_t k = i; k <= j; ++k) {
         const Piece& p = moves[k].piece;
         const double from = k == i ? taken : 0, to = k == j ? p.length - l : p.length;
-        if (k < j) {
-          s.tolerance.mm = std::min(s.tolerance.mm, moves[k].mode.tolerance.mm);
-          s.tolerance.deg = std::min(s.tolerance.deg, moves[k].mode.tolerance.deg);
-        }
+        chain_.within.push_back(std::min(k > i ? share_of(k - 1) : 1.0, k < j ? share_of(k) : 1.0));
         chain_.at.push_back(p.point(from));
         chain_.sigma.push_back(sigma);
         chain_.feed.push_back(p.feed);

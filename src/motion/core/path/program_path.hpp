@@ -88,8 +88,15 @@ class ProgramPath {
   [[nodiscard]] bool may_be_wide(const Move& a, const Move& b) const noexcept;
   bool coarsen_part(const Move* moves, std::size_t count, bool small, bool wide,
                     bool winds) noexcept;
-  [[nodiscard]] bool lines_of_part(bool chords, double& share) noexcept;
-  [[nodiscard]] bool join_part(bool chords, double straightened) noexcept;
+  /// A way to make a part coarser: arcs as tangents, or as so many chords at most, off by `arcs` of the tolerance at most; lines joined at corners, or with
+  /// `straightened` above 0 straightened (pulled taut) until all is off by that.
+  struct Coarser {
+    int chords{0};
+    double arcs{0}, straightened{0};
+    bool taut{false};
+  };
+  [[nodiscard]] bool lines_of_part(const Coarser& way, double& share) noexcept;
+  [[nodiscard]] bool join_part(const Coarser& way) noexcept;
 
   PathSettings settings_;
   Buffer<Piece> blend_;

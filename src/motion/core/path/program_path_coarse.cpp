@@ -13,7 +13,8 @@ constexpr double kWorthIt = 0.02, kAnything = 0.001;
 /// Of the tolerance: what arcs may be off as lines, and lines as corners that meet.
 constexpr double kMostOff = 0.3, kMostOffChord = 0.6;
 /// Rows of lines are straightened by so much of the tolerance, chords of arcs included, where so many moves of a part wind within it.
-constexpr double kStraightened[] = {0.5, 0.85};
+constexpr double kStraightened = 0.5, kMostStraightened = 0.85, kMostOffChords = 0.12;
+constexpr int kMostChords = 4;
 constexpr std::size_t kLeastWinding = 4;
 /// Lines longer than this many of the widest blends keep their middle; and what they are as wide as that by, in tolerances.
 constexpr double kLongLine = 4, kWide = 12;
@@ -173,10 +174,12 @@ bool ProgramPath::coarsen_part(const Move* moves, std::size_t count, bool small,
       corners = corners || may_be_wide(coarse_[k], coarse_[k + 1]);
     if (corners) widen(kWorthIt);
   };
-  for (const bool chords : {false, true})
-    if (small && join_part(chords, 0)) compare_joined();
-  for (const double straightened : kStraightened)
-    if (winds && join_part(true, straightened)) compare_joined();
+  for (const Coarser& way : {Coarser{0, kMostOff}, {1, kMostOffChord}})
+    if (small && join_part(way)) compare_joined();
+  for (const Coarser& way : {Coarser{kMostChords, kMostOffChords, kStraightened},
+                             {kMostChords, kMostOffChords, kMostStraightened},
+                             {kMostChords, kMostOffChords, kMostStraightened, true}})
+    if (winds && join_part(way)) compare_joined();
   if (!found) return false;
   work_.back() = best_.front();
   for (std::size_t k = 1; k < best_.size(); ++k) work_.push_back(best_[k]);
@@ -191,7 +194,7 @@ double ProgramPath::seconds(const Buffer<Move>& moves) noexcept {
 }
 
 /// part_ with its arcs as lines, in coarse_; `share`: how far off they are, 0 where no arc is small enough. False: there are too many.
-bool ProgramPath::lines_of_part(bool chords, double& share) noexcept {
+bool ProgramPath::lines_of_part(const Coarser& way, double& share) noexcept {
   share = 0;
   coarse_.clear();
   for (std::size_t k = 0; k < part_.size(); ++k) {
@@ -199,8 +202,9 @@ bool ProgramPath::lines_of_part(bool chords, double& share) noexcept {
     lines_.clear();
     double off = -1;
     if (k > 0 && k + 1 < part_.size() && may_be_lines(move))
-      off = chords ? chord_of(move.piece, move.mode.tolerance, kMostOffChord, lines_)
-                   : tangents_of(move.piece, move.mode.tolerance, kMostOff, lines_);
+      off = way.chords > 0
+                ? chords_of(move.piece, move.mode.tolerance, way.arcs, way.chords, lines_)
+                : tangents_of(move.piece, move.mode.tolerance, way.arcs, lines_);
     if (off < 0) {
       if (!coarse_.push_back(move)) return false;
       continue;
@@ -212,10 +216,10 @@ bool ProgramPath::lines_of_part(bool chords, double& share) noexcept {
   return true;
 }
 
-/// The same with short lines joined, or rows of them straightened up to `straightened` of the tolerance, and what is left of it. False: nothing is coarser.
-bool ProgramPath::join_part(bool chords, double straightened) noexcept {
+/// The same with lines joined or straightened, and what is left of the tolerance. False: nothing is coarser.
+bool ProgramPath::join_part(const Coarser& way) noexcept {
   double arcs = 0, joined = 0;
-  if (!lines_of_part(chords, arcs)) return false;
+  if (!lines_of_part(way, arcs)) return false;
   std::size_t done = 0;
   for (std::size_t i = 0; i < coarse_.size();) {
     // A row of lines.
@@ -231,12 +235,13 @@ bool ProgramPath::join_part(bool chords, double straightened) noexcept {
       mode.tolerance.deg = std::min(mode.tolerance.deg, coarse_[j].mode.tolerance.deg);
     }
     const std::size_t were = lines_.size();
+    const bool straightens = way.straightened > 0;
     double off = 0;
-    if (straightened > arcs)
-      off = straighten_lines(mode.tolerance, straightened - arcs, lines_, ends_);
-    else if (were > 1 && !(straightened > 0))
+    if (straightens && way.straightened > arcs)
+      off = straighten_lines(mode.tolerance, way.straightened - arcs, way.taut, lines_, ends_);
+    else if (!straightens && were > 1)
       off = join_lines(mode.tolerance, kMostOff, lines_);
-    if (lines_.size() < were || (straightened > 0 && off > 0)) {
+    if (lines_.size() < were || (straightens && off > 0)) {
       joined = std::max(joined, off);
       const Move last = coarse_[j - 1];
       for (const CoarseLine& line : lines_) coarse_[done++] = line_of(line, mode);

@@ -235,7 +235,7 @@ void Smoother::move_guide(const Chain& chain, int round) noexcept {
       gave_way_ =
           gave_way_ || narrow_[v] < std::min(before, after) / 2 || max_abs(kink_[v]) > kNoStream;
     }
-    const double share = tolerance_.share(off_[v]);
+    const double share = tolerance_.share(off_[v]) / chain.keeps_at(v);
     if (free_[t] && share > kGuideAim && (round == 0 || shrink_[v] < 1)) {
       // Beside what stays it may not jump.
       const double apart = lead_ != nullptr ? chain.sigma[v] - chain.sigma[held_] : width_[v];
@@ -269,7 +269,8 @@ void Smoother::first_widths(const Chain& chain, const Tolerance& tolerance,
     const double near = std::min(at - chain.sigma[v - 1], chain.sigma[v + 1] - at);
     const double alone = stray_[v] * (settings.peaked ? kTriangleAtVertex
                                                       : trapezoid_at_vertex(plateau_of(kink_[v])));
-    double h = std::min(kAim / alone, room);
+    const double aim = kAim * chain.keeps_at(v);
+    double h = std::min(aim / alone, room);
     if (h <= near) {
       width_[v] = h;
       continue;
@@ -287,10 +288,10 @@ void Smoother::first_widths(const Chain& chain, const Tolerance& tolerance,
       // Together they are no farther off than all of them in one direction.
       double most = 0;
       each_near(next, [&](double by, std::size_t j) { most += by * stray_[j]; });
-      if (!(most <= kAim)) {
+      if (!(most <= aim)) {
         Vec off;
         each_near(next, [&](double by, std::size_t j) { off.add(by, kink_[j]); });
-        if (tolerance.share(off) > kAim) break;
+        if (tolerance.share(off) > aim) break;
       }
       best = next;
       if (next >= room) break;
@@ -503,7 +504,8 @@ double Smoother::check(const Chain& chain, const Buffer<Piece>& out) noexcept {
       const Vec o2 = o3 - (piece.first(to - sigma) - t) * third;
       const Tolerance& most = lead_ != nullptr && from < lead_->end ? leads : tolerance_;
       const double share =
-          std::max({most.share(o0), most.share(o1), most.share(o2), most.share(o3)});
+          std::max({most.share(o0), most.share(o1), most.share(o2), most.share(o3)}) /
+          chain.keeps(line);
       worst = std::max(worst, share);
       if (line + 1 < chain.lines() && to == chain.sigma[line + 1]) off_[line + 1] = o3;
       if (share > 1.0) {

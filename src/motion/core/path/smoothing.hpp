@@ -10,6 +10,8 @@
 // kinks spread about twice as wide. Legs that are long against the widths stay where they are programmed.
 #pragma once
 
+#include <algorithm>
+
 #include "motion/core/path/buffer.hpp"
 #include "motion/core/path/piece.hpp"
 #include "motion/core/path/tolerance.hpp"
@@ -24,10 +26,12 @@ struct Chain {
   Buffer<Feed> feed;
   Buffer<double>
       widest;  ///< of the kink at the end of each line; empty: as SmoothingSettings has it
+  Buffer<double> within;  ///< of each line: the share of the tolerance that it keeps; empty: 1
 
   [[nodiscard]] bool create(Memory& memory, std::size_t lines) noexcept {
     return at.create(memory, lines + 1) && sigma.create(memory, lines + 1) &&
-           feed.create(memory, lines) && widest.create(memory, lines);
+           feed.create(memory, lines) && widest.create(memory, lines) &&
+           within.create(memory, lines);
   }
 
   void clear() noexcept {
@@ -35,8 +39,16 @@ struct Chain {
     sigma.clear();
     feed.clear();
     widest.clear();
+    within.clear();
   }
   [[nodiscard]] std::size_t lines() const noexcept { return feed.size(); }
+  /// Of line k; of both lines that meet at a vertex between the ends.
+  [[nodiscard]] double keeps(std::size_t k) const noexcept {
+    return within.empty() ? 1.0 : within[k];
+  }
+  [[nodiscard]] double keeps_at(std::size_t v) const noexcept {
+    return std::min(keeps(v - 1), keeps(v));
+  }
   [[nodiscard]] Vec direction(std::size_t line) const noexcept {
     return (at[line + 1] - at[line]) * (1.0 / (sigma[line + 1] - sigma[line]));
   }
