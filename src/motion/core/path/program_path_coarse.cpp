@@ -20,7 +20,7 @@ constexpr std::size_t kLeastWinding = 4;
 constexpr double kLongLine = 4, kWide = 12;
 /// Kinks of dense lines are smaller.
 constexpr double kCorner = 0.1;
-/// A short line that can be joined is no longer than this many tolerances.
+/// A short line is no longer than this many tolerances.
 constexpr double kShortLine = 4;
 constexpr std::size_t kLines = (kMostTangents + 1) * kTogether;
 constexpr std::size_t kTrialPieces = 6 * kLines + 64;
@@ -35,15 +35,15 @@ bool may_be_lines(const Move& move) noexcept {
   return std::abs(p.radius) * turn * turn / 8 <= kMostOff * move.mode.tolerance.mm;
 }
 
-bool may_be_joined(const Move& before, const Move& move, const Move& behind) noexcept {
-  return move.piece.straight() && before.piece.straight() && behind.piece.straight() &&
-         !move.piece.feed.sync && move.piece.length <= kShortLine * move.mode.tolerance.mm &&
-         move.piece.length < before.piece.length && move.piece.length < behind.piece.length;
-}
-
+/// Within the tolerance, nearly.
 bool is_short_line(const Move& move) noexcept {
   return move.piece.straight() && !move.piece.feed.sync &&
          move.piece.length <= kShortLine * move.mode.tolerance.mm;
+}
+
+bool may_be_joined(const Move& before, const Move& move, const Move& behind) noexcept {
+  return is_short_line(move) && before.piece.straight() && behind.piece.straight() &&
+         move.piece.length < before.piece.length && move.piece.length < behind.piece.length;
 }
 
 bool is_corner(const Move& a, const Move& b) noexcept {
