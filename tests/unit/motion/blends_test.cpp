@@ -110,8 +110,8 @@ class CutChains {
   }
   static constexpr std::size_t kLines = 400;
 
-  /// Lines of any lengths at angles of at most `kink`.
-  void draw(std::uint64_t seed, double length, double kink) {
+  /// Lines of any lengths at angles of at most `kink`; `mixed`: some of them keep a tolerance twenty times smaller.
+  void draw(std::uint64_t seed, double length, double kink, bool mixed = false) {
     std::mt19937_64 random(seed);
     const auto share = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
     double heading = 0, sigma = 0;
@@ -121,6 +121,7 @@ class CutChains {
       all_.at.push_back(at);
       all_.sigma.push_back(sigma);
       all_.feed.push_back(Feed{.speed = random() % 4 == 0 ? 50.0 : 80.0});
+      all_.within.push_back(mixed && i / 50 % 2 != 0 ? 0.05 : 1.0);
       const double step = length * (0.1 + 1.8 * share());
       heading += kink * (std::sin(0.1 * static_cast<double>(i)) + 0.3 * (2 * share() - 1));
       at[0] += step * std::cos(heading);
@@ -134,7 +135,6 @@ class CutChains {
   void drive(std::size_t step, bool as_it_was) {
     out_.clear();
     SmoothingSettings settings;
-    settings.tolerance = {kP, kP};
     settings.peaked = true;
     settings.low = everywhere(-1e9);
     settings.high = everywhere(1e9);
@@ -143,7 +143,8 @@ class CutChains {
     for (std::size_t end = 2 * step; first < kLines; end += step) {
       const bool last = end >= kLines;
       end = std::min(end, kLines);
-      take(first, taken, end, last);
+      const double most = take(first, taken, end, last);
+      settings.tolerance = {kP * most, kP * most};
       const bool leads = lead_.on;
       const std::size_t before = out_.size();
       const bool as_before = leads && as_it_was && ++turn_ % 2 == 0;
@@ -195,18 +196,21 @@ class CutChains {
   std::size_t cuts_{0}, gone_on_{0}, failed_{0}, halved_{0};
 
  private:
-  /// The chain from there to vertex `end`, of its last line only half if more follow.
-  void take(std::size_t first, double taken, std::size_t end, bool last) {
+  /// The chain from there to vertex `end`, of its last line only half if more follow. Gives the largest share of kP that one of its lines keeps.
+  double take(std::size_t first, double taken, std::size_t end, bool last) {
     part_.clear();
-    const double begin = all_.sigma[first] + taken;
+    const double begin = all_.sigma[first] + taken,
+                 most = *std::max_element(all_.within.begin() + first, all_.within.begin() + end);
     for (std::size_t v = first; v < end; ++v) {
       part_.at.push_back(v == first ? all_.at[v] + all_.direction(v) * taken : all_.at[v]);
       part_.sigma.push_back(v == first ? 0.0 : all_.sigma[v] - begin);
       part_.feed.push_back(all_.feed[v]);
+      part_.within.push_back(all_.within[v] / most);
     }
     const double half = (all_.sigma[end] - all_.sigma[end - 1]) / 2;
     part_.at.push_back(last ? all_.at[end] : all_.at[end] - all_.direction(end - 1) * half);
     part_.sigma.push_back(all_.sigma[end] - (last ? 0.0 : half) - begin);
+    return most;
   }
   /// New pieces from `before` on: no jump where they meet, and none farther from the chain than the tolerance.
   void watch(std::size_t before) {
@@ -223,7 +227,8 @@ class CutChains {
         const double s = sigma + piece.length * k / 10;
         while (line + 1 < kLines && all_.sigma[line + 1] <= s) ++line;
         const Vec on = all_.at[line] + all_.direction(line) * (s - all_.sigma[line]);
-        EXPECT_LE(norm3(piece.point(piece.length * k / 10) - on, 0), kP + 1e-9) << "at " << s;
+        EXPECT_LE(norm3(piece.point(piece.length * k / 10) - on, 0), kP * all_.keeps(line) + 1e-9)
+            << "at " << s;
       }
       sigma += piece.length;
     }
@@ -280,6 +285,17 @@ TEST(Blends, RoundingFarFromZeroIsNoCorner) {
   EXPECT_NEAR(near, 1 / 12.5, 0.01);
   for (const double x : {130.0, 777.0, 5000.0})
     EXPECT_LE(bend_of_stream(x), 1.1 * near) << "at " << x;
+}
+
+TEST(Blends, ACurveThatWasCutKeepsTheToleranceOfEachLine) {
+  CutChains chains;
+  for (std::uint64_t seed = 1; seed <= 40 && !testing::Test::HasFailure(); ++seed) {
+    SCOPED_TRACE(seed);
+    chains.draw(seed, 0.02 * std::pow(2.0, static_cast<double>(seed % 7)),
+                0.003 * std::pow(3.0, static_cast<double>(seed % 6)), true);
+    chains.drive(seed % 3 == 0 ? 20 : 80, false);
+  }
+  EXPECT_GT(chains.cuts_, 100U);
 }
 
 TEST(Blends, ACurveThatWasCutGoesOnWithoutAJump) {

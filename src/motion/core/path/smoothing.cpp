@@ -477,12 +477,6 @@ void Smoother::integrate(Buffer<Piece>& out) const noexcept {
 
 double Smoother::check(const Chain& chain, const Buffer<Piece>& out) noexcept {
   double worst = 0, sigma = chain.sigma.front();
-  // Both tolerances are those of all moves there.
-  Tolerance leads = tolerance_;
-  if (lead_ != nullptr) {
-    leads.mm = std::max(leads.mm, lead_->tolerance.mm);
-    leads.deg = std::max(leads.deg, lead_->tolerance.deg);
-  }
   std::size_t line = 0;
   std::size_t near = 1;  // first vertex that may reach here
   for (std::size_t p = first_piece_; p < out.size(); ++p) {
@@ -502,10 +496,13 @@ double Smoother::check(const Chain& chain, const Buffer<Piece>& out) noexcept {
       const Vec o0 = off(from), o3 = off(to);
       const Vec o1 = o0 + (piece.first(from - sigma) - t) * third;
       const Vec o2 = o3 - (piece.first(to - sigma) - t) * third;
-      const Tolerance& most = lead_ != nullptr && from < lead_->end ? leads : tolerance_;
-      const double share =
-          std::max({most.share(o0), most.share(o1), most.share(o2), most.share(o3)}) /
-          chain.keeps(line);
+      const auto share_of = [&](const Tolerance& most) {
+        return std::max({most.share(o0), most.share(o1), most.share(o2), most.share(o3)});
+      };
+      double share = share_of(tolerance_) / chain.keeps(line);
+      // What leads here was within its own tolerance when this line's was not known yet.
+      if (lead_ != nullptr && from < lead_->end)
+        share = std::min(share, share_of(lead_->tolerance));
       worst = std::max(worst, share);
       if (line + 1 < chain.lines() && to == chain.sigma[line + 1]) off_[line + 1] = o3;
       if (share > 1.0) {
@@ -621,7 +618,10 @@ std::size_t Smoother::cut(const Chain& chain, std::size_t least, Buffer<Piece>& 
     rest.bend.push_back(bend);
     rest.whole.push_back(second_[k]);
   }
-  rest.tolerance = tolerance_;
+  // Of the least of the lines from there on: what comes may add to none of them more than it keeps.
+  double keeps = 1;
+  for (std::size_t k = at; k < lines; ++k) keeps = std::min(keeps, chain.keeps(k));
+  rest.tolerance = {tolerance_.mm * keeps, tolerance_.deg * keeps};
   rest.on = true;
   return at;
 }
