@@ -1,7 +1,6 @@
 // Modes, and what moves in each of them.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 #include "motion/core/controller.hpp"
@@ -32,9 +31,10 @@ bool Controller::may_leave_free() const noexcept {
 }
 
 std::uint32_t Controller::jogging_axes() const noexcept {
+  const std::uint32_t axes = kinematics_.axis_mask();
   std::uint32_t out = 0;
-  for (std::uint32_t left = kinematics_.axis_mask(); left != 0; left &= left - 1)
-    if (axis_[static_cast<std::size_t>(std::countr_zero(left))].active()) out |= left & (~left + 1);
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    if ((axes >> i & 1U) != 0 && axis_[i].active()) out |= 1U << i;
   return out;
 }
 

@@ -1,6 +1,5 @@
 // What a cycle says of itself.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "motion/core/controller.hpp"
@@ -80,10 +79,9 @@ void Controller::fill_status(const Inputs& in, const Orders& orders, double dt,
   s.kinematics_pending = kinematics_moved_ || offset_told_ > 0;
   s.enables = executor_.enables();
   const double pace = plain_kinematics_ ? 1 : jog_pace_.scale();
-  for (std::uint32_t left = kinematics_.axis_mask(); left != 0; left &= left - 1) {
-    const auto i = static_cast<std::size_t>(std::countr_zero(left));
-    s.axis_vel[i] = axis_[i].speed() * pace;
-  }
+  const std::uint32_t axes = kinematics_.axis_mask();
+  for (std::size_t i = 0; i < rtapi::kAxes; ++i)
+    if ((axes >> i & 1U) != 0) s.axis_vel[i] = axis_[i].speed() * pace;
   s.faults = fault_number_;
   s.joints = static_cast<std::int32_t>(joints_);
   s.spindles = static_cast<std::int32_t>(spindle_count_);
