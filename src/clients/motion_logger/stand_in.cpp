@@ -73,6 +73,7 @@ void StandIn::carry_out(const Intent& now) {
   carry_out_switches(now);
   intent_ = now;
   status_.mode = now.mode;
+  status_.intent_taken = now.serial;
   status_.feed_override = now.feed_override;
   status_.rapid_override = now.rapid_override;
 }

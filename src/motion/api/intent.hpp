@@ -55,7 +55,7 @@ struct Intent {
   std::uint32_t spindle_stop_seq
       [kMaxSpindles]{};     ///< a new value stops that spindle at once, whatever the path says
   std::uint32_t wishes{0};  ///< grows with each of the wishes below
-  std::uint32_t reserved2{0};
+  std::uint32_t serial{0};  ///< grows with each write; see MotionStatus::intent_taken
   Once<bool> digital_out[kMaxDigital];  ///< immediate outputs from clients
   Once<double> analog_out[kMaxAnalog];
   /// What the operator allows or forbids as programs do with M48 to M53.

@@ -123,6 +123,9 @@ struct MotionStatus {
   std::uint32_t acked_epoch{
       0};  ///< the abort epoch that motion has carried out: at rest, nothing older queued anywhere
   MotionMode mode{MotionMode::free};
+  /// Intent::serial of what was in force for the whole cycle before this one: what it asked for has begun, or was refused, or is
+  /// over. The words beside it that were set before it was written have been seen too.
+  std::uint32_t intent_taken{0};
   std::uint64_t executed_seq{0};  ///< all items up to this one are done
   std::uint64_t current_seq{0};   ///< the item in execution
   SourceTag current;              ///< of the item in execution, or of the last one

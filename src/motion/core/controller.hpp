@@ -221,6 +221,8 @@ class Controller {
   Pose pose_, pose_fb_;  ///< the first without external offsets
   Pose pose_before_;     ///< pose_ of the last cycle
   std::uint32_t acked_epoch_{0};
+  std::uint32_t intent_taken_{0};  ///< in force in the cycle before
+  bool jog_waits_{false};          ///< for its mode
   std::uint64_t heartbeat_{0};
   double heartbeat_age_s_{0};
   std::uint32_t joint_jog_seen_[kMaxJoints]{}, axis_jog_seen_[rtapi::kAxes]{};
@@ -241,7 +243,7 @@ class Controller {
   MotionStatus status_;
   struct Digest {
     std::uint64_t retraced{0}, faults{0};
-    std::uint32_t acked{0}, flags{0}, homed{0};
+    std::uint32_t acked{0}, intent{0}, flags{0}, homed{0};
     Pose shift;
     friend bool operator==(const Digest&, const Digest&) = default;
   } digest_;

@@ -266,8 +266,11 @@ void Controller::take_jogs(const Inputs& in, const Orders& orders) noexcept {
   // for some cycles. The jog waits for as long, unless it is not possible anyway; its end never waits.
   const bool refused = want.mode != MotionMode::free && want.mode == refused_mode_;
   const bool changes = ready && want.mode != mode_ && !refused && !away_;
-  const auto waits = [changes](const JogIntent& jog) {
-    return changes && jog.kind != JogIntent::Kind::none;
+  jog_waits_ = false;
+  const auto waits = [&](const JogIntent& jog) {
+    const bool one = changes && jog.kind != JogIntent::Kind::none;
+    jog_waits_ = jog_waits_ || one;
+    return one;
   };
   for (std::size_t j = 0; j < joints_; ++j) {
     if (want.joint_jog[j].seq == joint_jog_seen_[j] || waits(want.joint_jog[j])) continue;

@@ -46,6 +46,8 @@ void Controller::fill_status(const Inputs& in, const Orders& orders, double dt,
   s.servo_period_ns = std::llround(dt * 1e9);
   s.acked_epoch = acked_epoch_;
   s.mode = mode_;
+  s.intent_taken = intent_taken_;
+  if (!jog_waits_) intent_taken_ = orders.values->serial;
   executor_.fill(s);
   s.pos_cmd = pose_;
   s.external_offset = offsets_.pose();
@@ -93,6 +95,7 @@ void Controller::note_changes() noexcept {
   Digest now;
   now.faults = s.faults;
   now.acked = s.acked_epoch;
+  now.intent = s.intent_taken;
   now.shift = s.path_shift;
   if (executor_.retraces()) now.retraced = s.current.id;
   const bool flag[] = {s.enabled, s.path_empty,    s.held,       s.homing_active,

@@ -75,10 +75,10 @@ void CommandParticipant::do_back(Ticket ticket) {
   stop_jogs(kNobody);
   pending_[ticket].epoch = epoch_;
   returning_ = Returning::out;
-  return_since_ = status_.cycle + kCyclesToTake;
   const auto retract = static_cast<std::size_t>(p_.setup.retract_axis());
   if (p_.setup.retract_axis() >= 0 && status_.place[retract] > status_.pos_cmd[retract] + kThere)
     go(retract, status_.place[retract]);
+  return_intent_ = want_.serial;
 }
 
 void CommandParticipant::go(std::size_t axis, double target) {
@@ -97,8 +97,7 @@ void CommandParticipant::go(std::size_t axis, double target) {
 
 /// Each leg begins when the one before it stands.
 void CommandParticipant::update_away() {
-  if (returning_ == Returning::no || status_.cycle < return_since_ || status_.jogging) return;
-  return_since_ = status_.cycle + kCyclesToTake;
+  if (returning_ == Returning::no || !taken(return_intent_) || status_.jogging) return;
   const int retract = p_.setup.retract_axis();
   if (returning_ == Returning::there) {
     returning_ = Returning::no;
@@ -111,7 +110,9 @@ void CommandParticipant::update_away() {
       there = there && std::fabs(status_.place[a] - status_.pos_cmd[a]) <= kThere;
     if (there) {
       want_.away = false;
-      return write_intent();
+      write_intent();
+      return_intent_ = want_.serial;
+      return;
     }
     // Somebody stopped the jog: still away.
     returning_ = Returning::no;
@@ -129,6 +130,7 @@ void CommandParticipant::update_away() {
     if (in != across && std::fabs(status_.place[a] - status_.pos_cmd[a]) > kThere)
       go(a, status_.place[a]);
   }
+  return_intent_ = want_.serial;
 }
 
 /// The interpreter thread knows tools and the path's offsets; it answers, or asks for a shift of the path.

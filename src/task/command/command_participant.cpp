@@ -280,7 +280,7 @@ void CommandParticipant::update_pending() {
           reply(ticket, CommandState::aborted, "aborted");
           break;
         }
-        if (status_.cycle < pending.from_cycle + kCyclesToTake || status_.homing_active) break;
+        if (!taken(pending.intent) || status_.homing_active) break;
         const bool homed =
             pending.joint < 0 ? status_.all_homed : status_.joint[pending.joint].homed;
         // As in LinuxCNC: who has homed all joints jogs axes from then on.
@@ -309,7 +309,7 @@ void CommandParticipant::update_pending() {
           reply(ticket, CommandState::done);
         break;
       case CommandId::unhome:
-        if (status_.cycle >= pending.from_cycle + kCyclesToTake) reply(ticket, CommandState::done);
+        if (taken(pending.intent)) reply(ticket, CommandState::done);
         break;
       default: break;
     }

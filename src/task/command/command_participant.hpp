@@ -79,10 +79,6 @@ class CommandParticipant final : public rtapi::Participant {
   static constexpr rtapi::Nanos kBusyTime = 5 * rtapi::kSecond;
   /// Motion has had its chance to turn the machine on.
   static constexpr std::uint64_t kCyclesToTurnOn = 50;
-  /// By then it has seen that a hold was taken away.
-  static constexpr std::uint64_t kCyclesToRelease = 3;
-  /// By then it has taken an order, and its status shows it.
-  static constexpr std::uint64_t kCyclesToTake = 3;
 
   /// What one wait can watch, with room for the rest.
   static constexpr std::size_t kMaxClients = 56;
@@ -100,6 +96,7 @@ class CommandParticipant final : public rtapi::Participant {
     CommandId command{CommandId::help};
     rtapi::Nanos deadline{rtapi::kForever};
     std::uint64_t from_cycle{0};  ///< motion's cycle when it was asked
+    std::uint32_t intent{0};      ///< the Intent that asks motion for it
     std::uint64_t fault_mark{0};
     int joint{-1};
     std::uint32_t epoch{0};
@@ -138,14 +135,22 @@ class CommandParticipant final : public rtapi::Participant {
   [[nodiscard]] std::vector<OperatorMessage> newest_messages(std::uint64_t cursor) const;
   void say(MessageKind kind, const std::string& text, const std::string& file = {},
            std::int32_t line = 0);
-  void write_intent() { p_.motion.intent.values.write(want_); }
+  void write_intent() {
+    ++want_.serial;
+    p_.motion.intent.values.write(want_);
+  }
+  /// Motion has carried out what was written with this serial, and its status shows it. Counted cycles would not do: this thread
+  /// may be kept from running for any number of them between its look at the status and its write.
+  [[nodiscard]] bool taken(std::uint32_t serial) const {
+    return static_cast<std::int32_t>(status_.intent_taken - serial) >= 0;
+  }
   [[nodiscard]] bool idle() const;
   /// The interpreter has not yet followed the newest abort.
   [[nodiscard]] bool aborting() const { return view_.settled_epoch != epoch_; }
   /// What was asked for in this very moment shows in no status yet, and counts all the same: two clients may ask at once.
   [[nodiscard]] bool homing(Ticket but = 0) const;
   [[nodiscard]] bool all_homed() const;
-  [[nodiscard]] bool jogs() const { return status_.jogging || status_.cycle < jog_until_; }
+  [[nodiscard]] bool jogs() const { return status_.jogging || !taken(jog_intent_); }
   /// A program or MDI line that is there or was just taken.
   [[nodiscard]] bool moving_orders(Ticket but) const;
   [[nodiscard]] bool at_rest() const {
@@ -168,6 +173,7 @@ class CommandParticipant final : public rtapi::Participant {
   void end_block_step();
   void finish_block_step();
   void begin_block_step();
+  void release_block_step();
   void go_estop(const char* why);
   void go_off();
   /// Modes that somebody asks for: what comes back to others ends.
@@ -270,20 +276,20 @@ class CommandParticipant final : public rtapi::Participant {
   rtapi::Nanos reset_since_{0};
   bool was_jogging_{false};
   rtapi::Nanos worked_at_{-rtapi::kSecond};  ///< when the machine last did something
-  std::uint64_t jog_until_{0};  ///< motion's cycle from which its status shows the last jog
+  std::uint32_t jog_intent_{0};              ///< asked for the last jog
   /// The way back to the path, in this order.
   enum class Returning : std::uint8_t { no, out, across, in, there };
   Returning returning_{Returning::no};
-  std::uint64_t return_since_{0};  ///< motion's cycle from which its standing counts
+  std::uint32_t return_intent_{0};  ///< with it, standing is the end of a leg
   /// How the spindles turned when the machine left the held path, or when the first of them was stopped by hand: so they have to turn
   /// again before it goes on.
   std::array<std::int32_t, motion::kMaxSpindles> held_direction_{};
   bool held_spindles_known_{false};
-  std::uint64_t block_step_due_{
-      0};  ///< motion's cycle in which the next step begins, which was asked for as the last one ended
-  std::uint64_t block_step_ended_{0};  ///< motion's cycle in which the last one was found to stand
-  std::uint64_t block_step_since_{
-      0};  ///< while Intent::single_step: motion's cycle from which its standing counts
+  bool block_step_due_{false};    ///< the next step was asked for as the last one ended
+  bool block_step_armed_{false};  ///< it begins as soon as motion knows that it is one
+  std::uint32_t block_step_intent_{
+      0};  ///< with it, motion has seen the hold at the end of the last one
+  std::uint32_t block_step_since_{0};  ///< while Intent::single_step: with it, standing is the end
   /// The program that the journal tells of.
   struct Journal {
     bool expected{false};  ///< asked for

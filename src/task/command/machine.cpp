@@ -97,22 +97,22 @@ void CommandParticipant::update_machine() {
     held_spindles_known_ = false;
   }
   finish_block_step();
-  if (block_step_due_ != 0 && status_.cycle >= block_step_due_) begin_block_step();
+  if (block_step_due_ && taken(block_step_intent_)) begin_block_step();
+  if (block_step_armed_ && taken(block_step_since_)) release_block_step();
 }
 
 /// Motion stands at the end of the block that was asked for.
 void CommandParticipant::finish_block_step() {
-  if (!want_.single_step || status_.cycle <= block_step_since_ ||
+  if (!want_.single_step || block_step_armed_ || !taken(block_step_since_) ||
       !(status_.held || status_.path_empty))
     return;
   const bool goes_on = p_.setup.step_by_moves && !status_.path_empty;
   if (goes_on && view_.block_id < status_.current.id) return;  // not known yet
-  block_step_ended_ = status_.cycle;
   if (goes_on && view_.moved_id < status_.current.id) {
     // Motion has to see a hold between two blocks; for clients it is one step.
     p_.motion.intent.hold.publish(1);
     end_block_step();
-    block_step_due_ = status_.cycle + kCyclesToRelease;
+    block_step_due_ = true;
     return;
   }
   // With an empty path the interpreter thread stands behind the block on its own.
@@ -124,10 +124,11 @@ void CommandParticipant::finish_block_step() {
 
 /// Behind a hold, or before its release, so that nothing moves for it.
 void CommandParticipant::end_block_step() {
-  block_step_due_ = 0;
+  block_step_due_ = block_step_armed_ = false;
   if (!want_.single_step) return;
   want_.single_step = false;
   write_intent();
+  block_step_intent_ = want_.serial;
 }
 
 void CommandParticipant::abort_all(std::uint32_t reason) {
@@ -135,10 +136,10 @@ void CommandParticipant::abort_all(std::uint32_t reason) {
   p_.motion.intent.abort_epoch.publish(++epoch_);
   for (auto& seq : want_.spindle_stop_seq) ++seq;
   stop_jogs(kNobody);
-  jog_until_ = 0;
+  jog_intent_ = status_.intent_taken;  // the acknowledgement of the epoch says more
   end_away();
   want_.single_step = want_.backwards = false;
-  block_step_due_ = 0;
+  block_step_due_ = block_step_armed_ = false;
   want_.path_shift = {};
   write_intent();
   p_.motion.intent.hold.publish(0);
@@ -271,7 +272,7 @@ void CommandParticipant::do_home(Ticket ticket, const Request& request) {
   Pending& pending = pending_[ticket];
   pending.joint = joint;
   // Homing is a state of its own; what was homed and is homed again must not look done.
-  pending.from_cycle = status_.cycle;
+  pending.intent = want_.serial;
 }
 
 void CommandParticipant::do_unhome(Ticket ticket, const Request& request) {
@@ -290,6 +291,7 @@ void CommandParticipant::do_unhome(Ticket ticket, const Request& request) {
   want_.unhome_joint = joint;
   ++want_.unhome_seq;
   write_intent();
+  pending_[ticket].intent = want_.serial;
 }
 
 JogIntent* CommandParticipant::find_jog(const std::string& what, bool& axis, std::size_t& index,
@@ -367,8 +369,8 @@ void CommandParticipant::do_jog(Ticket ticket, const Request& request, int clien
     jog->target = 0;
   }
   (axis ? axis_lease_[index] : joint_lease_[index]) = lease;
-  jog_until_ = status_.cycle + kCyclesToTake;
   write_intent();
+  jog_intent_ = want_.serial;
   reply(ticket, CommandState::done);
 }
 

@@ -230,25 +230,31 @@ void CommandParticipant::do_step(Ticket ticket) {
     post(Order::Kind::step, internal_ticket(CommandId::step), {});
     return reply(ticket, CommandState::done);
   }
-  if (status_.cycle < block_step_ended_ + kCyclesToRelease)
-    block_step_due_ = block_step_ended_ + kCyclesToRelease;
-  else
-    begin_block_step();
+  block_step_due_ = !taken(block_step_intent_);
+  if (!block_step_due_) begin_block_step();
   reply(ticket, CommandState::done);
 }
 
-/// A program that was held in the middle of its queue goes on to the end of the block in execution; motion itself stands there.
+/// A program that was held in the middle of its queue goes on to the end of the block in execution; motion itself stands there. The
+/// hold ends when motion knows of that: a write that it cannot read in the cycle of the release would let the whole path go.
 void CommandParticipant::begin_block_step() {
-  block_step_due_ = 0;
-  if (p_.motion.intent.hold.observe() != 0) {
-    block_step_since_ = status_.cycle + kCyclesToRelease;
+  block_step_due_ = false;
+  block_step_armed_ = p_.motion.intent.hold.observe() != 0;
+  if (block_step_armed_) {
     want_.single_step = true;
     write_intent();
+    block_step_since_ = want_.serial;
   }
-  p_.motion.intent.hold.publish(0);
   p_.exchange.paused.set(0);
   p_.exchange.resumes.add(1);
   p_.exchange.wake_interpreter();
+}
+
+void CommandParticipant::release_block_step() {
+  block_step_armed_ = false;
+  p_.motion.intent.hold.publish(0);
+  write_intent();  // behind the word: who has taken it has seen the release
+  block_step_since_ = want_.serial;
 }
 
 /// Only of a path that is held: nothing turns round under way.

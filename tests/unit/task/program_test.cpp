@@ -98,6 +98,47 @@ TEST(Program, mdi_needs_power_and_homing) {
   EXPECT_EQ(rig.fake->status.pos_cmd.x, 1);
 }
 
+TEST(Program, is_not_mistaken_about_what_motion_sees_late) {
+  Rig rig;
+  rig.power_on();
+  rig.fake->take_cycles = 40;
+  EXPECT_EQ(rig.command({"home"}).state, State::done);
+  EXPECT_TRUE(rig.fake->status.all_homed);
+  EXPECT_EQ(rig.command({"teleop", "off"}).state, State::done);
+  EXPECT_EQ(rig.command({"unhome"}).state, State::done);
+  EXPECT_FALSE(rig.fake->status.all_homed);
+  // Nothing else comes between a jog and motion's look at it.
+  rig.does({"jog", "0", "5"});
+  rig.run_for(0.02);
+  EXPECT_THAT(rig.command({"home"}).text, HasSubstr("can't home while something runs"));
+  rig.does({"jog-stop"});
+  rig.fake->homes = false;
+  rig.run_for(0.1);
+  EXPECT_THAT(rig.command({"home"}).text, HasSubstr("not all joints are homed"));
+}
+
+TEST(Program, a_step_that_motion_sees_late_is_one_block) {
+  Rig rig;
+  rig.ready();
+  rig.fake->move_time = 50 * rtapi::kMillisecond;
+  rig.folder.write("nc/steps.ngc", "G1 F600 X1\nX2\nX3\nX4\nX5\nM2\n");
+  rig.does({"open", "steps.ngc"});
+  const auto run = rig.send({"run"});
+  rig.run_until([&] { return rig.fake->status.current.line == 2; });
+  rig.does({"pause"});
+  rig.run_for(0.2);
+  rig.fake->take_cycles = 40;
+  for (int n = 0; n < 3; ++n) {
+    const std::size_t before = rig.fake->done.size();
+    rig.does({"step"});
+    rig.run_for(0.4);
+    EXPECT_EQ(rig.fake->done.size(), before + 1) << n;
+    EXPECT_TRUE(rig.status().paused);
+  }
+  rig.does({"resume"});
+  EXPECT_EQ(rig.wait(run).state, State::done);
+}
+
 TEST(Program, no_force_homing_lets_mdi_run) {
   std::string ini = kMillIni;
   ini.replace(ini.find("COORDINATES"), 0, "NO_FORCE_HOMING = 1\n");

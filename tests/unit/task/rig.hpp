@@ -76,6 +76,8 @@ class FakeMotion final : public rtapi::Participant {
   std::vector<motion::PathItem> done;
   Nanos move_time{10 * kMillisecond};
   int ack_cycles{5};  ///< from a raised epoch to the acknowledgement
+  int take_cycles{
+      0};  ///< so many cycles pass before wishes are seen, as if task were kept from writing them
   bool may_enable{true};
   Nanos sleeps_until{0};  ///< no cycle before
   /// Behind the next cycle from then on nothing runs for some, as if the thread had been stopped in the middle of its next write.
@@ -100,7 +102,11 @@ class FakeMotion final : public rtapi::Participant {
     const auto before = std::make_tuple(status.executed_seq, status.acked_epoch, status.enabled,
                                         status.mode, status.path_empty, status.all_homed);
     motion::Intent next;
-    if (shared_.intent.values.read(next)) take(next);
+    if (shared_.intent.values.read(next) && next.serial != intent.serial &&
+        ++take_count_ > take_cycles) {
+      take(next);
+      take_count_ = 0;
+    }
     beats_seen = shared_.intent.heartbeat.get();
     status.enabled = may_enable && shared_.intent.enable.get() != 0;
     const std::uint32_t epoch = shared_.intent.abort_epoch.observe();
@@ -134,6 +140,7 @@ class FakeMotion final : public rtapi::Participant {
     }
     if (next.spindle_stop_seq[0] != intent.spindle_stop_seq[0]) ++spindle_stops;
     status.mode = next.mode;
+    status.intent_taken = next.serial;
     status.jogging = false;
     for (const auto& j : next.joint_jog)
       status.jogging = status.jogging || j.kind == motion::JogIntent::Kind::continuous;
@@ -188,7 +195,7 @@ class FakeMotion final : public rtapi::Participant {
   Nanos busy_until_{0};
   std::uint64_t step_id_{0};
   bool step_done_{false};
-  int ack_count_{0};
+  int ack_count_{0}, take_count_{0};
   bool writes_{false};  ///< is stopped in the middle of it
 };
 
