@@ -110,8 +110,7 @@ void CommandParticipant::update_away() {
       there = there && std::fabs(status_.place[a] - status_.pos_cmd[a]) <= kThere;
     if (there) {
       want_.away = false;
-      write_intent();
-      return_intent_ = want_.serial;
+      return_intent_ = write_intent();
       return;
     }
     // Somebody stopped the jog: still away.

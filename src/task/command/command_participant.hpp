@@ -135,9 +135,11 @@ class CommandParticipant final : public rtapi::Participant {
   [[nodiscard]] std::vector<OperatorMessage> newest_messages(std::uint64_t cursor) const;
   void say(MessageKind kind, const std::string& text, const std::string& file = {},
            std::int32_t line = 0);
-  void write_intent() {
+  /// Gives its serial, for taken().
+  std::uint32_t write_intent() {
     ++want_.serial;
     p_.motion.intent.values.write(want_);
+    return want_.serial;
   }
   /// Motion has carried out what was written with this serial, and its status shows it. Counted cycles would not do: this thread
   /// may be kept from running for any number of them between its look at the status and its write.
@@ -287,9 +289,8 @@ class CommandParticipant final : public rtapi::Participant {
   bool held_spindles_known_{false};
   bool block_step_due_{false};    ///< the next step was asked for as the last one ended
   bool block_step_armed_{false};  ///< it begins as soon as motion knows that it is one
-  std::uint32_t block_step_intent_{
-      0};  ///< with it, motion has seen the hold at the end of the last one
-  std::uint32_t block_step_since_{0};  ///< while Intent::single_step: with it, standing is the end
+  /// With it, motion has seen: the hold at the end of the last step; that there is to be one; its begin, so that standing is its end.
+  std::uint32_t block_step_intent_{0};
   /// The program that the journal tells of.
   struct Journal {
     bool expected{false};  ///< asked for

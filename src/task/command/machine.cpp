@@ -98,12 +98,12 @@ void CommandParticipant::update_machine() {
   }
   finish_block_step();
   if (block_step_due_ && taken(block_step_intent_)) begin_block_step();
-  if (block_step_armed_ && taken(block_step_since_)) release_block_step();
+  if (block_step_armed_ && taken(block_step_intent_)) release_block_step();
 }
 
 /// Motion stands at the end of the block that was asked for.
 void CommandParticipant::finish_block_step() {
-  if (!want_.single_step || block_step_armed_ || !taken(block_step_since_) ||
+  if (!want_.single_step || block_step_armed_ || !taken(block_step_intent_) ||
       !(status_.held || status_.path_empty))
     return;
   const bool goes_on = p_.setup.step_by_moves && !status_.path_empty;
@@ -127,8 +127,7 @@ void CommandParticipant::end_block_step() {
   block_step_due_ = block_step_armed_ = false;
   if (!want_.single_step) return;
   want_.single_step = false;
-  write_intent();
-  block_step_intent_ = want_.serial;
+  block_step_intent_ = write_intent();
 }
 
 void CommandParticipant::abort_all(std::uint32_t reason) {
@@ -268,11 +267,10 @@ void CommandParticipant::do_home(Ticket ticket, const Request& request) {
   choose(TaskMode::manual, MotionMode::free);
   want_.home_joint = joint;
   ++want_.home_seq;
-  write_intent();
   Pending& pending = pending_[ticket];
   pending.joint = joint;
   // Homing is a state of its own; what was homed and is homed again must not look done.
-  pending.intent = want_.serial;
+  pending.intent = write_intent();
 }
 
 void CommandParticipant::do_unhome(Ticket ticket, const Request& request) {
@@ -290,8 +288,7 @@ void CommandParticipant::do_unhome(Ticket ticket, const Request& request) {
   if (homing()) return reply(ticket, CommandState::error, "can't unhome while the machine homes");
   want_.unhome_joint = joint;
   ++want_.unhome_seq;
-  write_intent();
-  pending_[ticket].intent = want_.serial;
+  pending_[ticket].intent = write_intent();
 }
 
 JogIntent* CommandParticipant::find_jog(const std::string& what, bool& axis, std::size_t& index,
@@ -369,8 +366,7 @@ void CommandParticipant::do_jog(Ticket ticket, const Request& request, int clien
     jog->target = 0;
   }
   (axis ? axis_lease_[index] : joint_lease_[index]) = lease;
-  write_intent();
-  jog_intent_ = want_.serial;
+  jog_intent_ = write_intent();
   reply(ticket, CommandState::done);
 }
 

@@ -242,8 +242,7 @@ void CommandParticipant::begin_block_step() {
   block_step_armed_ = p_.motion.intent.hold.observe() != 0;
   if (block_step_armed_) {
     want_.single_step = true;
-    write_intent();
-    block_step_since_ = want_.serial;
+    block_step_intent_ = write_intent();
   }
   p_.exchange.paused.set(0);
   p_.exchange.resumes.add(1);
@@ -253,8 +252,8 @@ void CommandParticipant::begin_block_step() {
 void CommandParticipant::release_block_step() {
   block_step_armed_ = false;
   p_.motion.intent.hold.publish(0);
-  write_intent();  // behind the word: who has taken it has seen the release
-  block_step_since_ = want_.serial;
+  // Behind the word: who has taken it has seen the release.
+  block_step_intent_ = write_intent();
 }
 
 /// Only of a path that is held: nothing turns round under way.
