@@ -1,7 +1,10 @@
 #include "bench/motion/campaign.hpp"
 
 #include <cstdio>
+#include <iterator>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "bench/motion/machines.hpp"
 #include "property/motion/random_program.hpp"
@@ -43,6 +46,27 @@ Program random_program(std::uint64_t seed) {
   }
 }
 
+/// In a third of the programs P changes, here and there or all the time; also to an exact path and back.
+Program with_changes_of_p(Program program, std::uint64_t seed) {
+  if (seed / 8 % 3 != 0) return program;
+  std::mt19937_64 random(seed);
+  const std::uint64_t each = random() % 2 == 0 ? 200 : 6;
+  std::vector<motion::PathItems::Variant> items;
+  for (const auto& item : program.items) {
+    if (random() % each == 0 && !items.empty()) {
+      constexpr double kShare[] = {1, 0.3, 0.1, 3, 10};
+      motion::PathControl control = std::get<motion::PathControl>(program.items.front());
+      control.tolerance_mm *= kShare[random() % std::size(kShare)];
+      control.naive_cam_tolerance_mm = random() % 2 == 0 ? control.tolerance_mm : 0;
+      if (random() % 8 == 0) control.mode = motion::PathControl::Mode::exact_path;
+      items.emplace_back(control);
+    }
+    items.push_back(item);
+  }
+  program.items = std::move(items);
+  return program;
+}
+
 double jerk_of(std::uint64_t seed) {
   constexpr double kJerks[] = {0, 50000, 0, 5000, 0, 1e6};
   return kJerks[(seed / 8) % 6];
@@ -52,7 +76,7 @@ double jerk_of(std::uint64_t seed) {
 double path_jerk_of(std::uint64_t seed) { return (seed / 48) % 2 == 0 ? 0 : jerk_of(seed); }
 
 void run_one(std::uint64_t seed, CampaignResult& total) {
-  const Program program = random_program(seed);
+  const Program program = with_changes_of_p(random_program(seed), seed);
   Rig rig(moved_by(program.machine));
   set_limits(rig.config, program.machine, jerk_of(seed), path_jerk_of(seed));
   rig.apply_config();

@@ -14,6 +14,8 @@ struct PathMode {
   enum class Corners : std::int8_t { exact_path, exact_stop, blend };
   Corners corners{Corners::blend};
   Tolerance tolerance;  ///< of blends; mm <= 0 stops at every kink
+
+  [[nodiscard]] bool blends() const noexcept { return corners == Corners::blend; }
 };
 /// What an exact path may be off where it passes a kink that comes from the rounding of whoever computed the points (mm, degrees).
 inline constexpr double kExact = 8e-7;

@@ -74,7 +74,7 @@ bool ProgramPath::create(Memory& memory, std::size_t moves) noexcept {
 
 /// What is before it and what is behind it do not meet.
 bool ProgramPath::keeps_its_middle(const Move& move) const noexcept {
-  if (move.mode.corners != PathMode::Corners::blend || !(move.mode.tolerance.mm > 0)) return true;
+  if (!move.mode.blends() || !(move.mode.tolerance.mm > 0)) return true;
   if (move.piece.straight())
     return move.piece.length > kLongLine * std::min(widest_of(move, Move::Width::of_feed),
                                                     kWide * move.mode.tolerance.mm);
@@ -82,8 +82,8 @@ bool ProgramPath::keeps_its_middle(const Move& move) const noexcept {
 }
 
 bool ProgramPath::may_be_wide(const Move& a, const Move& b) const noexcept {
-  if (!a.piece.straight() || !b.piece.straight() || a.piece.feed.sync ||
-      a.mode.corners != PathMode::Corners::blend || kWide * a.mode.tolerance.mm <= settings_.widest)
+  if (!a.piece.straight() || !b.piece.straight() || a.piece.feed.sync || !a.mode.blends() ||
+      kWide * a.mode.tolerance.mm <= settings_.widest)
     return false;
   return is_corner(a, b);
 }
@@ -222,15 +222,13 @@ bool ProgramPath::join_part(const Coarser& way) noexcept {
   if (!lines_of_part(way, arcs)) return false;
   std::size_t done = 0;
   for (std::size_t i = 0; i < coarse_.size();) {
-    // A row of lines.
+    // A row of lines, which keeps the least tolerance of them: ends of some are within the joined ones.
     std::size_t j = i;
     PathMode mode = coarse_[i].mode;
     lines_.clear();
     for (; j < coarse_.size() && coarse_[j].piece.straight() && !coarse_[j].piece.feed.sync; ++j) {
       const Piece& p = coarse_[j].piece;
       lines_.push_back({p.a, p.b * p.length, p.length, p.feed});
-      // The last one's counts behind the row.
-      if (j + 1 == coarse_.size() || !coarse_[j + 1].piece.straight()) continue;
       mode.tolerance.mm = std::min(mode.tolerance.mm, coarse_[j].mode.tolerance.mm);
       mode.tolerance.deg = std::min(mode.tolerance.deg, coarse_[j].mode.tolerance.deg);
     }
@@ -245,7 +243,7 @@ bool ProgramPath::join_part(const Coarser& way) noexcept {
       joined = std::max(joined, off);
       const Move last = coarse_[j - 1];
       for (const CoarseLine& line : lines_) coarse_[done++] = line_of(line, mode);
-      coarse_[done - 1].mode = last.mode;
+      coarse_[done - 1].mode.corners = last.mode.corners;
       coarse_[done - 1].stop_at_end = last.stop_at_end;
     } else {
       for (const std::size_t end = std::max(j, i + 1); i < end; ++i) coarse_[done++] = coarse_[i];

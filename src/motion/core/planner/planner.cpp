@@ -423,11 +423,10 @@ Planner::Take Planner::take(const PathItem& item, const ServoView& view) noexcep
           [&](const SpindleChange& m) { return spindle_change(item, m); },
           [&](const PathControl& m) {
             mode_ = mode_of(m);
-            const bool blends = mode_.corners == path::PathMode::Corners::blend;
             // A line in parts is the line, whatever Q is.
-            merge_mm_ = blends ? std::min(std::max(m.naive_cam_tolerance_mm, 0.0),
-                                          Merge::kShareOfTolerance * mode_.tolerance.mm)
-                               : 0.0;
+            merge_mm_ = mode_.blends() ? std::min(std::max(m.naive_cam_tolerance_mm, 0.0),
+                                                  Merge::kShareOfTolerance * mode_.tolerance.mm)
+                                       : 0.0;
             if (mode_.corners != path::PathMode::Corners::exact_stop)
               merge_mm_ = std::max(merge_mm_, Merge::kSameLine);
             return event(item, m);
@@ -588,15 +587,10 @@ Planner::Take Planner::take_move(const PathItem& item, const Curve& curve, bool 
   return Take::done;
 }
 
-/// For PathOracle. The corner at its start is that of the move before.
+/// For PathOracle. On an exact path the corner at the start is that of the move before.
 void Planner::note(const path::Move& move, std::uint64_t seq) noexcept {
-  const auto tolerance_of = [](const path::PathMode& mode) {
-    return mode.corners == path::PathMode::Corners::blend ? mode.tolerance : path::Tolerance{};
-  };
-  ProgrammedMove noted{move.piece, tolerance_of(move.mode)};
-  const path::Tolerance here = noted.tolerance;
-  noted.tolerance.mm = std::max(here.mm, noted_tolerance_.mm);
-  noted.tolerance.deg = std::max(here.deg, noted_tolerance_.deg);
+  const path::Tolerance here = move.mode.blends() ? move.mode.tolerance : path::Tolerance{};
+  const ProgrammedMove noted{move.piece, move.mode.blends() ? here : noted_tolerance_};
   noted_tolerance_ = here;
   slots_.gate.pass([&] { slots_.programmed.add(noted, seq); });
 }
@@ -635,15 +629,21 @@ bool Planner::merge_line(const Block& block, const path::Piece& line, const Meta
   return true;
 }
 
-/// A blend gets what merging has left of the tolerance on both of its sides.
+/// A blend gets what merging has left of the tolerance on both of its sides; of two tolerances the smaller, else points of short moves behind the
+/// corner could be off by that of the move before it.
 void Planner::share_tolerance() noexcept {
   const std::size_t n = moves_.size();
   const double off = meta_[n - 1].merged_off_mm;
   moves_[n - 1].mode.tolerance.mm = std::max(meta_[n - 1].tolerance_mm - off, 0.0);
   if (n < 2) return;
-  const Meta& before = meta_[n - 2];
-  moves_[n - 2].mode.tolerance.mm =
-      std::max(before.tolerance_mm - std::max(before.merged_off_mm, off), 0.0);
+  const Meta &before = meta_[n - 2], &here = meta_[n - 1];
+  path::PathMode& corner = moves_[n - 2].mode;
+  double p = before.tolerance_mm;
+  if (corner.blends() && moves_[n - 1].mode.blends()) {
+    p = std::min(p, here.tolerance_mm);
+    corner.tolerance.deg = std::min(corner.tolerance.deg, moves_[n - 1].mode.tolerance.deg);
+  }
+  corner.tolerance.mm = std::max(p - std::max(before.merged_off_mm, off), 0.0);
 }
 
 Planner::Take Planner::output_change(const PathItem& item, const OutputChange& change) noexcept {
