@@ -82,6 +82,7 @@ class Operator {
         if (testing::Test::HasFailure()) break;
       }
       settle();
+      restart();
       if (!testing::Test::HasFailure()) continue;
       // What was wrong is told a moment later.
       const std::size_t known = m_.errors().size();
@@ -343,7 +344,6 @@ class Operator {
     }
   }
 
-  /// Outcomes, and the machine on again after a while of being off.
   void settle() {
     std::erase_if(open_, [&](const auto& open) {
       const task::Reply reply = m_.outcome(open.first);
@@ -356,6 +356,9 @@ class Operator {
         still_from_ = std::min(still_from_, m_.motion().cycle + kStandsWithin);
       return true;
     });
+  }
+  /// On again after a while of being off, and homed.
+  void restart() {
     if (m_.task().task_state != task::TaskState::on && one_of(4) == 0) in_order();
     if (m_.task().task_state == task::TaskState::on && !m_.motion().all_homed && one_of(8) == 0)
       does({"home", "-1"});

@@ -231,5 +231,39 @@ TEST(SoftLimits, SeeWhereAJointTurnsBackBetweenTheEndsOfAMove) {
   EXPECT_GT(turned, 400) << "most of them between the ends";
 }
 
+/// Two solutions everywhere: the joint turns with X, or stands nearly still. They are nearest to each other at X0.
+class TwoSolutions final : public Kinematics {
+ public:
+  [[nodiscard]] KinematicsType type() const noexcept override { return KinematicsType::both; }
+  [[nodiscard]] std::int32_t joints() const noexcept override { return 1; }
+  [[nodiscard]] bool forward(const JointVector&, Pose&) const noexcept override { return false; }
+  [[nodiscard]] bool inverse(const Pose& p, JointVector& q) const noexcept override {
+    const double turns = 4 * p.x, stands = -2.5 - 0.1 * p.x;
+    q[0] = std::abs(turns - q[0]) < std::abs(stands - q[0]) ? turns : stands;
+    return true;
+  }
+  [[nodiscard]] std::int32_t axis_of_joint(std::int32_t) const noexcept override { return -1; }
+  [[nodiscard]] std::uint32_t axis_mask() const noexcept override { return 0b1; }
+};
+
+/// Next to a pole the solution nearest to the joints a look before was taken for the one that the motion comes to: the limit was found when it was passed.
+TEST(SoftLimits, AreThoseOfTheSolutionThatTheMotionComesTo) {
+  const TwoSolutions kinematics;
+  MachineConfig config;
+  for (auto& a : config.axis) a.min_limit = -1e6, a.max_limit = 1e6;
+  config.joint[0].min_limit = -1e6;
+  Curve curve;
+  ASSERT_TRUE(make_line({}, {.x = 64}, 0b1, curve));
+  const double none[kMaxJoints]{};
+  for (const bool passes : {true, false}) {
+    config.joint[0].max_limit = passes ? 257 : 255;
+    JointVector joint{};
+    FaultRecord fault;
+    EXPECT_EQ(within_soft_limits(curve, kinematics, config, none, {}, joint, fault), passes);
+    EXPECT_NEAR(joint[0], passes ? 256 : 0, 1e-9);
+    EXPECT_EQ(fault.fault, passes ? Fault::none : Fault::joint_soft_limit_max);
+  }
+}
+
 }  // namespace
 }  // namespace kerf::motion

@@ -18,9 +18,11 @@ constexpr int kMostSamples = 4096;
 constexpr int kGeneralSamples = 65;  ///< of any curve under kinematics that mix axes, at least
 /// Degrees of an axis or an arc between two places at which joints are looked at, and the most of these.
 constexpr double kLookAngle = 4;
-constexpr double kMostLooks = 50'000;
+constexpr int kMostLooks = 50'000;
 /// Of kinematics that answer later, which have room for 2048 questions at once.
-constexpr double kMostAsked = 1000;
+constexpr int kMostAsked = 1000;
+/// Between two of them joints are looked at this many times closer where they do not move evenly.
+constexpr int kMostHalvings = 14;
 constexpr double kJerkShare = 0.85;  ///< the same of jerk limits, with third differences
 constexpr double kGeneralShare =
     0.95;  ///< of the limits used there, since differences between samples are not bounded
@@ -309,20 +311,53 @@ int looks_at(const Curve& curve, const Pose& low, const Pose& high, bool at_once
   if (curve.shape == Curve::Shape::arc) angle = curve.angle * 180 / std::numbers::pi;
   for (std::size_t i = 0; i < rtapi::kAxes; ++i)
     if (rtapi::is_rotary(i)) angle = std::max(angle, high[i] - low[i]);
-  return std::max(
-      kGeneralSamples,
-      static_cast<int>(std::min(angle / kLookAngle, at_once ? kMostLooks : kMostAsked)) + 1);
+  return std::max(kGeneralSamples, static_cast<int>(std::min<double>(
+                                       angle / kLookAngle, at_once ? kMostLooks : kMostAsked)) +
+                                       1);
 }
 
 /// Joints along a curve, place by place.
 class JointWay {
  public:
-  JointWay(const Curve& curve, const Kinematics& kinematics, int looks) noexcept
-      : curve_(curve), kinematics_(kinematics), step_(curve.length / (looks - 1)) {}
+  JointWay(const Curve& curve, const Kinematics& kinematics, std::size_t joints, int looks) noexcept
+      : curve_(curve),
+        kinematics_(kinematics),
+        joints_(joints),
+        halvings_(kinematics.answers_at_once() ? kMostLooks : std::max(kMostAsked - looks, 0) / 4),
+        step_(curve.length / (looks - 1)) {}
   /// False: no joints there. `joint`: those of a place nearby, then of this one.
   [[nodiscard]] bool at(double look, JointVector& joint) const noexcept {
     return kinematics_.inverse(point_at(curve_, std::clamp(look * step_, 0.0, curve_.length)),
                                joint);
+  }
+  /// From the place `from`, where joints are as `joint` has them, to `to`. Next to a pole the solution that is nearest at `to` can be another one than that which the
+  /// motion comes to, so it is gone to in steps in which all joints move evenly. `look`: true where joints may be as they are on the way.
+  template <class F>
+  [[nodiscard]] bool follow(double from, double to, JointVector& joint, F&& look,
+                            int depth = kMostHalvings) noexcept {
+    const double middle = 0.5 * (from + to);
+    JointVector half = joint;
+    if (!at(middle, half)) return false;
+    JointVector end = half;
+    if (!at(to, end)) return false;
+    if (depth == 0 || halvings_ == 0 || evenly(joint, half, end)) {
+      joint = end;
+      return look(half);
+    }
+    --halvings_;
+    return follow(from, middle, joint, look, depth - 1) &&
+           follow(middle, to, joint, look, depth - 1);
+  }
+  /// Three places at even distances: whether joints move evenly between them.
+  [[nodiscard]] bool evenly(const JointVector& a, const JointVector& b,
+                            const JointVector& c) const noexcept {
+    constexpr double kShare = 0.2, kLittle = 0.1;
+    for (std::size_t j = 0; j < joints_; ++j) {
+      const double one = b[j] - a[j], other = c[j] - b[j];
+      if (std::abs(other - one) > kShare * std::max(std::abs(one), std::abs(other)) + kLittle)
+        return false;
+    }
+    return true;
   }
   /// The farthest that joint j comes about `turn`, which is where it turns as the places about `look` have it.
   [[nodiscard]] double farthest(std::size_t j, double look, const Turn& turn,
@@ -341,6 +376,8 @@ class JointWay {
  private:
   const Curve& curve_;
   const Kinematics& kinematics_;
+  std::size_t joints_;
+  int halvings_;  ///< that are left for the whole curve
   double step_;
 };
 
@@ -419,21 +456,32 @@ bool within_soft_limits(const Curve& curve, const Kinematics& kinematics,
   JointVector first = joint;
   if (!kinematics.inverse(curve.start, first)) return out.fault = Fault::no_inverse, false;
   const int looks = looks_at(curve, low, high, kinematics.answers_at_once());
-  const JointWay way(curve, kinematics, looks);
+  JointWay way(curve, kinematics, n, looks);
+  const auto no_inverse = [&](int k) {
+    out.fault = Fault::no_inverse;
+    out.value = curve.length * k / (looks - 1);
+    return false;
+  };
   const auto inside = [&](std::size_t j, double q) {
     const JointConfig& c = config.joint[j];
     return check_range(q + skew[j], q + skew[j], first[j] + skew[j], q + skew[j], c.min_limit,
                        c.max_limit, Fault::joint_soft_limit_min, Fault::joint_soft_limit_max, j,
                        out);
   };
+  const auto all_inside = [&](const JointVector& q) {
+    for (std::size_t j = 0; j < n; ++j)
+      if (!inside(j, q[j])) return false;
+    return true;
+  };
   JointVector before = first, here = first, at = first;
   for (int k = 1; k < looks; ++k) {
     before = here;
     here = at;
-    if (!way.at(k, at)) {
-      out.fault = Fault::no_inverse;
-      out.value = curve.length * k / (looks - 1);
-      return false;
+    if (!way.at(k, at)) return no_inverse(k);
+    if (k == 1 || !way.evenly(before, here, at)) {
+      at = here;
+      if (!way.follow(k - 1, k, at, all_inside))
+        return out.fault != Fault::none ? false : no_inverse(k);
     }
     for (std::size_t j = 0; j < n; ++j) {
       if (!inside(j, at[j])) return false;
