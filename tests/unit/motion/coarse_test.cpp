@@ -319,6 +319,40 @@ TEST(Coarse, WhatWindsWithinTheToleranceIsDrivenStraighter) {
   }
 }
 
+TEST(Coarse, PairsOfLinesBecomeOneWhereTheirEndIsOffByLittle) {
+  Buffer<CoarseLine> lines;
+  test::HeapMemory memory;
+  ASSERT_TRUE(lines.create(memory, 4));
+  // The third could join the first two as well: no line stands for more than two.
+  lines.push_back({xyz(0, 0), xyz(1, 0.01), 1, {}});
+  lines.push_back({xyz(1, 0.01), xyz(0.1, 0), 0.1, {}});
+  lines.push_back({xyz(1.1, 0.01), xyz(0.1, 0), 0.1, {}});
+  lines.push_back({xyz(1.2, 0.01), xyz(0, 3), 3, {}});
+  const double off = join_pairs({1, 1}, lines);
+  EXPECT_GT(off, 0);
+  EXPECT_LE(off, 0.05);
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_NEAR(lines[0].sigma, 1.1, 1e-12);
+  EXPECT_LE(max_abs(lines[0].way - xyz(1.1, 0.01)), 1e-12);
+  EXPECT_LE(max_abs(lines[2].from - xyz(1.2, 0.01)), 1e-12);
+}
+
+TEST(Coarse, ArcsThatWindWithTinyLinesBetweenThemAreDrivenStraighter) {
+  // In parts of 48, each line by itself, 1.43 and 1.73 s.
+  for (const AxisLimits& limits : {mill(), with_jerk()}) {
+    Track t(1);
+    for (int i = 0; i < 80; ++i) {
+      t.arc(2 + 7 * i % 11, (i * 5 % 7 < 4 ? 1 : -1) * (0.05 + 0.05 * (i * 3 % 11)));
+      t.line(0.005 * (1 + i * i % 40));
+      t.heading += 0.005 * (i % 5 - 2);
+    }
+    const Driven found = drive(t, kFar, limits);
+    EXPECT_LE(found.seconds, limits.jerks ? 1.32 : 1.29);
+    EXPECT_LE(found.off, 1 + kChords);
+    EXPECT_EQ(found.stops, 0);
+  }
+}
+
 /// Arcs to both sides that bend a little where they meet; with lines of `between` there.
 Track fitted_arcs(double p_mm, double between) {
   Track t(p_mm);

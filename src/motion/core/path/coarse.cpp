@@ -22,20 +22,26 @@ constexpr double kOverRelaxed = 1.5, kLeastSlope = 0.02;
 constexpr double kParallel = 1e-6;
 /// Of the tolerance: lines that are off each other by less are in one direction.
 constexpr double kStraight = 1e-3;
+/// Of pairs, the same.
+constexpr double kPair = 0.05;
 
 double size(const Vec& v) noexcept { return std::sqrt(dot(v, v)); }
 
-double join_straight(const Tolerance& tolerance, Buffer<CoarseLine>& lines) noexcept {
+/// `pairs`: no line stands for more than two. Else what is off would add up, which does not matter where it is next to nothing.
+double join_within(const Tolerance& tolerance, double most, bool pairs,
+                   Buffer<CoarseLine>& lines) noexcept {
   double worst = 0;
   std::size_t done = 0;
+  bool joined = false;
   for (std::size_t k = 1; k < lines.size(); ++k) {
     CoarseLine& a = lines[done];
     const CoarseLine& b = lines[k];
     const Vec way = a.way + b.way;
     const double la = size(a.way), square = dot(way, way), along = dot(a.way, way) / square;
     const double off = tolerance.share(a.way - way * along);
-    // Each of them once: what is off would add up.
-    if (off > kStraight || !(along > 0 && along < 1) || !(la > 0) || !(a.feed == b.feed)) {
+    const bool stays = off > most || (pairs && joined);
+    joined = !stays && along > 0 && along < 1 && la > 0 && a.feed == b.feed;
+    if (!joined) {
       lines[++done] = b;
       continue;
     }
@@ -113,7 +119,7 @@ double tangents_of(const Piece& arc, const Tolerance& tolerance, double most,
 }
 
 double join_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& lines) noexcept {
-  const double straight = join_straight(tolerance, lines);
+  const double straight = join_within(tolerance, kStraight, false, lines);
   double worst = 0;
   for (std::size_t k = 1; k + 1 < lines.size(); ++k) {
     CoarseLine &a = lines[k - 1], &b = lines[k + 1];
@@ -147,6 +153,10 @@ double join_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& l
     lines.truncate(lines.size() - 1);
   }
   return straight + worst;
+}
+
+double join_pairs(const Tolerance& tolerance, Buffer<CoarseLine>& lines) noexcept {
+  return join_within(tolerance, kPair, true, lines);
 }
 
 double straighten_lines(const Tolerance& tolerance, double most, bool taut,

@@ -91,11 +91,11 @@ class ProgramPath {
   bool coarsen_part(const Move* moves, std::size_t count, bool small, bool wide,
                     bool winds) noexcept;
   /// A way to make a part coarser: arcs as tangents, or as so many chords at most, off by `arcs` of the tolerance at most; lines joined at corners, or with
-  /// `straightened` above 0 straightened (pulled taut) until all is off by that.
+  /// `straightened` above 0 straightened (pulled taut; two and two of them as one) until all is off by that.
   struct Coarser {
     int chords{0};
     double arcs{0}, straightened{0};
-    bool taut{false};
+    bool taut{false}, pairs{false};
   };
   [[nodiscard]] bool lines_of_part(const Coarser& way, double& share) noexcept;
   [[nodiscard]] bool join_part(const Coarser& way) noexcept;

@@ -22,7 +22,8 @@ constexpr double kLongLine = 4, kWide = 12;
 constexpr double kCorner = 0.1;
 /// A short line is no longer than this many tolerances.
 constexpr double kShortLine = 4;
-constexpr std::size_t kLines = (kMostTangents + 1) * kTogether;
+/// Lines that an arc becomes at most, and so a part.
+constexpr std::size_t kMostLines = kMostTangents + 1, kLines = kMostLines * kTogetherWinding;
 constexpr std::size_t kTrialPieces = 6 * kLines + 64;
 /// Whole chains are looked at too; longer ones are not.
 constexpr std::size_t kInsidePieces = 2 * kTrialPieces, kTrialStretches = 4 * kInsidePieces;
@@ -101,22 +102,21 @@ bool ProgramPath::coarsen(const Move* moves, std::size_t count, std::size_t from
   for (std::size_t begin = from; begin + 1 < to;) {
     std::size_t end = begin + 1;
     bool smalls = false, wide = may_be_wide(moves[begin], moves[end]);
-    std::size_t lines = 0, turns = 0;
+    std::size_t arcs = 0, turns = 0;
     while (end + 1 < to && !keeps_its_middle(moves[end])) {
-      const bool all_lines = lines + 1 == end - begin && turns > 0;
-      if (end - begin >= (all_lines ? kTogetherWinding : kTogether)) break;
+      if (end - begin >= (turns >= kLeastWinding ? kTogetherWinding : kTogether)) break;
       smalls = smalls || small(end);
       wide = wide || may_be_wide(moves[end], moves[end + 1]);
       if (is_short_line(moves[end])) {
-        ++lines;
         turns += is_corner(moves[end], moves[end + 1]) ? 1 : 0;
-      } else {
-        turns += may_be_lines(moves[end]) ? 1 : 0;
+      } else if (may_be_lines(moves[end])) {
+        ++arcs;
+        ++turns;
       }
       ++end;
     }
     const std::size_t behind = end - begin;
-    if (work_.room() < kLines + (count - end)) return false;
+    if (work_.room() < kMostLines * arcs + behind + 1 + (count - end)) return false;
     const bool winding = turns >= kLeastWinding;
     if ((smalls || wide || winding) &&
         coarsen_part(moves + begin, behind + 1, smalls, wide, winding)) {
@@ -176,9 +176,11 @@ bool ProgramPath::coarsen_part(const Move* moves, std::size_t count, bool small,
   };
   for (const Coarser& way : {Coarser{0, kMostOff}, {1, kMostOffChord}})
     if (small && join_part(way)) compare_joined();
-  for (const Coarser& way : {Coarser{kMostChords, kMostOffChords, kStraightened},
+  for (const Coarser& way : {Coarser{kMostChords, kMostOffChords, kStraightened, false, true},
                              {kMostChords, kMostOffChords, kMostStraightened},
-                             {kMostChords, kMostOffChords, kMostStraightened, true}})
+                             {kMostChords, kMostOffChords, kMostStraightened, true},
+                             {kMostChords, kMostOffChords, kMostStraightened, false, true},
+                             {kMostChords, kMostOffChords, kMostStraightened, true, true}})
     if (winds && join_part(way)) compare_joined();
   if (!found) return false;
   work_.back() = best_.front();
@@ -235,10 +237,12 @@ bool ProgramPath::join_part(const Coarser& way) noexcept {
     const std::size_t were = lines_.size();
     const bool straightens = way.straightened > 0;
     double off = 0;
-    if (straightens && way.straightened > arcs)
-      off = straighten_lines(mode.tolerance, way.straightened - arcs, way.taut, lines_, ends_);
-    else if (!straightens && were > 1)
-      off = join_lines(mode.tolerance, kMostOff, lines_);
+    if (straightens && way.straightened > arcs) {
+      if (way.pairs) off = join_pairs(mode.tolerance, lines_);
+      off +=
+          straighten_lines(mode.tolerance, way.straightened - arcs - off, way.taut, lines_, ends_);
+    }
+    if (!straightens && were > 1) off = join_lines(mode.tolerance, kMostOff, lines_);
     if (lines_.size() < were || (straightens && off > 0)) {
       joined = std::max(joined, off);
       const Move last = coarse_[j - 1];
