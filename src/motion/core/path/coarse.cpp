@@ -27,19 +27,19 @@ constexpr double kPair = 0.05;
 
 double size(const Vec& v) noexcept { return std::sqrt(dot(v, v)); }
 
-/// `pairs`: no line stands for more than two. Else what is off would add up, which does not matter where it is next to nothing.
-double join_within(const Tolerance& tolerance, double most, bool pairs,
-                   Buffer<CoarseLine>& lines) noexcept {
+/// Of lines [first, last). `pairs`: no line stands for more than two, as what is off would add up, which does not matter where it is next to nothing.
+double join_within(const Tolerance& tolerance, double most, bool pairs, std::size_t first,
+                   std::size_t last, Buffer<CoarseLine>& lines) noexcept {
   double worst = 0;
-  std::size_t done = 0;
+  std::size_t done = first;
   bool joined = false;
-  for (std::size_t k = 1; k < lines.size(); ++k) {
+  for (std::size_t k = done + 1; k < lines.size(); ++k) {
     CoarseLine& a = lines[done];
     const CoarseLine& b = lines[k];
     const Vec way = a.way + b.way;
     const double la = size(a.way), square = dot(way, way), along = dot(a.way, way) / square;
     const double off = tolerance.share(a.way - way * along);
-    const bool stays = off > most || (pairs && joined);
+    const bool stays = off > most || k >= last || (pairs && joined);
     joined = !stays && along > 0 && along < 1 && la > 0 && a.feed == b.feed;
     if (!joined) {
       lines[++done] = b;
@@ -49,7 +49,7 @@ double join_within(const Tolerance& tolerance, double most, bool pairs,
     a.way = way;
     a.sigma += b.sigma;
   }
-  if (!lines.empty()) lines.truncate(done + 1);
+  if (lines.size() > done) lines.truncate(done + 1);
   return worst;
 }
 
@@ -119,7 +119,7 @@ double tangents_of(const Piece& arc, const Tolerance& tolerance, double most,
 }
 
 double join_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& lines) noexcept {
-  const double straight = join_within(tolerance, kStraight, false, lines);
+  const double straight = join_within(tolerance, kStraight, false, 0, lines.size(), lines);
   double worst = 0;
   for (std::size_t k = 1; k + 1 < lines.size(); ++k) {
     CoarseLine &a = lines[k - 1], &b = lines[k + 1];
@@ -155,8 +155,9 @@ double join_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& l
   return straight + worst;
 }
 
-double join_pairs(const Tolerance& tolerance, Buffer<CoarseLine>& lines) noexcept {
-  return join_within(tolerance, kPair, true, lines);
+double join_pairs(const Tolerance& tolerance, std::size_t first, std::size_t last,
+                  Buffer<CoarseLine>& lines) noexcept {
+  return join_within(tolerance, kPair, true, first, last, lines);
 }
 
 double straighten_lines(const Tolerance& tolerance, double most, bool taut,

@@ -33,8 +33,10 @@ double chords_of(const Piece& arc, const Tolerance& tolerance, double most, int 
 /// they meet. Off by `most` of the tolerance at most; gives that share. The first and the last line begin and end where they did.
 double join_lines(const Tolerance& tolerance, double most, Buffer<CoarseLine>& lines) noexcept;
 
-/// Two lines whose common end is off by little become one. So straighten_lines() gets farther with rows of short and long ones. Gives what is off.
-double join_pairs(const Tolerance& tolerance, Buffer<CoarseLine>& lines) noexcept;
+/// Of lines [first, last) two whose common end is off by little become one. So straighten_lines() gets farther with rows of short and long ones. Gives
+/// what is off.
+double join_pairs(const Tolerance& tolerance, std::size_t first, std::size_t last,
+                  Buffer<CoarseLine>& lines) noexcept;
 
 /// Moves the places where lines meet so that they bend as little as they can, or with `taut` so that they are as short as they can be, by `most` of the
 /// tolerance at most: for lines that wind to and fro within it. Gives that share; 0: nothing is moved. The first and the last line stay as they are. `work`: for

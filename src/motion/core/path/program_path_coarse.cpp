@@ -238,7 +238,10 @@ bool ProgramPath::join_part(const Coarser& way) noexcept {
     const bool straightens = way.straightened > 0;
     double off = 0;
     if (straightens && way.straightened > arcs) {
-      if (way.pairs) off = join_pairs(mode.tolerance, lines_);
+      // The first and the last move have corners outside of the part, which know nothing of what is off.
+      if (way.pairs)
+        off = join_pairs(mode.tolerance, i == 0 ? 1 : 0, j == coarse_.size() ? were - 1 : were,
+                         lines_);
       off +=
           straighten_lines(mode.tolerance, way.straightened - arcs - off, way.taut, lines_, ends_);
     }
