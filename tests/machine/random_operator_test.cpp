@@ -344,6 +344,7 @@ class Operator {
     }
   }
 
+  /// Takes the outcomes that have come.
   void settle() {
     std::erase_if(open_, [&](const auto& open) {
       const task::Reply reply = m_.outcome(open.first);

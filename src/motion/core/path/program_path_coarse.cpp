@@ -6,7 +6,7 @@
 namespace kerf::motion::path {
 namespace {
 
-/// So many moves are tried at once (of lines that wind more, as all curves go through the places where parts meet), and taken where that saves this share of
+/// So many moves are tried at once (of what winds more, as all curves go through the places where parts meet), and taken where that saves this share of
 /// the time: what is coarse may be outside of programmed corners.
 constexpr std::size_t kTogether = 48, kTogetherWinding = 200;
 constexpr double kWorthIt = 0.02, kAnything = 0.001;
@@ -176,12 +176,14 @@ bool ProgramPath::coarsen_part(const Move* moves, std::size_t count, bool small,
   };
   for (const Coarser& way : {Coarser{0, kMostOff}, {1, kMostOffChord}})
     if (small && join_part(way)) compare_joined();
-  for (const Coarser& way : {Coarser{kMostChords, kMostOffChords, kStraightened, false, true},
-                             {kMostChords, kMostOffChords, kMostStraightened},
-                             {kMostChords, kMostOffChords, kMostStraightened, true},
-                             {kMostChords, kMostOffChords, kMostStraightened, false, true},
-                             {kMostChords, kMostOffChords, kMostStraightened, true, true}})
-    if (winds && join_part(way)) compare_joined();
+  const auto straighten = [&](double most, bool taut, bool pairs) {
+    if (join_part({kMostChords, kMostOffChords, most, taut, pairs})) compare_joined();
+  };
+  if (winds) {
+    straighten(kStraightened, false, true);
+    for (const bool pairs : {false, true})
+      for (const bool taut : {false, true}) straighten(kMostStraightened, taut, pairs);
+  }
   if (!found) return false;
   work_.back() = best_.front();
   for (std::size_t k = 1; k < best_.size(); ++k) work_.push_back(best_[k]);

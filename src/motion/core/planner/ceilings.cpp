@@ -351,6 +351,7 @@ class JointWay {
   /// Three places at even distances: whether joints move evenly between them.
   [[nodiscard]] bool evenly(const JointVector& a, const JointVector& b,
                             const JointVector& c) const noexcept {
+    // What is closer together than kLittle (mm, degrees) is one solution.
     constexpr double kShare = 0.2, kLittle = 0.1;
     for (std::size_t j = 0; j < joints_; ++j) {
       const double one = b[j] - a[j], other = c[j] - b[j];
