@@ -3,6 +3,15 @@
 set(KERF_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wold-style-cast -Werror)
 # Realtime code: no exceptions, no RTTI, no silent float->double, bounded frames.
 set(KERF_RT_FLAGS -fno-exceptions -fno-rtti -Wdouble-promotion -Wframe-larger-than=8192)
+# Structs of some hundred bytes are cleared and copied in every servo cycle. A string instruction (what GCC takes by default) needs longer to start
+# than such a loop to end: a twenty-fifth of the cycle.
+include(CheckCXXCompilerFlag)
+set(short_loops vector_loop:512:noalign,libcall:-1:noalign)
+set(KERF_SHORT_LOOPS -mmemset-strategy=${short_loops} -mmemcpy-strategy=${short_loops})
+check_cxx_compiler_flag("${KERF_SHORT_LOOPS}" KERF_HAS_SHORT_LOOPS)
+if(KERF_HAS_SHORT_LOOPS)
+  list(APPEND KERF_RT_FLAGS ${KERF_SHORT_LOOPS})
+endif()
 
 function(_kerf_common target)
   target_compile_features(${target} PUBLIC cxx_std_20)

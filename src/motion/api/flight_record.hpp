@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <span>
@@ -153,7 +154,7 @@ class WordImage {
                       std::span<const rtapi::WordPart> parts) noexcept {
     const auto* const bytes = reinterpret_cast<const std::byte*>(&value);
     std::size_t n = 0;
-    std::uint16_t index[kWords];
+    std::uint16_t index[kWords + 3];
     for (const rtapi::WordPart part : parts) {
       std::size_t i = part.first;
       // Most blocks are as they were, which is seen of all their words at once.
@@ -170,11 +171,8 @@ class WordImage {
     if (n == 0) return 0;
     const std::size_t lists = (n + 3) / 4;
     out[0] = n;
-    for (std::size_t i = 0; i < lists; ++i) {
-      out[1 + i] = 0;
-      for (std::size_t k = 0; k < 4 && i * 4 + k < n; ++k)
-        out[1 + i] |= std::uint64_t{index[i * 4 + k]} << (16 * k);
-    }
+    for (std::size_t i = n; i < 4 * lists; ++i) index[i] = 0;
+    std::memcpy(out + 1, index, 8 * lists);
     for (std::size_t i = 0; i < n; ++i) out[1 + lists + i] = words_[index[i]];
     return 1 + lists + n;
   }
@@ -196,15 +194,18 @@ class WordImage {
   [[nodiscard]] const std::uint64_t* words() const noexcept { return words_; }
 
  private:
+  static_assert(std::endian::native == std::endian::little,
+                "four indices are a word as they stand");
   static constexpr std::size_t kBlock = 8;
   std::size_t note(std::size_t i, const std::byte* bytes, std::uint16_t* index,
                    std::size_t n) noexcept {
     std::uint64_t now = 0;
     std::memcpy(&now, bytes + i * 8, 8);
-    if (now == words_[i]) return n;
-    words_[i] = now;
+    // Without a branch: which words of a block change is not foreseen.
     index[n] = static_cast<std::uint16_t>(i);
-    return n + 1;
+    n += now != words_[i] ? 1U : 0U;
+    words_[i] = now;
+    return n;
   }
 
   std::uint64_t words_[kWords]{};

@@ -128,6 +128,12 @@ void Executor::finish(const Span& span, std::uint64_t done_seq) noexcept {
   spans_.pop();
 }
 
+void Executor::fetch() const noexcept {
+  spans_.fetch(started_ ? 1 : 0);
+  history_.fetch();
+  __builtin_prefetch(&slots_.block[next_block_ % PlanSlots::kBlocks]);
+}
+
 void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept {
   waiting_ = PathWait::none;
   waiting_index_ = -1;
@@ -369,17 +375,16 @@ Executor::Outcome Executor::begin_move(const Span& span, const PathSpan& move, c
 void Executor::set_scale(const PathInputs& in) noexcept {
   const double feed = enables_.feed ? factor(in.feed_override, max_override_) : 1.0;
   const double rapid = factor(in.rapid_override, 1.0);
-  const auto scale_of = [&](double adaptive) {
-    return FeedScale{std::min(feed * adaptive, max_override_),
-                     std::min(rapid * adaptive, 1.0),
-                     in.max_vel_mm_s,
-                     {}};
+  const auto set = [&](FeedScale& scale, double adaptive) {
+    scale.feed = std::min(feed * adaptive, max_override_);
+    scale.rapid = std::min(rapid * adaptive, 1.0);
+    scale.max_vel = in.max_vel_mm_s;
+    sync_.feed_speeds(scale.rps);
   };
-  scale_ = scale_of(enables_.adaptive ? factor(in.adaptive_feed, max_adaptive_) : 1.0);
-  back_scale_ = scale_of(reverses() ? factor(-in.adaptive_feed, max_adaptive_) : 0.0);
-  if (in.backwards) std::swap(scale_, back_scale_);
-  sync_.feed_speeds(scale_.rps);
-  sync_.feed_speeds(back_scale_.rps);
+  FeedScale &ahead = in.backwards ? back_scale_ : scale_,
+            &back = in.backwards ? scale_ : back_scale_;
+  set(ahead, enables_.adaptive ? factor(in.adaptive_feed, max_adaptive_) : 1.0);
+  set(back, reverses() ? factor(-in.adaptive_feed, max_adaptive_) : 0.0);
 }
 
 double Executor::wanted(const PathSpan& move, const PathInputs& in,

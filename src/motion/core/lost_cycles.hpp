@@ -19,11 +19,12 @@ class LostCycles {
   }
   void note(bool lost) noexcept {
     const auto n = static_cast<std::size_t>(at_);
+    at_ = at_ + 1 < window_ ? at_ + 1 : 0;
+    if (!lost && count_ == 0) return;  // as on most machines for ever
     std::uint64_t& word = bits_[n / 64];
     const std::uint64_t bit = std::uint64_t{1} << n % 64;
     count_ += (lost ? 1 : 0) - ((word & bit) != 0 ? 1 : 0);
     word = lost ? word | bit : word & ~bit;
-    at_ = at_ + 1 < window_ ? at_ + 1 : 0;
   }
   [[nodiscard]] std::int32_t count() const noexcept { return count_; }
 

@@ -55,6 +55,7 @@ struct PathSpan {
   double even_jerk{0};      ///< above 0: with jerk limits, and even_acc bounds the stretch too
   double requested{0};      ///< mm/s (deg/s) as programmed; rapids: what the axes can do
   double to_move_end{0};    ///< sigma from the end of this stretch to the end of its move
+  double heading{0};        ///< of the stretch where it begins, in XY (rad)
   Pose end;                 ///< of its move, as programmed
   std::uint64_t number{0};  ///< place in PlanSlots
   std::uint64_t done_seq{

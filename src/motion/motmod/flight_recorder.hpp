@@ -102,7 +102,8 @@ class FlightRecorder final : public Planner::Tap {
   /// Pins of the first so many axes are read from now on; at the beginning of all.
   void use_axes(std::size_t count) noexcept;
 
-  /// Servo thread, in this order in a cycle.
+  /// Servo thread, in this order in a cycle. Begins to fetch the room that cycle() writes to.
+  void fetch() const noexcept { servo_.fetch(kUsualWords); }
   void config(const Controller& controller, const ConfigRecord& change) noexcept;
   /// `now`: what the cycle has read; the recorder adds `orders` to it. `intent_version`: another one than in the cycle before when
   /// *orders.values may have changed.
@@ -127,7 +128,8 @@ class FlightRecorder final : public Planner::Tap {
   WordImage<Intent> intent_;
   std::uint64_t intent_version_{~std::uint64_t{0}};  ///< of intent_; no cell has counted so far
   std::array<rtapi::WordPart, 6> inputs_parts_{};    ///< of what is read
-  bool looks_at_all_{false};  ///< in the next cycle: what is read has changed
+  bool looks_at_all_{false};                      ///< in the next cycle: what is read has changed
+  static constexpr std::size_t kUsualWords = 24;  ///< of a cycle's record
   static constexpr std::size_t kScratch =
       std::max({WordImage<Intent>::kRoom, WordImage<CycleInputs>::kRoom,
                 WordImage<PinValues>::kRoom, sizeof(RestRecord) / 8, sizeof(ConfigRecord) / 8});

@@ -326,6 +326,8 @@ void Motmod::command_handler(const hal::Period&) noexcept {
 
 void Motmod::motion_controller(const hal::Period& period) noexcept {
   if (controller_ == nullptr) return;
+  controller_->executor().fetch();
+  recorder_->fetch();
   inputs_.in.plan_passes =
       link_->slots.gate.done();  // before anything of the planner's is looked at
   read_inputs();

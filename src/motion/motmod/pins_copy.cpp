@@ -217,10 +217,9 @@ void Motmod::write_move(const MotionStatus& s) noexcept {
     pins_.interp_arc_radius = move->piece.radius * scale_;
     return;
   }
-  const path::Vec slope = move->piece.first(move->from);
-  const double heading = std::atan2(slope[1], slope[0]);
-  pins_.interp_heading = heading * kDegrees;
-  pins_.interp_normal_heading = heading * kDegrees + 90.0;
+  const double heading = move->heading * kDegrees;
+  pins_.interp_heading = heading;
+  pins_.interp_normal_heading = heading + 90.0;
 }
 
 }  // namespace kerf::motion

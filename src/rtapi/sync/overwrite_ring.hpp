@@ -66,9 +66,17 @@ class OverwriteRing {
     store(at, std::uint64_t{head.words} | std::uint64_t{head.kind} << 16U |
                   std::uint64_t{head.extra} << 32U);
     store(at + 1, head.number);
-    for (std::size_t i = 0; i < n; ++i) store(at + kHeadWords + i, part[i]);
-    for (std::size_t i = 0; i < n2; ++i) store(at + kHeadWords + n + i, part2[i]);
+    store(at + kHeadWords, part, n);
+    store(at + kHeadWords + n, part2, n2);
     head_word().store(end, std::memory_order_release);
+  }
+
+  /// @rt. The writer's: begins to fetch the place of the next `n` words, which is far from its caches as a rule.
+  void fetch(std::size_t n) const noexcept {
+    if (words_ == 0) return;
+    const std::uint64_t at = head_word().load(std::memory_order_relaxed);
+    for (std::size_t i = 0; i < n + kLineWords; i += kLineWords)
+      __builtin_prefetch(&memory_[2 * kLineWords + ((at + i) & (words_ - 1))], 1);
   }
 
   /// Any thread or process, also when the writer is dead: all whole records, oldest first, as they stand.
@@ -122,6 +130,15 @@ class OverwriteRing {
   }
   void store(std::uint64_t at, std::uint64_t value) const noexcept {
     word(at).store(value, std::memory_order_relaxed);
+  }
+  /// n <= words_. Up to the end of the memory, then from its beginning.
+  void store(std::uint64_t at, const std::uint64_t* values, std::size_t n) const noexcept {
+    std::uint64_t* const begin = memory_ + 2 * kLineWords;
+    const std::size_t place = at & (words_ - 1), first = std::min(n, words_ - place);
+    for (std::size_t i = 0; i < first; ++i)
+      Word(begin[place + i]).store(values[i], std::memory_order_relaxed);
+    for (std::size_t i = first; i < n; ++i)
+      Word(begin[i - first]).store(values[i], std::memory_order_relaxed);
   }
   [[nodiscard]] std::uint64_t load(std::uint64_t at) const noexcept {
     return word(at).load(std::memory_order_relaxed);

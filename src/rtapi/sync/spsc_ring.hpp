@@ -43,6 +43,13 @@ class SpscRing {
     if (available > N || i >= available) return nullptr;
     return &items_[(tail + i) & (N - 1)];
   }
+  /// Consumer. Begins to fetch the item `i` places behind the oldest. Who takes items now and then finds them far from his caches.
+  void fetch(std::uint64_t i) const noexcept {
+    const T& item = items_[(tail_.load(std::memory_order_relaxed) + i) & (N - 1)];
+    const auto* const bytes = reinterpret_cast<const std::byte*>(&item);
+    for (std::size_t at = 0; at < sizeof(T); at += 64) __builtin_prefetch(bytes + at);
+    __builtin_prefetch(bytes + sizeof(T) - 1);
+  }
   /// Consumer. Drops the oldest; nothing when empty.
   void pop() noexcept {
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);

@@ -32,6 +32,12 @@ class PathHistory {
 
   void clear() noexcept { size_ = first_ = bounded_ = 0; }
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
+  /// Begins to fetch the place of the next one.
+  void fetch() const noexcept {
+    const auto* const bytes =
+        reinterpret_cast<const std::byte*>(&entry_[(first_ + size_) % entry_.size()]);
+    for (std::size_t i = 0; i < sizeof(Entry); i += 64) __builtin_prefetch(bytes + i, 1);
+  }
   /// `span` has been driven to its end.
   void add(const Span& item, const PathSpan& span, double hard) noexcept;
   /// The bounds backwards of `most` entries that have none yet, oldest first. They are a tenth of a cycle's work on dense paths, so they are only made for who

@@ -135,6 +135,8 @@ bool Planner::send_stretch(const path::Piece& piece, double from, double to) noe
   body.piece = piece;
   body.from = from;
   body.length = to - from;
+  const path::Vec slope = piece.first(from);
+  body.heading = std::atan2(slope[1], slope[0]);
   body.kind = meta.kind;
   body.number = next_number_;
   body.probe = meta.probe;
