@@ -9,7 +9,7 @@ include(CheckCXXCompilerFlag)
 set(short_loops vector_loop:512:noalign,libcall:-1:noalign)
 set(KERF_SHORT_LOOPS -mmemset-strategy=${short_loops} -mmemcpy-strategy=${short_loops})
 check_cxx_compiler_flag("${KERF_SHORT_LOOPS}" KERF_HAS_SHORT_LOOPS)
-if(KERF_HAS_SHORT_LOOPS)
+if(KERF_HAS_SHORT_LOOPS AND (CMAKE_CXX_FLAGS MATCHES "-O2" OR CMAKE_BUILD_TYPE MATCHES "Rel"))
   list(APPEND KERF_RT_FLAGS ${KERF_SHORT_LOOPS})
 endif()
 

@@ -131,7 +131,9 @@ void Executor::finish(const Span& span, std::uint64_t done_seq) noexcept {
 void Executor::fetch() const noexcept {
   spans_.fetch(started_ ? 1 : 0);
   history_.fetch();
-  __builtin_prefetch(&slots_.block[next_block_ % PlanSlots::kBlocks]);
+  const BlockStart* const block = &slots_.block[next_block_ % PlanSlots::kBlocks];
+  __builtin_prefetch(block);
+  __builtin_prefetch(block + 1);
 }
 
 void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept {

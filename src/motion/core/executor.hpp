@@ -73,8 +73,7 @@ class Executor {
   }
   /// The path's coordinates are from now on those of the machine, which were `shift` beside them.
   void fold(const Pose& shift) noexcept;
-  /// Begins to fetch what the next cycle will look at. All of it was written by the planner, or a second ago, and is in no near cache: as the first
-  /// thing of a cycle this takes a twentieth off it.
+  /// Begins to fetch what the next step() will look at: all of it was written by the planner, or a second ago, and is in no near cache.
   void fetch() const noexcept;
   /// One cycle of `dt` seconds.
   void step(const PathInputs& in, double dt, FaultList& faults) noexcept;

@@ -51,9 +51,10 @@ void Motmod::read_inputs() noexcept {
   for (std::size_t j = 0; j < joint_.size(); ++j) {
     const JointPins& p = joint_[j];
     const std::size_t first_extra = joint_.size() - posthome_cmd_.size();
-    const double posthome = j < first_extra ? 0.0 : posthome_cmd_[j - first_extra].get();
+    const double posthome =
+        j < first_extra ? 0.0 : posthome_cmd_[j - first_extra].get() / joint_scale(j);
     in.joint[j] = {p.motor_pos_fb / joint_scale(j),
-                   posthome / joint_scale(j),
+                   posthome,
                    p.home_sw_in,
                    p.neg_lim_sw_in,
                    p.pos_lim_sw_in,
