@@ -6,6 +6,7 @@
 
 #include "motion/core/path/reach.hpp"
 #include "motion/core/profile.hpp"
+#include "rtapi/base/fetch.hpp"
 
 namespace kerf::motion {
 namespace {
@@ -131,9 +132,9 @@ void Executor::finish(const Span& span, std::uint64_t done_seq) noexcept {
 void Executor::fetch() const noexcept {
   spans_.fetch(started_ ? 1 : 0);
   history_.fetch();
-  const BlockStart* const block = &slots_.block[next_block_ % PlanSlots::kBlocks];
-  __builtin_prefetch(block);
-  __builtin_prefetch(block + 1);
+  if (const PathSpan* m = move())
+    rtapi::fetch(&slots_.block[(m->first_block + m->blocks) % PlanSlots::kBlocks],
+                 sizeof(BlockStart));
 }
 
 void Executor::step(const PathInputs& in, double dt, FaultList& faults) noexcept {

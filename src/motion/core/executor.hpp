@@ -299,10 +299,9 @@ class Executor {
   bool after_traverse_{false};
   bool arriving_{false};  ///< the machine moves from one span into the next
   Step step_;
-  bool step_brakes_{false};      ///< a step waits for rest, or for the planner
-  bool between_blocks_{false};   ///< it stands where a block within the span ends
-  std::uint32_t block_{0};       ///< of PathSpan::blocks, the next to begin
-  std::uint64_t next_block_{0};  ///< the number of the first one behind this span
+  bool step_brakes_{false};     ///< a step waits for rest, or for the planner
+  bool between_blocks_{false};  ///< it stands where a block within the span ends
+  std::uint32_t block_{0};      ///< of PathSpan::blocks, the next to begin
   double cut_{0};   ///< above 0: single step drives from rest to where so much of the span is left
   Pose block_end_;  ///< of the block in execution, on the path
   double dwell_left_{0}, orient_left_s_{0}, distance_{0};

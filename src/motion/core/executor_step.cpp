@@ -46,7 +46,6 @@ const BlockStart* Executor::next_block(const PathSpan& move) const noexcept {
 /// With the span.
 void Executor::begin_blocks(const PathSpan& move) noexcept {
   block_ = 0;
-  next_block_ = move.first_block + move.blocks;
   block_end_ = move.end;
   cut_ = 0;
   if (const BlockStart* own = next_block(move)) begin_block(*own, move);

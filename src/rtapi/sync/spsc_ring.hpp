@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "rtapi/base/fetch.hpp"
+
 namespace kerf::rtapi {
 
 /// Capacity N (a power of two) of trivially copyable T. Both sides are wait-free (@rt). Indices only grow, so full and
@@ -45,10 +47,7 @@ class SpscRing {
   }
   /// Consumer. Begins to fetch the item `i` places behind the oldest. Who takes items now and then finds them far from his caches.
   void fetch(std::uint64_t i) const noexcept {
-    const T& item = items_[(tail_.load(std::memory_order_relaxed) + i) & (N - 1)];
-    const auto* const bytes = reinterpret_cast<const std::byte*>(&item);
-    for (std::size_t at = 0; at < sizeof(T); at += 64) __builtin_prefetch(bytes + at);
-    __builtin_prefetch(bytes + sizeof(T) - 1);
+    rtapi::fetch(&items_[(tail_.load(std::memory_order_relaxed) + i) & (N - 1)], sizeof(T));
   }
   /// Consumer. Drops the oldest; nothing when empty.
   void pop() noexcept {

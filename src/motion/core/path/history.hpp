@@ -13,6 +13,7 @@
 
 #include "motion/core/path/limits.hpp"
 #include "motion/core/span.hpp"
+#include "rtapi/base/fetch.hpp"
 
 namespace kerf::motion::path {
 
@@ -34,9 +35,7 @@ class PathHistory {
   [[nodiscard]] std::size_t size() const noexcept { return size_; }
   /// Begins to fetch the place of the next one.
   void fetch() const noexcept {
-    const auto* const bytes =
-        reinterpret_cast<const std::byte*>(&entry_[(first_ + size_) % entry_.size()]);
-    for (std::size_t i = 0; i < sizeof(Entry); i += 64) __builtin_prefetch(bytes + i, 1);
+    rtapi::fetch_to_write(&entry_[(first_ + size_) % entry_.size()], sizeof(Entry));
   }
   /// `span` has been driven to its end.
   void add(const Span& item, const PathSpan& span, double hard) noexcept;
