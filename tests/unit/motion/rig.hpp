@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "motion/core/controller.hpp"
@@ -63,17 +65,31 @@ class RigKinematics final : public Kinematics {
   std::vector<int> axes_;
 };
 
-/// The planner's memory, for the life of the rig.
+/// The planner's memory, for the life of the rig; then kept for the next one. The planner writes to all of its 30 MB when it is
+/// made, tests make thousands of rigs, and pages new from the kernel took most of their time.
 class HeapMemory final : public path::Memory {
  public:
+  HeapMemory() = default;
+  HeapMemory(const HeapMemory&) = delete;
+  HeapMemory& operator=(const HeapMemory&) = delete;
+  ~HeapMemory() {
+    for (auto& [bytes, block] : blocks_) kept_.emplace(bytes, std::move(block));
+  }
   void* allocate(std::size_t bytes, std::size_t align) noexcept override {
     if (align > alignof(std::max_align_t)) return nullptr;
-    blocks_.push_back(std::make_unique<std::byte[]>(bytes));
-    return blocks_.back().get();
+    if (const auto kept = kept_.find(bytes); kept != kept_.end()) {
+      blocks_.emplace_back(bytes, std::move(kept->second));
+      kept_.erase(kept);
+    } else {
+      blocks_.emplace_back(bytes, std::make_unique_for_overwrite<std::byte[]>(bytes));
+    }
+    return blocks_.back().second.get();
   }
 
  private:
-  std::vector<std::unique_ptr<std::byte[]>> blocks_;
+  using Block = std::unique_ptr<std::byte[]>;
+  static inline std::unordered_multimap<std::size_t, Block> kept_;  ///< by size
+  std::vector<std::pair<std::size_t, Block>> blocks_;
 };
 
 struct Rig {
