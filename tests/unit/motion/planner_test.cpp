@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <set>
 
+#include "motion/core/path/buffer.hpp"
 #include "motion/core/planner/ceilings.hpp"
 #include "unit/motion/rig.hpp"
 
@@ -20,6 +23,40 @@ ArcMove arc_xy(const Pose& end, double cx, double cy, double vel) {
   m.normal[2] = 1;
   m.vel_mm_s = vel;
   return m;
+}
+
+/// As the system gives large blocks: from the beginning of a page.
+class WholePages final : public path::Memory {
+ public:
+  void* allocate(std::size_t bytes, std::size_t align) noexcept override {
+    void* page = std::align(kPage, bytes, next_, room_);
+    if (page == nullptr || align > kPage) return nullptr;
+    next_ = static_cast<std::byte*>(page) + bytes;
+    room_ -= bytes;
+    return page;
+  }
+  static constexpr std::size_t kPage = 4096;
+
+ private:
+  static constexpr std::size_t kBytes = 2'000'000;
+  std::unique_ptr<std::byte[]> memory_{new std::byte[kBytes]};
+  void* next_{memory_.get()};
+  std::size_t room_{kBytes};
+};
+
+TEST(PlannerMemory, ListsBeginInDifferentCacheLinesOfTheirPages) {
+  WholePages memory;
+  std::set<std::uintptr_t> lines;
+  for (int i = 0; i < 64; ++i) {
+    path::Buffer<double> list;
+    ASSERT_TRUE(list.create(memory, 1000));
+    const auto at = reinterpret_cast<std::uintptr_t>(list.begin());
+    EXPECT_EQ(at % 64, 0U);
+    lines.insert(at % WholePages::kPage / 64);
+    list.assign(1000, 1);
+    EXPECT_EQ(list.size(), 1000U);
+  }
+  EXPECT_EQ(lines.size(), 64U);
 }
 
 TEST(Planner, SoftLimitRefusesTheWholeMoveAndAllBehindItUntilTheNextEpoch) {
