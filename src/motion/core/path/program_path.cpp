@@ -34,6 +34,9 @@ constexpr std::size_t kLinesBehindCut = 16;
 /// Of the tolerance: lines beside others that have one keep this at least, where they have none themselves.
 constexpr double kLeastKept = 1e-9;
 
+/// Curves that take no longer than this many times what their feeds ask for are not relaxed; and what is won by it is at least this share.
+constexpr double kAtFeed = 1.005, kWorthRelaxing = 0.998;
+
 /// A blend that takes this part of half of a move is kept narrow by it.
 constexpr double kFills = 0.9;
 
@@ -162,10 +165,13 @@ void ProgramPath::make(const Move* moves, std::size_t count, Buffer<Piece>& out,
         way += moves[first + --to].piece.length;
       kept_ = run - to;
     }
-    if (coarsen(moves + first, run, from, to))
+    const bool coarser = coarsen(moves + first, run, from, to);
+    will_be_driven_ = true;
+    if (coarser)
       make_run(work_.begin(), work_.size(), leads, out);
     else
       make_run(moves + first, run, leads, out);
+    will_be_driven_ = false;
     if (!last || moves[i].stop_at_end) out.back().stop_at_end = true;
     first = i + 1;
   }
@@ -190,6 +196,7 @@ std::size_t ProgramPath::cut(Move* moves, std::size_t count, std::size_t least,
   const std::size_t most = std::min(count - least, kept_), lines = chain_.lines();
   const std::size_t at = smoother_.cut(chain_, lines > most ? lines - most : 1, out, rest_);
   if (at == 0) return 0;
+  relax(smoother_.first_piece(), out);
   const std::size_t made = count - (lines - at);
   for (std::size_t i = made; i + 1 < count; ++i) moves[i].joined = true;
   return made;
@@ -240,6 +247,25 @@ bool ProgramPath::smooth_chain(const SmoothingSettings& settings, const Lead* le
     out.back().stop_at_end = k + 1 < chain_.lines();
   }
   return false;
+}
+
+void ProgramPath::relax(std::size_t first, Buffer<Piece>& out) noexcept {
+  if (!settings_.limits.jerks || !settings_.relaxes) return;
+  const auto seconds = [&](const Piece* pieces, std::size_t count) {
+    return least_seconds(pieces, count, settings_.limits, x_);
+  };
+  double at_feed = 0;
+  for (std::size_t p = first; p < out.size(); ++p) at_feed += out[p].length / out[p].feed.speed;
+  const double taken = seconds(out.begin() + first, out.size() - first);
+  if (taken <= kAtFeed * at_feed ||
+      !relaxer_.relax(chain_, chain_settings_, settings_.limits, out, first))
+    return;
+  const Buffer<Piece>& relaxed = relaxer_.relaxed();
+  if (relaxed.size() > out.room() + out.size() - first ||
+      !(seconds(relaxed.begin(), relaxed.size()) < kWorthRelaxing * taken))
+    return;
+  out.truncate(first);
+  for (const Piece& piece : relaxed) out.push_back(piece);
 }
 
 double ProgramPath::join(const Move& a, const Move* over, const Move& b, double most,
@@ -385,6 +411,8 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, bool leads,
       s.peaked = settings_.limits.jerks;
       s.low = settings_.low;
       s.high = settings_.high;
+      chain_settings_ = s;
+      const std::size_t before = out.size();
       const Lead* lead = leads ? &lead_ : nullptr;
       leads = false;
       if (lead != nullptr && (lead->only_whole || !smooth_chain(s, lead, out))) {
@@ -393,7 +421,10 @@ void ProgramPath::make_run(const Move* moves, std::size_t count, bool leads,
         taken = lead->sigma.back() - chain_.sigma[lead->lines() - 1];
         continue;
       }
-      ends_in_chain_ = (lead != nullptr || smooth_chain(s, nullptr, out)) && j + 1 == count;
+      const bool smooth = lead != nullptr || smooth_chain(s, nullptr, out);
+      ends_in_chain_ = smooth && j + 1 == count;
+      // What will be cut is relaxed up to there.
+      if (smooth && will_be_driven_ && !(ends_in_chain_ && will_be_cut_)) relax(before, out);
     }
     for (const Piece& p : blend_) out.push_back(p);
     const bool stands = j + 1 < count && joint_between(tail, moves[j + 1]) == Joint::stop;

@@ -5,6 +5,7 @@
 #include "motion/core/path/junction.hpp"
 #include "motion/core/path/limits.hpp"
 #include "motion/core/path/piece.hpp"
+#include "motion/core/path/relax.hpp"
 #include "motion/core/path/smoothing.hpp"
 
 namespace kerf::motion::path {
@@ -39,6 +40,8 @@ struct PathSettings {
   /// With jerk limits the path needs continuous curvature: tangent joints are blended too, and sharp corners may be passed faster by stopping.
   AxisLimits limits;
   bool by_law{true};  ///< with jerk limits: driven by time laws, not in boxes
+  bool relaxes{
+      true};  ///< with jerk limits: curves are relaxed by what the axes can do, which is all that counts
 };
 
 class ProgramPath {
@@ -73,6 +76,8 @@ class ProgramPath {
   [[nodiscard]] bool sharp(const Move& a, const Move& b) const noexcept;
   [[nodiscard]] bool stands_behind(const Move* moves, std::size_t first, std::size_t i,
                                    std::size_t count, bool goes_on) const noexcept;
+  /// The pieces from `first` on are the curve of chain_, from its beginning on; another one within tolerance takes their place where it is faster.
+  void relax(std::size_t first, Buffer<Piece>& out) noexcept;
   bool smooth_chain(const SmoothingSettings& settings, const Lead* lead,
                     Buffer<Piece>& out) noexcept;
   /// The junction of two moves, in `out`; gives what it takes of each, at most `most`.
@@ -103,8 +108,11 @@ class ProgramPath {
   PathSettings settings_;
   Buffer<Piece> blend_;
   Chain chain_;
+  SmoothingSettings chain_settings_;
   Smoother smoother_;
-  Lead lead_, rest_;  ///< how the path begins; how it would go on behind the cut
+  Relaxer relaxer_;
+  bool will_be_driven_{false};  ///< what is made; else it is only compared with others
+  Lead lead_, rest_;            ///< how the path begins; how it would go on behind the cut
   bool ends_in_chain_{false};
   bool will_be_cut_{false};
   bool in_move_{false};                ///< it begins with what is left of a move

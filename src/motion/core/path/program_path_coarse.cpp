@@ -63,14 +63,14 @@ Move line_of(const CoarseLine& line, const PathMode& mode) noexcept {
 bool ProgramPath::create(Memory& memory, std::size_t moves) noexcept {
   const std::size_t lines = 2 * moves;
   return blend_.create(memory, kJunctionPieces) && chain_.create(memory, lines) &&
-         smoother_.create(memory, lines) && lead_.create(memory, moves) &&
-         rest_.create(memory, moves) && work_.create(memory, lines) &&
-         part_.create(memory, kLines) && coarse_.create(memory, kLines) &&
-         best_.create(memory, kLines) && lines_.create(memory, kLines) &&
-         ends_.create(memory, kLines + 1) && trial_.create(memory, kTrialPieces) &&
-         inside_.create(memory, kInsidePieces) && over_.create(memory, kJunctionPieces) &&
-         ahead_.create(memory, kJunctionPieces) && apart_.create(memory, 2 * kJunctionPieces + 4) &&
-         x_.create(memory, kTrialStretches);
+         smoother_.create(memory, lines) && relaxer_.create(memory, lines) &&
+         lead_.create(memory, moves) && rest_.create(memory, moves) &&
+         work_.create(memory, lines) && part_.create(memory, kLines) &&
+         coarse_.create(memory, kLines) && best_.create(memory, kLines) &&
+         lines_.create(memory, kLines) && ends_.create(memory, kLines + 1) &&
+         trial_.create(memory, kTrialPieces) && inside_.create(memory, kInsidePieces) &&
+         over_.create(memory, kJunctionPieces) && ahead_.create(memory, kJunctionPieces) &&
+         apart_.create(memory, 2 * kJunctionPieces + 4) && x_.create(memory, kTrialStretches);
 }
 
 /// What is before it and what is behind it do not meet.

@@ -98,6 +98,8 @@ class Smoother {
   /// Cuts the curve that smooth() has just appended: at one of the vertices from `least` on, as far on as the end of the chain, where more will
   /// come, has no say. Gives the vertex; 0: nowhere.
   std::size_t cut(const Chain& chain, std::size_t least, Buffer<Piece>& out, Lead& rest) noexcept;
+  /// Of what was made last, in its `out`.
+  [[nodiscard]] std::size_t first_piece() const noexcept { return first_piece_; }
   /// Of the last one: the guide had to give way at corners, which may have become narrow by that.
   [[nodiscard]] bool gave_way() const noexcept { return gave_way_; }
 

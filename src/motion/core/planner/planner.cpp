@@ -106,6 +106,7 @@ void Planner::configure(const MachineConfig& config) noexcept {
   high_ = settings.high = limits.high;
   settings.limits = guide_;
   settings.by_law = laws_.on();
+  settings.relaxes = !mixed_;
   program_path_.configure(settings);
 }
 
