@@ -7,7 +7,7 @@
 namespace kerf::bench {
 namespace {
 
-constexpr int kMostIterations = 400;
+constexpr int kMostIterations = 2000;
 /// Relative to the time.
 constexpr double kGap = 1e-4;
 /// Share of the way to the nearest bound that a step may go.
