@@ -151,10 +151,14 @@ Program dense_lines(double length, double step, double p_mm, double feed, bool m
   return w.done();
 }
 
+/// Slopes of reliefs above this one are steep.
+constexpr double kFlat = 0.5;
+
 Program relief(int segments, double p_mm, double feed, bool merges, std::uint64_t seed,
-               double detail) {
-  char name[40];
-  std::snprintf(name, sizeof name, "relief of %g mm%s", detail, merges ? "" : " Q0");
+               double detail, double slope) {
+  char name[60];
+  std::snprintf(name, sizeof name, "relief of %g mm%s%s", detail, slope > kFlat ? " steep" : "",
+                merges ? "" : " Q0");
   ProgramWriter w(titled(name, p_mm), p_mm, feed, merges);
   Random r(seed);
   struct Wave {
@@ -163,7 +167,7 @@ Program relief(int segments, double p_mm, double feed, bool merges, std::uint64_
   std::vector<Wave> waves;
   for (const double share : {6.25, 3.5, 2.0, 1.0}) {
     const double k = 2 * kPi / (share * detail), along = r.between(0, kPi);
-    waves.push_back({k * std::cos(along), k * std::sin(along), r.between(0, 2 * kPi), 0.25 / k});
+    waves.push_back({k * std::cos(along), k * std::sin(along), r.between(0, 2 * kPi), slope / k});
   }
   const auto height = [&](double x, double y) {
     double z = 0;

@@ -55,9 +55,9 @@ void reference_machine(motion::MachineConfig& config);
 /// A smooth curve, which leaves room for the feed in all of it, in lines of `step` mm: a circle of R40, or bends of at most 0.08/mm to both sides.
 [[nodiscard]] Program dense_lines(double length, double step, double p_mm, double feed, bool merges,
                                   bool circle);
-/// Rows over a surface with waves of `detail` to 6 times as long, in chords of 0.05 to 0.2 mm with three decimals: what CAM makes of a relief.
+/// Rows over a surface with waves of `detail` to 6 times as long, each with slopes of up to `slope`, in chords of 0.05 to 0.2 mm with three decimals: what CAM makes of a relief.
 [[nodiscard]] Program relief(int segments, double p_mm, double feed, bool merges,
-                             std::uint64_t seed, double detail = 4);
+                             std::uint64_t seed, double detail = 4, double slope = 0.25);
 /// Short arcs to the left and to the right in turns along a spiral, meeting nearly in one direction.
 [[nodiscard]] Program short_arcs(double p_mm, double feed);
 /// Arcs that meet at any angle.

@@ -161,6 +161,7 @@ bool fractal_picture(const std::string& folder) {
   d.line(corners, kGrey, 1);
   for (const Dot& c : corners) d.circle(c, 0.05, "#dddddd");
   d.line(travelled(program, 0), kBlue, 1.2);
+  d.line(travelled(program, kJerk), kRed, 1.2);
   return d.close();
 }
 

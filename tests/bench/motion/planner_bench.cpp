@@ -38,9 +38,12 @@ std::vector<Entry> families(bool quick, std::uint64_t seed) {
   const auto add = [&](bench::Program p) { out.push_back({std::move(p)}); };
   add(bench::freeform(quick ? 2000 : 20000, 0.01, 100, seed));
   if (!quick) add(bench::freeform(150000, 0.01, 100, seed + 1));
-  for (const double detail : {4.0, 0.6})
+  struct Relief {
+    double detail, slope;
+  };
+  for (const auto& [detail, slope] : {Relief{4, 0.25}, {0.6, 0.25}, {1.4, 0.9}})
     for (const bool merges : {true, false})
-      add(bench::relief(quick ? 2000 : 20000, 0.01, 100, merges, seed, detail));
+      add(bench::relief(quick ? 2000 : 20000, 0.01, 100, merges, seed, detail, slope));
   for (const double p : {0.01, 0.1, 1.0}) add(bench::arc_wave(p, 80, 0.3));
   for (const double p : {0.01, 0.1, 1.0}) add(bench::short_arcs(p, 80));
   for (const double p : {0.01, 0.1, 1.0}) add(bench::arc_spiral(p, 80));
