@@ -73,13 +73,13 @@ class HeapMemory final : public path::Memory {
   HeapMemory(const HeapMemory&) = delete;
   HeapMemory& operator=(const HeapMemory&) = delete;
   ~HeapMemory() {
-    for (auto& [bytes, block] : blocks_) kept_.emplace(bytes, std::move(block));
+    for (auto& [bytes, block] : blocks_) kept().emplace(bytes, std::move(block));
   }
   void* allocate(std::size_t bytes, std::size_t align) noexcept override {
     if (align > alignof(std::max_align_t)) return nullptr;
-    if (const auto kept = kept_.find(bytes); kept != kept_.end()) {
-      blocks_.emplace_back(bytes, std::move(kept->second));
-      kept_.erase(kept);
+    if (const auto at = kept().find(bytes); at != kept().end()) {
+      blocks_.emplace_back(bytes, std::move(at->second));
+      kept().erase(at);
     } else {
       blocks_.emplace_back(bytes, std::make_unique_for_overwrite<std::byte[]>(bytes));
     }
@@ -88,7 +88,11 @@ class HeapMemory final : public path::Memory {
 
  private:
   using Block = std::unique_ptr<std::byte[]>;
-  static inline std::unordered_multimap<std::size_t, Block> kept_;  ///< by size
+  /// By size.
+  static std::unordered_multimap<std::size_t, Block>& kept() {
+    static std::unordered_multimap<std::size_t, Block> blocks;
+    return blocks;
+  }
   std::vector<std::pair<std::size_t, Block>> blocks_;
 };
 

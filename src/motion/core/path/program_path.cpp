@@ -35,7 +35,7 @@ constexpr std::size_t kLinesBehindCut = 16;
 constexpr double kLeastKept = 1e-9;
 
 /// Curves that take no longer than this many times what their feeds ask for are not relaxed; and what is won by it is at least this share.
-constexpr double kAtFeed = 1.02, kWorthRelaxing = 0.998;
+constexpr double kAtFeed = 1.03, kWorthRelaxing = 0.998;
 
 /// A blend that takes this part of half of a move is kept narrow by it.
 constexpr double kFills = 0.9;
