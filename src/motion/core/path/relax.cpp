@@ -10,7 +10,7 @@ namespace {
 constexpr double kLongStraight = 30;
 /// Pieces are divided into parts as long as so many tolerances, and no shorter than what is driven in this time (s).
 constexpr double kPart = 2, kPartTime = 5e-4;
-constexpr std::size_t kMostParts = 2;
+constexpr std::size_t kMostParts = 4;
 /// The speed that is expected is evened out over this way (sigma); it is no more than twice what the piece itself lets expect.
 constexpr double kEven = 0.5, kOwn = 0.5;
 /// Of the tolerance: what is used where the curve has not used more.
