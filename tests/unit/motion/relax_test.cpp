@@ -160,6 +160,11 @@ TEST_F(RelaxedChain, StaysAsItIsBesideSoftLimitsInThreadsAndWithoutTolerance) {
   EXPECT_FALSE(relax());
   settings_.high[1] = 0.5 + 1.1 * settings_.tolerance.mm;
   EXPECT_TRUE(relax());
+  // An axis that does not bend may be at its limit, and stays there.
+  settings_.high[2] = 0;
+  EXPECT_TRUE(relax());
+  for (const Piece& p : relaxer_.relaxed()) EXPECT_EQ(p.point(p.length / 2)[2], 0);
+  settings_.high[2] = kFar;
   chain_.feed[7].sync = true;
   EXPECT_FALSE(relax());
   chain_.feed[7].sync = false;

@@ -65,7 +65,7 @@ class RigKinematics final : public Kinematics {
   std::vector<int> axes_;
 };
 
-/// The planner's memory, for the life of the rig; then kept for the next one. The planner writes to all of its 30 MB when it is
+/// The planner's memory, for the life of the rig; then kept for the next one. The planner writes to all of its tens of MB when it is
 /// made, tests make thousands of rigs, and pages new from the kernel took most of their time.
 class HeapMemory final : public path::Memory {
  public:

@@ -116,7 +116,7 @@ bool Relaxer::relax(const Chain& chain, const SmoothingSettings& settings, const
     fastest_ = std::max(fastest_, limits.vel[i]);
   }
   fastest_ = std::min(fastest_, limits.path_vel);
-  if (!may_move(chain, settings)) return false;
+  if (!may_move(chain, settings, out, first)) return false;
   divide(out, first);
   if (made_.full()) return false;
   bool any = false;
@@ -130,15 +130,18 @@ bool Relaxer::relax(const Chain& chain, const SmoothingSettings& settings, const
 }
 
 /// Whether there is a tolerance, and room for it within the soft limits; threads stay as they are.
-bool Relaxer::may_move(const Chain& chain, const SmoothingSettings& settings) const noexcept {
+bool Relaxer::may_move(const Chain& chain, const SmoothingSettings& settings,
+                       const Buffer<Piece>& out, std::size_t first) const noexcept {
   if (!(tolerance_.mm > 0 && fastest_ > 0)) return false;
-  for (std::size_t i = 0; i < kMoved; ++i)
-    if (!(by_jerk_[i] > 0)) return false;
-  for (const Vec& at : chain.at)
+  if (!std::all_of(by_jerk_.begin(), by_jerk_.end(), [](double by) { return by > 0; }))
+    return false;
+  // What does not bend is not moved.
+  Vec bends;
+  for (std::size_t p = first; p < out.size(); ++p)
     for (std::size_t i = 0; i < kMoved; ++i)
-      if (at[i] + tolerance_.mm > settings.high[i] || at[i] - tolerance_.mm < settings.low[i])
-        return false;
-  return std::none_of(chain.feed.begin(), chain.feed.end(), [](const Feed& f) { return f.sync; });
+      bends[i] = std::max({bends[i], std::abs(out[p].c[i]), std::abs(out[p].d[i])});
+  return room_outside(chain, settings, bends) &&
+         std::none_of(chain.feed.begin(), chain.feed.end(), [](const Feed& f) { return f.sync; });
 }
 
 bool Relaxer::stays(const Piece& piece) const noexcept {
@@ -251,16 +254,16 @@ void Relaxer::find_sites(const Chain& chain, std::size_t from, std::size_t to) n
   each_along(chain, from, to, [&](std::size_t p, std::size_t line, double begin, double end) {
     const double third = (end - begin) / 3, keeps = chain.keeps(line);
     const bool vertex = line + 1 < chain.lines() && end == chain.sigma[line + 1];
-    add_site(chain, from, p - from, begin, third, keeps, line);
-    add_site(chain, from, p - from, end, -third, keeps, line);
-    add_site(chain, from, p - from, end, 0, vertex ? chain.keeps_at(line + 1) : keeps, line);
+    const Apart apart = apart_on(chain, line, made_[p], knot_[p], begin, end);
+    add_site(p - from, begin - knot_[p], third, apart.off[1], keeps);
+    add_site(p - from, end - knot_[p], -third, apart.off[2], keeps);
+    add_site(p - from, end - knot_[p], 0, apart.off[3], vertex ? chain.keeps_at(line + 1) : keeps);
   });
 }
 
-/// The coefficient that is reached from the curve at sigma by going `ahead` along its tangent.
-void Relaxer::add_site(const Chain& chain, std::size_t from, std::size_t stretch, double sigma,
-                       double ahead, double keeps, std::size_t line) noexcept {
-  const double s = sigma - knot_[from + stretch];
+/// The coefficient that is reached from the curve by going `ahead` along its tangent, s behind the beginning of a stretch.
+void Relaxer::add_site(std::size_t stretch, double s, double ahead, const Vec& off,
+                       double keeps) noexcept {
   Site site;
   site.stretch = stretch;
   bool any = false;
@@ -270,9 +273,6 @@ void Relaxer::add_site(const Chain& chain, std::size_t from, std::size_t stretch
     any = any || std::abs(site.by[r]) > kNothing;
   });
   if (!any) return;
-  const Piece& piece = made_[from + stretch];
-  const Vec off = piece.point(s) + piece.first(s) * ahead - chain.at[line] -
-                  chain.direction(line) * (sigma + ahead - chain.sigma[line]);
   for (std::size_t i = 0; i < kMoved; ++i) site.off[i] = off[i];
   const double far = norm3(off, 0), p = tolerance_.mm * keeps;
   site.most = std::max(kAim * p, far + kMore * std::max(p - far, 0.0) + kNothing * p);
@@ -426,29 +426,16 @@ void Relaxer::apply(std::size_t from) noexcept {
   }
 }
 
-/// Of the tolerance: the largest of the coefficients on [begin, end] of sigma; the piece begins at `sigma`.
-double Relaxer::stray(const Chain& chain, std::size_t line, const Piece& piece, double sigma,
-                      double begin, double end) const noexcept {
-  const Vec way = chain.direction(line);
-  const double third = (end - begin) / 3;
-  const auto off = [&](double s) {
-    return piece.point(s - sigma) - (chain.at[line] + way * (s - chain.sigma[line]));
-  };
-  const Vec first = off(begin), last = off(end);
-  return std::max({tolerance_.share(first),
-                   tolerance_.share(first + (piece.first(begin - sigma) - way) * third),
-                   tolerance_.share(last - (piece.first(end - sigma) - way) * third),
-                   tolerance_.share(last)});
-}
-
 /// Whether what has been made keeps the tolerance, or is no farther off than it was.
 bool Relaxer::within(const Chain& chain, std::size_t from, std::size_t to) const noexcept {
   bool all = true;
   each_along(chain, from, to, [&](std::size_t p, std::size_t line, double begin, double end) {
-    const double share = stray(chain, line, made_[p], knot_[p], begin, end);
-    // Also where it is not a number.
-    all = all && (share <= chain.keeps(line) ||
-                  share <= stray(chain, line, were_[p - from], knot_[p], begin, end));
+    const auto share_of = [&](const Piece& piece) {
+      return apart_on(chain, line, piece, knot_[p], begin, end).share(tolerance_);
+    };
+    const double share = share_of(made_[p]);
+    // Not where it is no number.
+    all = all && (share <= chain.keeps(line) || share <= share_of(were_[p - from]));
   });
   return all;
 }

@@ -27,7 +27,7 @@ class Relaxer {
   /// For chains of up to `lines` lines.
   [[nodiscard]] bool create(Memory& memory, std::size_t lines) noexcept;
   /// The pieces of `out` from `first` on are the curve of the chain, from its beginning on. Leaves in relaxed() a curve over the same sigma, with the
-  /// same feeds, in at least as many pieces. False: there is none.
+  /// same feeds, in at least as many pieces. An axis that does not bend stays as it is. False: there is none.
   [[nodiscard]] bool relax(const Chain& chain, const SmoothingSettings& settings,
                            const AxisLimits& limits, const Buffer<Piece>& out,
                            std::size_t first) noexcept;
@@ -53,7 +53,8 @@ class Relaxer {
     double most{0};
   };
 
-  [[nodiscard]] bool may_move(const Chain& chain, const SmoothingSettings& settings) const noexcept;
+  [[nodiscard]] bool may_move(const Chain& chain, const SmoothingSettings& settings,
+                              const Buffer<Piece>& out, std::size_t first) const noexcept;
   [[nodiscard]] bool stays(const Piece& piece) const noexcept;
   [[nodiscard]] double slowness(const Piece& piece) const noexcept;
   void divide(const Buffer<Piece>& out, std::size_t first) noexcept;
@@ -64,16 +65,13 @@ class Relaxer {
   template <class F>
   void each_along(const Chain& chain, std::size_t from, std::size_t to, F&& f) const noexcept;
   void find_sites(const Chain& chain, std::size_t from, std::size_t to) noexcept;
-  void add_site(const Chain& chain, std::size_t from, std::size_t stretch, double sigma,
-                double ahead, double keeps, std::size_t line) noexcept;
+  void add_site(std::size_t stretch, double s, double ahead, const Vec& off, double keeps) noexcept;
   void solve(std::size_t from) noexcept;
   void add_bends(std::size_t from) noexcept;
   void add_barrier(double mu) noexcept;
   [[nodiscard]] bool find_step() noexcept;
   [[nodiscard]] double reach_of_step() noexcept;
   void apply(std::size_t from) noexcept;
-  [[nodiscard]] double stray(const Chain& chain, std::size_t line, const Piece& piece, double sigma,
-                             double begin, double end) const noexcept;
   [[nodiscard]] bool within(const Chain& chain, std::size_t from, std::size_t to) const noexcept;
   /// The splines that are not 0 on a stretch: f(which of them, r), where the stretch is its r-th.
   template <class F>

@@ -60,6 +60,32 @@ constexpr std::size_t knots_of(std::size_t lines) noexcept { return 5 * lines + 
 
 }  // namespace
 
+Apart apart_on(const Chain& chain, std::size_t line, const Piece& piece, double sigma, double begin,
+               double end) noexcept {
+  const Vec t = chain.direction(line);
+  const double third = (end - begin) / 3.0;
+  const auto off = [&](double s) {
+    return piece.point(s - sigma) - (chain.at[line] + t * (s - chain.sigma[line]));
+  };
+  Apart a;
+  a.off[0] = off(begin);
+  a.off[3] = off(end);
+  a.off[1] = a.off[0] + (piece.first(begin - sigma) - t) * third;
+  a.off[2] = a.off[3] - (piece.first(end - sigma) - t) * third;
+  return a;
+}
+
+bool room_outside(const Chain& chain, const SmoothingSettings& settings,
+                  const Vec& bends) noexcept {
+  for (const Vec& at : chain.at)
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      const double room = i >= 3 && i < 6 ? settings.tolerance.deg : settings.tolerance.mm;
+      if (bends[i] > 0 && (at[i] + room > settings.high[i] || at[i] - room < settings.low[i]))
+        return false;
+    }
+  return true;
+}
+
 bool Lead::create(Memory& memory, std::size_t lines) noexcept {
   const std::size_t knots = knots_of(lines);
   return sigma.create(memory, knots) && bend.create(memory, knots) && whole.create(memory, knots) &&
@@ -96,7 +122,8 @@ double Smoother::smooth(const Chain& chain, const SmoothingSettings& settings, B
   find_kinks();
   first_widths(chain, settings.tolerance, settings);
   gave_way_ = false;
-  if (!settings.inside && room_outside(chain, settings) && use_both_sides(chain, settings, out))
+  if (!settings.inside && room_outside(chain, settings, bends()) &&
+      use_both_sides(chain, settings, out))
     return 1.0;
   return cut_corners(chain, settings, out);
 }
@@ -166,18 +193,12 @@ void Smoother::find_kinks() noexcept {
   }
 }
 
-/// Whether the curve may be outside the chain by the tolerance in each axis in which it bends.
-bool Smoother::room_outside(const Chain& chain, const SmoothingSettings& settings) const noexcept {
+/// The largest kink in each axis.
+Vec Smoother::bends() const noexcept {
   Vec bends;
   for (const Vec& kink : kink_)
     for (std::size_t i = 0; i < kAxes; ++i) bends[i] = std::max(bends[i], std::abs(kink[i]));
-  for (const Vec& at : chain.at)
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      const double room = i >= 3 && i < 6 ? tolerance_.deg : tolerance_.mm;
-      if (bends[i] > 0 && (at[i] + room > settings.high[i] || at[i] - room < settings.low[i]))
-        return false;
-    }
-  return true;
+  return bends;
 }
 
 void Smoother::begin_guide(const Chain& chain, const SmoothingSettings& settings) noexcept {
@@ -487,24 +508,13 @@ double Smoother::check(const Chain& chain, const Buffer<Piece>& out) noexcept {
       while (line + 1 < chain.lines() && chain.sigma[line + 1] <= from) ++line;
       double to = line + 1 < chain.lines() ? std::min(end, chain.sigma[line + 1]) : end;
       if (!(to > from)) to = end;
-      // q - p is a cubic here: it lies within the hull of its four Bernstein coefficients.
-      const Vec t = chain.direction(line);
-      const double third = (to - from) / 3.0;
-      const auto off = [&](double s) {
-        return piece.point(s - sigma) - (chain.at[line] + t * (s - chain.sigma[line]));
-      };
-      const Vec o0 = off(from), o3 = off(to);
-      const Vec o1 = o0 + (piece.first(from - sigma) - t) * third;
-      const Vec o2 = o3 - (piece.first(to - sigma) - t) * third;
-      const auto share_of = [&](const Tolerance& most) {
-        return std::max({most.share(o0), most.share(o1), most.share(o2), most.share(o3)});
-      };
-      double share = share_of(tolerance_) / chain.keeps(line);
+      const Apart apart = apart_on(chain, line, piece, sigma, from, to);
+      double share = apart.share(tolerance_) / chain.keeps(line);
       // What leads here was within its own tolerance when this line's was not known yet.
       if (lead_ != nullptr && from < lead_->end)
-        share = std::min(share, share_of(lead_->tolerance));
+        share = std::min(share, apart.share(lead_->tolerance));
       worst = std::max(worst, share);
-      if (line + 1 < chain.lines() && to == chain.sigma[line + 1]) off_[line + 1] = o3;
+      if (line + 1 < chain.lines() && to == chain.sigma[line + 1]) off_[line + 1] = apart.off[3];
       if (share > 1.0) {
         while (near < chain.lines() && chain.sigma[near] + width_[near] < from) ++near;
         // Much too far off: go back faster.

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 
 #include "motion/core/path/buffer.hpp"
 #include "motion/core/path/piece.hpp"
@@ -63,6 +64,23 @@ struct SmoothingSettings {
   Vec low, high;       ///< the curve stays in this box, which the chain keeps to itself
 };
 
+/// A stretch of a curve beside its line of the chain, at equal sigma: the difference is a cubic, and lies within the hull of its Bernstein coefficients.
+struct Apart {
+  std::array<Vec, 4>
+      off;  ///< the coefficients; the first and the last are the differences at both ends
+  /// Of a tolerance; at most 1: within it all along.
+  [[nodiscard]] double share(const Tolerance& most) const noexcept {
+    return std::max(
+        {most.share(off[0]), most.share(off[1]), most.share(off[2]), most.share(off[3])});
+  }
+};
+/// On [begin, end] of sigma, along which there is one line and one piece, which begins at `sigma`.
+[[nodiscard]] Apart apart_on(const Chain& chain, std::size_t line, const Piece& piece, double sigma,
+                             double begin, double end) noexcept;
+/// Whether a curve may be outside of the chain by the tolerance in each axis in which it bends (not 0 in `bends`).
+[[nodiscard]] bool room_outside(const Chain& chain, const SmoothingSettings& settings,
+                                const Vec& bends) noexcept;
+
 /// How a curve goes on that was cut at a vertex of its chain (Smoother::cut), when what follows is known: the chain from that vertex on is smoothed
 /// again with more behind it. Kinks that bend the curve before the cut are spread for good; so are the vertices of the guide that make them.
 struct Lead {
@@ -110,8 +128,7 @@ class Smoother {
   /// The curve of the guide. False: none within tolerance was found.
   bool use_both_sides(const Chain& chain, const SmoothingSettings& settings,
                       Buffer<Piece>& out) noexcept;
-  [[nodiscard]] bool room_outside(const Chain& chain,
-                                  const SmoothingSettings& settings) const noexcept;
+  [[nodiscard]] Vec bends() const noexcept;
   void begin_guide(const Chain& chain, const SmoothingSettings& settings) noexcept;
   void move_guide(const Chain& chain, int round) noexcept;
   double attempt(const Chain& chain, bool peaked, Buffer<Piece>& out) noexcept;
